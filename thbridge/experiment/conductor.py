@@ -114,6 +114,10 @@ class Conductor:
         """Decide that a run does not count; its place opens again."""
         self._append(EventKind.RUN_EXCLUDED, "experimenter", participant, data={"reason": reason})
 
+    def rehearse(self, seed: int) -> None:
+        """Take down that simulated people take part from here on, and the seed that they follow from."""
+        self._append(EventKind.REHEARSED, "program", "", data={"seed": seed})
+
     def note(self, text: str, participant: str = "") -> None:
         """Take down words of the experimenter."""
         self._append(EventKind.NOTE, "experimenter", participant, data={"text": text})

@@ -33,6 +33,11 @@ class ExperimentFolder:
         """The fingerprint of what was registered beforehand."""
         return self.root / FREEZE
 
+    @property
+    def exports_list(self) -> Path:
+        """The list of where exports were written."""
+        return self.root / STORE / "exports.json"
+
     def bag(self, participant: str, step: int) -> Path:
         """The recording of a trial."""
         return self.root / RECORDINGS / participant / f"step-{step}.bag"

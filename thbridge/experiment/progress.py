@@ -55,6 +55,8 @@ class EventKind(StrEnum):
     """Data: outcome, reason, and of a complete run its completion code."""
     RUN_EXCLUDED = "run-excluded"
     """The experimenter decides that a run does not count. Data: reason."""
+    REHEARSED = "rehearsed"
+    """From here on simulated people take part. Data: seed."""
     NOTE = "note"
     """Words of the experimenter. Data: text."""
 

@@ -73,6 +73,7 @@ class Rehearsal:
 
     def run(self, conductor: Conductor) -> NoPlace:
         """Have people take part until there is no place left; return why there is none."""
+        conductor.rehearse(self._seed)
         while True:
             # Whoever was under way when an earlier program died comes first.
             for run in list(conductor.progress.runs.values()):

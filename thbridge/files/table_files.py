@@ -62,7 +62,20 @@ class ListColumn:
     elements: "Array | list[str]"
 
 
-Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ListColumn"
+@dataclass(frozen=True, slots=True, eq=False)
+class OptionalColumn:
+    """The values of a column of numbers, or of true and false, of which some are missing.
+
+    Attributes:
+        values: all of them; anything where there is none.
+        known: False where there is none.
+    """
+
+    values: Array
+    known: NDArray[np.bool_]
+
+
+Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ListColumn | OptionalColumn"
 
 
 class TableFiles:
@@ -173,6 +186,8 @@ def _has_words(kind: pa.DataType) -> bool:
 def _array(kind: str, values: Values) -> pa.Array:
     if isinstance(values, np.ndarray):
         return _of_numbers(values)
+    if isinstance(values, OptionalColumn):
+        return _of_numbers(values.values, values.known)
     if isinstance(values, list):
         return _of_words(values, pa.binary() if kind == "bytes" else pa.string())
     offsets = np.concatenate(([0], np.cumsum(values.lengths))).astype(np.int32)
@@ -185,11 +200,12 @@ def _array(kind: str, values: Values) -> pa.Array:
 # a second and 90 MB.
 
 
-def _of_numbers(values: Array) -> pa.Array:
+def _of_numbers(values: Array, known: NDArray[np.bool_] | None = None) -> pa.Array:
     kept: Array = np.ascontiguousarray(values)
     if values.dtype == np.bool_:
         kept = np.packbits(values.astype(np.bool_), bitorder="little")
-    return pa.Array.from_buffers(pa.from_numpy_dtype(values.dtype), len(values), [None, pa.py_buffer(kept)])
+    valid = None if known is None or known.all() else pa.py_buffer(np.packbits(known, bitorder="little"))
+    return pa.Array.from_buffers(pa.from_numpy_dtype(values.dtype), len(values), [valid, pa.py_buffer(kept)])
 
 
 def _of_words(words: list[str] | list[str | None] | list[bytes], kind: pa.DataType) -> pa.Array:

@@ -6,8 +6,6 @@ import itertools
 import json
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -16,6 +14,7 @@ from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.export.folder import export_experiment
+from thbridge.experiment.export.manifest import MANIFEST, exports_with, missing_exports
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import deviations, freeze
 from thbridge.experiment.progress import EventKind
@@ -57,7 +56,7 @@ def experiment(tmp_path_factory: pytest.TempPathFactory) -> ExperimentFolder:
 @pytest.fixture(scope="module")
 def export(experiment: ExperimentFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
     to = tmp_path_factory.mktemp("export") / "first"
-    export_experiment(experiment.read(), read_log(experiment.log), to, VERSIONS, ())
+    export_experiment(experiment, experiment.read(), read_log(experiment.log), to, VERSIONS, ())
     return to
 
 
@@ -65,8 +64,8 @@ def test_names_and_columns_are_those_that_psych_ds_asks_for(export: Path) -> Non
     described = json.loads((export / "dataset_description.json").read_text())
     assert (described["@context"], described["@type"]) == ("https://schema.org", "Dataset")
     names = {variable["name"] for variable in described["variableMeasured"]}
-    files = list((export / "data").iterdir())
-    assert len(files) == 5
+    files = list((export / "data").glob("*.csv"))
+    assert len(files) == 6
     for file in files:
         assert NAME.fullmatch(file.name)
         with file.open(newline="") as opened:
@@ -76,30 +75,46 @@ def test_names_and_columns_are_those_that_psych_ds_asks_for(export: Path) -> Non
         assert {len(row) for row in rows} == {len(header)}
 
 
-def test_the_pandas_script_finds_the_effect(export: Path, tmp_path: Path) -> None:
-    copy = shutil.copytree(export, tmp_path / "copy")
-    said = subprocess.run(
-        [sys.executable, str(copy / "analysis.py")], capture_output=True, text=True, check=True, cwd=tmp_path
-    ).stdout
-    lines = said[said.index("trust") : said.index("workload")].splitlines()
-    means = {line.split()[-5]: float(line.split()[-3]) for line in lines if "supervisor" in line or "collab" in line}
-    assert {name: mean for name, mean in means.items() if name} == {"supervisor": 1.0, "collaborator": 2.0}
-    assert (copy / "trust.png").exists()
+def test_two_exports_of_a_log_are_the_same_to_the_byte(
+    experiment: ExperimentFolder, export: Path, tmp_path: Path
+) -> None:
+    export_experiment(experiment, experiment.read(), read_log(experiment.log), tmp_path / "second", VERSIONS, ())
+    first, second = (
+        {path.relative_to(root): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+        for root in (export, tmp_path / "second")
+    )
+    assert first == second
 
 
-@pytest.mark.skipif(shutil.which("Rscript") is None, reason="R is not installed")
-def test_the_r_script_finds_the_effect(export: Path, tmp_path: Path) -> None:
-    copy = shutil.copytree(export, tmp_path / "copy")
-    said = subprocess.run(["Rscript", "analysis.R"], capture_output=True, text=True, check=True, cwd=copy).stdout
-    assert "trust" in said
-    assert (copy / "trust-r.png").exists()
+def test_exports_that_hold_somebody_are_found_and_those_that_are_gone_told(
+    experiment: ExperimentFolder, tmp_path: Path
+) -> None:
+    root = tmp_path / "study"
+    shutil.copytree(experiment.root, root)
+    study = ExperimentFolder(root)
+    study.exports_list.unlink(missing_ok=True)
+    design, entries = study.read(), read_log(study.log)
+    inside, outside, moved = root / "exports" / "first", tmp_path / "second", tmp_path / "third"
+    for to in (inside, outside, moved):
+        export_experiment(study, design, entries, to, VERSIONS, None)
+    person = next(iter(json.loads((inside / MANIFEST).read_text())["participants"]))
+    assert person not in study.exports_list.read_text()
+    moved.rename(tmp_path / "fourth")
+    assert exports_with(study, person) == (inside, outside)
+    assert missing_exports(study) == (moved,)
+    assert exports_with(study, "P-NOBODY") == ()
+    # One that was never finished may hold anybody.
+    (outside / MANIFEST).unlink()
+    assert exports_with(study, "P-NOBODY") == (outside,)
+    root.rename(tmp_path / "renamed")
+    assert exports_with(ExperimentFolder(tmp_path / "renamed"), person)[0] == tmp_path / "renamed" / "exports" / "first"
 
 
 def test_the_methods_paragraph_has_people_orders_and_reliability(export: Path) -> None:
     text = (export / "methods.md").read_text()
-    assert "Of 8 people planned, 8 began and 8 are analysed." in text
-    assert "noise.preset=none: 4 people, by order 2, 2." in text
-    assert "trust: 12 items" in text
+    assert "Of 8 people planned, 8 began and 8 are analysed;" in text
+    assert text.count("| noise.preset=none | dialogue.condition=") == 2
+    assert "| trust | dialogue.condition=supervisor | 12 | 8 |" in text
     assert "thbridge 1.0" in text
 
 
@@ -113,7 +128,7 @@ def test_checksums_are_those_of_the_files(export: Path) -> None:
 
 def test_an_export_goes_into_an_empty_folder_only(experiment: ExperimentFolder, export: Path) -> None:
     with pytest.raises(BadFile, match="there is something in this folder"):
-        export_experiment(experiment.read(), read_log(experiment.log), export, VERSIONS, None)
+        export_experiment(experiment, experiment.read(), read_log(experiment.log), export, VERSIONS, None)
 
 
 def test_a_fingerprint_tells_what_has_changed_since(tmp_path: Path) -> None:

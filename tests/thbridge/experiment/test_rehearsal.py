@@ -39,7 +39,7 @@ def rehearse(root: Path, people: Rehearsed, seed: int, text: str | None = None) 
 def scores(folder: ExperimentFolder, subscale: str) -> pd.DataFrame:
     table = next(table for table in tables_of(folder.read(), read_log(folder.log)) if table.name == "scores")
     frame = pd.DataFrame(table.rows)
-    return frame[(frame.subscale == subscale) & frame.run_counts].dropna(subset="score")
+    return frame[(frame.subscale == subscale) & frame.counts].dropna(subset="score")
 
 
 def difference(folder: ExperimentFolder, subscale: str) -> tuple[float, float]:

@@ -10,7 +10,8 @@ import pytest
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
-from thbridge.experiment.export.tables import ExperimentTable, tables_of
+from thbridge.experiment.export.families.described import ExperimentTable
+from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.progress import EventKind
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
@@ -66,7 +67,7 @@ def frames(request, tables: dict[str, ExperimentTable], tmp_path: Path) -> dict[
 def test_people_and_their_runs(frames: dict[str, pd.DataFrame]) -> None:
     people = frames["participants"]
     assert people.state.tolist() == ["complete", "left"]
-    assert people.run_counts.tolist() == [True, False]
+    assert people.counts.tolist() == [True, False]
     assert set(people["noise.preset"]) == {"none", "bad wheels"}
     assert people.reason.iloc[1] == "went home"
 
@@ -94,7 +95,8 @@ def test_answers_are_numbers_keyed_and_timed(frames: dict[str, pd.DataFrame]) ->
     assert know.answer.tolist() == [NOT_APPLICABLE] * 2
     assert know.keyed.isna().all()
     check = answers[answers.item == "who"]
-    assert check.right.tolist() == ["no", "yes", "yes"]
+    assert check.right.tolist() == [False, True, True]
+    assert not check.counts.any()
 
 
 def test_scores_are_by_the_key(frames: dict[str, pd.DataFrame]) -> None:
@@ -110,6 +112,7 @@ def test_every_event_is_there_and_every_column_is_explained(tables, frames) -> N
     assert frames["events"].sequence.tolist() == list(range(1, len(frames["events"]) + 1))
     assert all(column.meaning for table in tables.values() for column in table.columns)
     for name, table in tables.items():
+        assert len({column.name for column in table.columns}) == len(table.columns)
         assert list(frames[name].columns) == [column.name for column in table.columns]
         assert all(set(row) == {column.name for column in table.columns} for row in table.rows)
     assert math.isnan(frames["events"].simulated_s.iloc[0])

@@ -48,7 +48,7 @@ class WhoBegins(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RecruitingSection:
-    """What is asked of people whom a recruiting service has sent."""
+    """Questions to people whom a recruiting service has sent."""
 
     ask: str = param("", "question for the code that the service gave them, before the first step; empty: not asked")
 
@@ -75,6 +75,7 @@ class ExperimentFile:
     )
     begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who begins the run of the next person")
     recruiting: RecruitingSection = param(RecruitingSection(), "what people from a recruiting service are asked")
+    recruitment: str = param("", "sentence on how people were found and paid, for the methods text")
     steps: tuple[StepEntry, ...] = param((), "what a person goes through, in this order")
 
 

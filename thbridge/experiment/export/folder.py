@@ -1,16 +1,21 @@
 """The export of an experiment: a folder that Psych-DS accepts, with tables for pandas and R beside it."""
 
 import csv
+import dataclasses
 import hashlib
 import io
+import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.export.methods import methods_text
-from thbridge.experiment.export.psych_ds import dataset_description, file_name
-from thbridge.experiment.export.tables import ExperimentTable, tables_of
-from thbridge.experiment.progress import Progress
+from thbridge.experiment.export.families.described import ExperimentTable
+from thbridge.experiment.export.manifest import MANIFEST, manifest_text, register_export
+from thbridge.experiment.export.methods import is_rehearsal, methods_text
+from thbridge.experiment.export.psych_ds import dataset_description, file_name, sidecar
+from thbridge.experiment.export.tables import ExperimentRecords, game_tables, log_tables, records_of
+from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.events import LogEntry
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.table_files import TableFiles, TableFormat
@@ -18,44 +23,60 @@ from thbridge.files.table_files import TableFiles, TableFormat
 SCRIPTS = Path(__file__).parent / "scripts"
 
 
+@dataclass(slots=True)
+class WrittenExport:
+    """Export that was written.
+
+    Attributes:
+        rows: number of rows of each table, by its name.
+        notes: sentences on recordings that are missing, changed, or cannot be read.
+    """
+
+    rows: dict[str, int] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+
 def export_experiment(
+    study: ExperimentFolder,
     design: ExperimentDesign,
     entries: Sequence[LogEntry],
     folder: Path,
     versions: Mapping[str, str],
     changed: Sequence[str] | None,
-) -> tuple[ExperimentTable, ...]:
-    """Write an export.
+) -> WrittenExport:
+    """Write an export; the study's folder keeps where it is. Exports of the same log are the same to the byte.
 
     Args:
+        study: the experiment's folder, with its recordings.
         design: the experiment.
         entries: its log.
         folder: where to; made if it is missing.
         versions: of the programs.
         changed: what differs from the registered experiment; None: it was not registered.
 
-    Returns:
-        The tables that were written.
-
     Raises:
         BadFile: there is something in the folder, or it cannot be written.
     """
-    tables = tables_of(design, entries)
-    progress = Progress(design).after(entries)
-    registered = _registered(changed)
+    records = records_of(design, entries, study.root)
     try:
         (folder / "data").mkdir(parents=True, exist_ok=True)
         (folder / "tables").mkdir(exist_ok=True)
         if any(path.is_file() for path in folder.rglob("*")):
             raise BadFile(folder, "there is something in this folder", "Choose a new or an empty one by --to")
-        named = {table.name: table for table in tables}
-        _write_tables(tables, folder, design.file.title)
+        register_export(study, folder)
+        last = entries[-1].sequence if entries else 0
+        manifest = manifest_text(design.file.title, records.progress.runs, last)
+        (folder / MANIFEST).write_text(manifest, encoding="utf-8")
+        written, tables = _write_tables(records, folder)
+        registered = _registered(study, changed)
         texts = {
-            "dataset_description.json": dataset_description(design.file.title, tables, (registered,)),
+            "dataset_description.json": dataset_description(
+                design.file.title, tables, (_medium(records), registered, *written.notes)
+            ),
             "dictionary.csv": _dictionary(tables),
-            "methods.md": methods_text(design, progress, named, versions, registered),
-            "README.md": _readme(design, tables),
-            "CHANGES.md": f"{registered}\n",
+            "methods.md": methods_text(records, versions, registered),
+            "README.md": _readme(records, tables, written),
+            "CHANGES.md": "\n".join((registered, *written.notes)) + "\n",
         }
         for name, text in texts.items():
             (folder / name).write_text(text, encoding="utf-8")
@@ -65,47 +86,94 @@ def export_experiment(
         (folder / "checksums.sha256").write_text(_checksums(folder), encoding="utf-8")
     except OSError as error:
         raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "Choose another folder by --to") from None
-    return tables
+    return written
 
 
-def _registered(changed: Sequence[str] | None) -> str:
+def _medium(records: ExperimentRecords) -> str:
+    if is_rehearsal(records):
+        return "Rehearsed by programs, without people: a treasure hunt with simulated robots."
+    return "People on a treasure hunt with simulated robots, which they see in a window."
+
+
+def _registered(study: ExperimentFolder, changed: Sequence[str] | None) -> str:
     if changed is None:
         return "The experiment was not frozen for a preregistration."
+    digest = json.loads(study.freeze.read_text(encoding="utf-8"))["digest"] if study.freeze.exists() else "unknown"
     if not changed:
-        return "The experiment is the one that was frozen for its preregistration."
+        return f"The experiment is the one that was frozen for its preregistration (SHA-256 {digest})."
     return (
-        f"Since the experiment was frozen for its preregistration, {len(changed)} things changed: {'; '.join(changed)}."
+        f"Since the experiment was frozen for its preregistration (SHA-256 {digest}), {len(changed)} things changed: "
+        f"{'; '.join(changed)}."
     )
 
 
-def _write_tables(tables: Sequence[ExperimentTable], folder: Path, title: str) -> None:
+def _write_tables(records: ExperimentRecords, folder: Path) -> tuple[WrittenExport, list[ExperimentTable]]:
+    """Write all tables; return them without rows. Tables without rows are left out."""
+    title, written = records.design.file.title, WrittenExport()
     parquet = TableFiles(folder / "tables", [TableFormat.PARQUET])
     texts = TableFiles(folder / "data", [TableFormat.CSV])
-    for table in tables:
-        parquet.write(table.name, table.columns, table.values())
-        texts.write(file_name(title, table.name).removesuffix(".csv"), table.columns, table.values())
+    tables: dict[str, ExperimentTable] = {}
+    for piece in log_tables(records):
+        _write(piece, title, (parquet, texts), written, tables)
+    for piece_or_note in game_tables(records):
+        if isinstance(piece_or_note, str):
+            written.notes.append(piece_or_note)
+        else:
+            _write(piece_or_note, title, (parquet, texts), written, tables)
     for files in (parquet, texts):
         files.finish(lambda *_: None)
+    for table in tables.values():
+        beside = (folder / "data" / file_name(title, table.name)).with_suffix(".json")
+        beside.write_text(sidecar(table), encoding="utf-8")
+    return written, [*tables.values()]
+
+
+def _write(
+    piece: ExperimentTable,
+    title: str,
+    files: tuple[TableFiles, TableFiles],
+    written: WrittenExport,
+    tables: dict[str, ExperimentTable],
+) -> None:
+    if not piece.rows:
+        return
+    columns, values = [column.column for column in piece.columns], piece.values()
+    files[0].write(piece.name, columns, values)
+    files[1].write(file_name(title, piece.name).removesuffix(".csv"), columns, values)
+    written.rows[piece.name] = written.rows.get(piece.name, 0) + len(piece.rows)
+    tables.setdefault(piece.name, dataclasses.replace(piece, rows=()))
 
 
 def _dictionary(tables: Sequence[ExperimentTable]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("table", "column", "type", "unit", "meaning"))
+    writer.writerow(("table", "column", "type", "unit", "meaning", "least", "greatest", "factor", "levels"))
     for table in tables:
-        for column in table.columns:
-            writer.writerow((table.name, column.name, column.kind, column.unit, column.meaning))
+        for each in table.columns:
+            range_ = ("" if bound is None else f"{bound:g}" for bound in (each.least, each.greatest))
+            row = (table.name, each.name, each.kind, each.unit, each.meaning, *range_, each.role)
+            writer.writerow((*row, "; ".join(each.levels)))
     return text.getvalue()
 
 
-def _readme(design: ExperimentDesign, tables: Sequence[ExperimentTable]) -> str:
-    lines = [f"# {design.file.title}", "", "| table | a row is |", "|---|---|"]
-    lines += [f"| {table.name} | {table.meaning} |" for table in tables]
-    lines += [
+def _readme(records: ExperimentRecords, tables: Sequence[ExperimentTable], written: WrittenExport) -> str:
+    lines = [
+        f"# {records.design.file.title}",
         "",
-        "`tables/` has them as Parquet, with units; `data/` as CSV, named as Psych-DS asks. `dictionary.csv` explains",
-        "each column. `python analysis.py` and `Rscript analysis.R` draw the scores of each condition. `methods.md`",
-        "is for the paper. `sha256sum -c checksums.sha256` tells whether all files are as they were exported.",
+        _medium(records),
+        "",
+        *(f"* {note}" for note in written.notes),
+        *([""] if written.notes else []),
+        "| table | a row is | rows |",
+        "|---|---|---|",
+        *(f"| {table.name} | {table.meaning} | {written.rows[table.name]} |" for table in tables),
+        "",
+        "`tables/` has them as Parquet, with units; `data/` as CSV, named as Psych-DS asks, each described beside it.",
+        "`dictionary.csv` explains each column: its type, unit, meaning, range, and of factors the levels. `counts` is",
+        "true of rows that are data: those of complete runs that were not excluded, and of no practice or check.",
+        "`python analysis.py` (pandas, pyarrow, scipy, matplotlib) and `Rscript analysis.R` (base R) compare",
+        "conditions and draw them into `results/`. `methods.md` is for the paper. `manifest.json` says of whom",
+        "this folder has data. `sha256sum -c checksums.sha256` tells whether all files are as they were exported.",
         "",
     ]
     return "\n".join(lines)

@@ -1,105 +1,149 @@
-"""The paragraph of a paper's methods: who took part, who was left out and why, orders, durations, software."""
+"""The paragraph of a paper's methods, and its tables: people, exclusions with reasons, orders, durations, software."""
 
 import statistics
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.export.tables import ExperimentTable
-from thbridge.experiment.progress import Progress, RunState
+from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.export.families.attempts import NO_DATA, AttemptSubject
+from thbridge.experiment.export.tables import ExperimentRecords
+from thbridge.experiment.progress import EventKind, RunState, StepOutcome
+from thbridge.experiment.questionnaires.form import Item
 from thbridge.experiment.questionnaires.scoring import Answer, reliability_of
 
 
-def methods_text(
-    design: ExperimentDesign,
-    progress: Progress,
-    tables: Mapping[str, ExperimentTable],
-    versions: Mapping[str, str],
-    registered: str,
-) -> str:
+def methods_text(records: ExperimentRecords, versions: Mapping[str, str], registered: str) -> str:
     """Return the text; gaps that the log cannot fill are marked [so].
 
     Args:
-        design: the experiment.
-        progress: where everybody is.
-        tables: its tables, by name.
+        records: of the experiment.
         versions: of the programs.
         registered: sentence on the preregistration.
     """
-    runs = list(progress.runs.values())
-    counted = [run for run in runs if run.state is RunState.COMPLETE]
-    others = Counter(f"{run.state}: {run.reason}" if run.reason else str(run.state) for run in runs)
-    for complete in [name for name in others if name.startswith(str(RunState.COMPLETE))]:
-        del others[complete]
+    design, runs = records.design, [*records.progress.runs.values()]
+    counts = Counter(run.state for run in runs)
+    agreed = f"{counts[RunState.DECLINED]} declined, {counts[RunState.LEFT]} left, {counts[RunState.EXCLUDED]} were"
     lines = [
         f"# {design.file.title}",
         "",
-        f"Of {design.allocation.size} people planned, {len(runs)} began and {len(counted)} are analysed.",
-    ]
-    if others:
-        lines.append(f"Not analysed: {_listed(f'{count} ({reason})' for reason, count in sorted(others.items()))}.")
-    lines += [
-        "[How people were recruited and paid; age and gender as they were asked.]",
+        f"Of {design.allocation.size} people planned, {len(runs)} began and {counts[RunState.COMPLETE]} are analysed;",
+        f"{agreed} excluded, and {counts[RunState.UNDER_WAY]} are under way.",
+        design.file.recruitment or "[How people were recruited and paid.]",
+        "[Age and gender as they were asked.]",
         _design_sentence(design),
-        *_cells(design, progress),
-        *_durations(tables["steps"]),
-        *_reliabilities(design, tables["answers"]),
-        f"The robots were simulated and shown in a window (thbridge {versions.get('thbridge', '[version]')}, "
-        f"Python {versions.get('python', '')}). {registered} [Where the data is.]",
+        _medium(records, versions),
+        f"{registered} [Where the data is.]",
+        "Practice and checks are no data. Steps that a crash cut off have no duration.",
+        "",
+        *_table(("Not analysed", "reason", "people"), _left_out(records)),
+        *_table(("Group", "order", "people analysed"), _places(records)),
+        *_table(("Time", "n", "median", "least", "greatest"), _durations(records)),
+        *_table(("Score", "condition", "items", "n", "Cronbach's alpha", "McDonald's omega"), _reliabilities(records)),
+        "Omega is that of one factor, fitted to correlations by least squares; n are people who answered all items.",
         "",
     ]
     return "\n".join(lines)
 
 
-def _listed(words: Iterable[str]) -> str:
-    return ", ".join(words)
+def is_rehearsal(records: ExperimentRecords) -> bool:
+    """Return True when programs took part in the place of people."""
+    return any(entry.event.kind == EventKind.REHEARSED for entry in records.events)
+
+
+def _medium(records: ExperimentRecords, versions: Mapping[str, str]) -> str:
+    software = f"thbridge {versions.get('thbridge', '[version]')}, Python {versions.get('python', '[version]')}"
+    if is_rehearsal(records):
+        return f"**This was rehearsed by programs: nobody took part.** The robots were simulated ({software})."
+    return f"The robots were simulated and shown in a window ({software})."
+
+
+def _table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
+    lines = [f"| {' | '.join(map(str, row))} |" for row in rows]
+    return [f"| {' | '.join(header)} |", f"|{'---|' * len(header)}", *lines, ""] if lines else []
 
 
 def _design_sentence(design: ExperimentDesign) -> str:
     within, between = design.conditions[0].levels, design.cells[0].levels
     parts = []
     if within:
-        parts.append(f"{_listed(within)} within people ({len(design.conditions)} conditions)")
+        parts.append(f"{', '.join(within)} within people ({len(design.conditions)} conditions)")
     if between:
-        parts.append(f"{_listed(between)} between people ({len(design.cells)} groups)")
+        parts.append(f"{', '.join(between)} between people ({len(design.cells)} groups)")
     order = {"balanced": "a balanced Latin square", "cyclic": "a Latin square", "fixed": "a fixed order"}
     varied, came = " and ".join(parts) or "nothing", order[design.file.order]
     return f"Varied were {varied}; orders came from {came}, dealt in blocks by seed {design.file.seed}."
 
 
-def _cells(design: ExperimentDesign, progress: Progress) -> list[str]:
-    counts = Counter(
-        (run.place.cell, run.place.order) for run in progress.runs.values() if run.state is RunState.COMPLETE
+def _left_out(records: ExperimentRecords) -> Sequence[Sequence[object]]:
+    others = Counter(
+        (str(run.state), run.reason or "none told")
+        for run in records.progress.runs.values()
+        if run.state not in {RunState.COMPLETE, RunState.UNDER_WAY}
     )
-    told = []
-    for index, cell in enumerate(design.cells):
-        by_order = [counts[index, order] for order in range(len(design.orders))]
-        told.append(f"{cell.name or 'All people'}: {sum(by_order)} people, by order {_listed(map(str, by_order))}.")
-    return told
+    return [(*key, people) for key, people in sorted(others.items())]
 
 
-def _durations(steps: ExperimentTable) -> list[str]:
-    trials = [float(row["duration_s"] or 0.0) for row in steps.rows if row["kind"] == "trial" and row["run_counts"]]
-    known = [seconds for seconds in trials if seconds == seconds]  # noqa: PLR0124 - NaN: a trial that was resumed
-    if not known:
-        return []
-    return [f"A game took {statistics.median(known):.0f} s (median; {min(known):.0f} to {max(known):.0f} s)."]
+def _places(records: ExperimentRecords) -> Sequence[Sequence[object]]:
+    design = records.design
+    runs = (run for run in records.progress.runs.values() if run.state is RunState.COMPLETE)
+    counts = Counter((run.place.cell, run.place.order) for run in runs)
+    return [
+        (
+            design.cells[cell].name or "all",
+            "; ".join(design.conditions[one].name for one in design.orders[order]) or "one condition",
+            counts[cell, order],
+        )
+        for cell in range(len(design.cells))
+        for order in range(len(design.orders))
+    ]
 
 
-def _reliabilities(design: ExperimentDesign, answers: ExperimentTable) -> list[str]:
-    told = []
-    for form in {form.title: form for form in design.forms.values()}.values():
-        for name, items in form.subscales.items():
-            wanted = {item.id for item in items}
-            people: dict[tuple[object, ...], dict[str, Answer]] = {}
-            for row in answers.rows:
-                if row["item"] in wanted and row["run_counts"] and isinstance(row["value"], float):
-                    key = (row["participant"], row["step"], row["attempt"])
-                    people.setdefault(key, {})[str(row["item"])] = row["value"]
-            found = reliability_of(items, list(people.values()))
-            alpha, omega = (f"{one:.2f}" if one == one else "[too few]" for one in (found.alpha, found.omega))  # noqa: PLR0124
-            told.append(
-                f"{name}: {found.items} items, Cronbach's alpha {alpha}, McDonald's omega {omega} "
-                f"(one factor; {found.people} forms)."
-            )
-    return told
+def _durations(records: ExperimentRecords) -> Sequence[Sequence[object]]:
+    own = [subject for subject in records.subjects if subject.run.state is RunState.COMPLETE]
+    rows = []
+    for name in dict.fromkeys(subject.attempt.step.name for subject in own):
+        known = [each for subject in own if subject.attempt.step.name == name and (each := _time(subject)) is not None]
+        if known:
+            rows.append((f"step {name}", *_spread(known)))
+    games = [
+        seconds
+        for trial in records.trials
+        if trial.run.state is RunState.COMPLETE
+        and trial.attempt.step.entry.step is StepKind.TRIAL
+        and isinstance(seconds := trial.told("sim_seconds"), int | float)
+    ]
+    return [*rows, ("game, simulated", *_spread(games))] if games else rows
+
+
+def _time(subject: AttemptSubject) -> float | None:
+    return None if subject.attempt.outcome is StepOutcome.PASSED_OVER else subject.attempt.duration
+
+
+def _spread(known: Sequence[float]) -> tuple[object, ...]:
+    return len(known), f"{statistics.median(known):.0f} s", f"{min(known):.0f} s", f"{max(known):.0f} s"
+
+
+def _reliabilities(records: ExperimentRecords) -> Sequence[Sequence[object]]:
+    """Rows of each score, and of each condition in which the form was filled in: so nobody counts twice."""
+    items_of: dict[str, tuple[Item, ...]] = {}
+    given: dict[tuple[str, str], list[Mapping[str, Answer]]] = {}
+    for score in records.scores:
+        step = score.attempt.step
+        if score.run.state is not RunState.COMPLETE or step.entry.step in NO_DATA:
+            continue
+        condition = "" if step.condition is None else records.design.conditions[step.condition].name
+        times = score.attempt.items
+        answers = {
+            item.id: float(answer)
+            for item in score.items
+            if item.id in times and isinstance(answer := times[item.id].answer, int | float)
+        }
+        items_of[score.subscale] = score.items
+        given.setdefault((score.subscale, condition), []).append(answers)
+    rows = []
+    for (subscale, condition), people in sorted(given.items()):
+        found = reliability_of(items_of[subscale], people)
+        told = ("[too few]" if one != one else f"{one:.2f}" for one in (found.alpha, found.omega))  # noqa: PLR0124
+        rows.append((subscale, condition or "none", found.items, found.people, *told))
+    return rows

@@ -7,14 +7,14 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 
-from thbridge.experiment.export.tables import ExperimentTable
+from thbridge.experiment.export.families.described import ColumnDescription, ExperimentTable
 
 JsonLd = dict[str, object]
 
 
 def file_name(title: str, table: str) -> str:
     """Return the name of a table's file: keywords and values, as Psych-DS spells them."""
-    return f"study-{_word(title)}_description-{_word(table)}_data.csv"
+    return f"study-{_word(title)}_description-{_word(table.replace('_', ' '))}_data.csv"
 
 
 def dataset_description(title: str, tables: Iterable[ExperimentTable], notes: Sequence[str]) -> str:
@@ -22,26 +22,46 @@ def dataset_description(title: str, tables: Iterable[ExperimentTable], notes: Se
 
     Args:
         title: of the experiment.
-        tables: all that are exported; each of their columns is described.
+        tables: all that are exported; each of their columns is described. Where tables have columns of one name, this
+            tells of the first, and the sidecar of each file of its own.
         notes: sentences on the data, for its description.
     """
-    variables: dict[str, JsonLd] = {}
-    for table in tables:
-        for column in table.columns:
-            told: JsonLd = {"@type": "PropertyValue", "name": column.name, "description": column.meaning}
-            if column.unit:
-                told["unitText"] = column.unit
-            variables.setdefault(column.name, told)
+    columns = {column.name: column for table in reversed([*tables]) for column in reversed(table.columns)}
     whole: JsonLd = {
         "@context": "https://schema.org",
         "@type": "Dataset",
         "name": title,
         "description": " ".join(notes),
         "schemaVersion": "Psych-DS 1.0.0",
-        "variableMeasured": list(variables.values()),
+        "variableMeasured": [_variable(column) for column in reversed(columns.values())],
         "keywords": ["human-robot interaction", "treasure hunt"],
     }
     return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
+
+
+def sidecar(table: ExperimentTable) -> str:
+    """Return the text of the file beside a table's, which describes its columns alone."""
+    told: JsonLd = {
+        "@context": "https://schema.org",
+        "@type": "Dataset",
+        "name": table.name,
+        "description": f"One row is {table.meaning}.",
+        "variableMeasured": [_variable(column) for column in table.columns],
+    }
+    return json.dumps(told, indent=2, ensure_ascii=False) + "\n"
+
+
+def _variable(column: ColumnDescription) -> JsonLd:
+    told: JsonLd = {"@type": "PropertyValue", "name": column.name, "description": column.meaning}
+    if column.unit:
+        told["unitText"] = column.unit
+    if column.least is not None:
+        told["minValue"] = column.least
+    if column.greatest is not None:
+        told["maxValue"] = column.greatest
+    if column.levels:
+        told["valueReference"] = list(column.levels)
+    return told
 
 
 def _word(text: str) -> str:

@@ -113,8 +113,11 @@ def study_export(
     with bad_input():
         place = ExperimentFolder(folder)
         design, installed = place.read(), versions()
-        tables = export_experiment(design, read_log(place.log), to, installed, deviations(place, installed))
-    say(", ".join(f"{len(table.rows)} {table.name}" for table in tables))
+        entries, changed = read_log(place.log), deviations(place, installed)
+        written = export_experiment(place, design, entries, to, installed, changed)
+    say(", ".join(f"{rows} {name}" for name, rows in written.rows.items()))
+    for told in written.notes:
+        note(told)
     note(f"Wrote {to}.")
 
 

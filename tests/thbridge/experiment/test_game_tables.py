@@ -1,0 +1,234 @@
+"""Tables of games: decisions, reliance and fluency are what a hand-made game says; recordings are read as they were."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from tests.thbridge.experiment.test_rehearsal import rehearse
+from thbridge.experiment.export.families.attention import AttentionFigures, figures_of
+from thbridge.experiment.export.families.decisions import GameDecision, decisions_of
+from thbridge.experiment.export.families.game_recording import (
+    GameRecording,
+    TimedEvent,
+    TimedMove,
+    TimedUtterance,
+)
+from thbridge.experiment.export.tables import game_tables, records_of
+from thbridge.experiment.progress import EventKind
+from thbridge.experiment.rehearsal import Rehearsed
+from thbridge.experiment.store.event_log import read_log
+from thbridge.hunt import game
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import (
+    Commander,
+    CommanderChanged,
+    EndReason,
+    Event,
+    GameEnded,
+    GameStarted,
+    RobotArrived,
+    RobotDeparted,
+    RoomAdvised,
+    TreasureIdentified,
+    TreasureSensed,
+    TreasuresHidden,
+)
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.ros.messages.session_records import DialogueMoveRecord, UtteranceRecord
+
+ROOMS = 4
+Told = Event | UtteranceRecord | DialogueMoveRecord
+
+
+def recorded(told: Sequence[tuple[float, Told]], robots: int = 1, energy: float = 100.0) -> GameRecording:
+    costs = CostMatrix(tuple(tuple(5.0 for _ in range(ROOMS + 1)) for _ in range(ROOMS + 1)))
+    start = GameStarted(1, 1, robots, energy, 5.0, 1.0, 1.0, costs)
+    state, recording = game.begin(start), GameRecording()
+    recording.happenings.append(TimedEvent(0.0, start, state, state))
+    for time, each in told:
+        if isinstance(each, UtteranceRecord):
+            recording.happenings.append(TimedUtterance(time, each))
+        elif isinstance(each, DialogueMoveRecord):
+            recording.happenings.append(TimedMove(time, each))
+        else:
+            after = game.apply(state, each)
+            recording.happenings.append(TimedEvent(time, each, state, after))
+            state = after
+        recording.duration = time
+    return recording
+
+
+def said(speaker: str, room: int, move: str, robot: int = 0, scenario: str = "select-room", talk: int = 1):
+    return UtteranceRecord(talk, speaker, robot, room, scenario, f"{move} {room}", move, speaker)
+
+
+def moved(speaker: str, locution: str, content: str, robot: int = 0) -> DialogueMoveRecord:
+    return DialogueMoveRecord(
+        1, 1, None, 0, robot, speaker, speaker, "persuasion", locution, content, "", "", False, "", ""
+    )
+
+
+def advised(room: int, planned: int, robot: int = 0) -> RoomAdvised:
+    return RoomAdvised(robot, Room(room), 1, Room(planned), room != planned, 0.8)
+
+
+def goes(room: int, robot: int = 0) -> RobotDeparted:
+    return RobotDeparted(robot, Room(room), 5.0)
+
+
+def decided(*told: tuple[float, Told]) -> GameDecision:
+    return next(decisions_of(recorded(told)))
+
+
+@pytest.mark.parametrize(
+    ("planned", "chosen", "right", "agreed", "appropriate"),
+    [(2, 2, True, True, True), (3, 2, False, True, False), (2, 3, True, False, False), (3, 4, False, False, True)],
+)
+def test_reliance_is_appropriate_when_right_advice_is_taken_and_wrong_is_not(
+    planned: int, chosen: int, right: bool, agreed: bool, appropriate: bool
+) -> None:
+    made = decided(
+        (2.0, advised(2, planned)),
+        (2.0, said("robot", 2, "ask")),
+        (6.0, said("human", chosen, "stop")),
+        (6.1, goes(chosen)),
+    )
+    assert (made.advice, made.advice_from, made.is_right) == ("2", "asked", right)
+    assert (made.agreed, made.is_appropriate) == (agreed, appropriate)
+    assert (made.shown, made.advised, made.chosen) == (0.0, 2.0, 6.0)
+    assert made.options == ("1", "2", "3", "4")
+    assert made.switched is None
+
+
+@pytest.mark.parametrize(("chosen", "switched"), [(1, False), (2, True)])
+def test_a_choice_that_was_argued_against_is_kept_or_switched(chosen: int, switched: bool) -> None:
+    made = decided(
+        (1.0, said("human", 1, "assert")),
+        (1.0, moved("human", "assert", "next(Robot1, Room1)")),
+        (1.0, moved("robot", "assert", "not next(Robot1, Room1)")),
+        (1.0, moved("robot", "assert", "next(Robot1, Room2)")),
+        (4.0, said("human", chosen, "accept")),
+        (4.1, goes(chosen)),
+    )
+    assert (made.first_choice, made.advice, made.advice_from, made.is_right) == ("1", "2", "argued", None)
+    assert (made.disagreed, made.switched, made.is_appropriate) == (True, switched, None)
+
+
+def test_who_decides_is_told_apart() -> None:
+    alone = decided((9.0, said("robot", 1, "decide-alone")), (9.0, goes(1)))
+    last_word = decided(
+        (1.0, said("human", 1, "assert")),
+        (1.0, moved("human", "assert", "next(Robot1, Room1)")),
+        (1.0, said("robot", 1, "reject")),
+        (1.1, goes(2)),
+    )
+    station = decided((1.0, CommanderChanged(0, Commander.GROUND_STATION, "gcs")), (2.0, goes(1)))
+    assert [each.by for each in (alone, last_word, station)] == ["robot", "robot", "ground station"]
+    assert all(each.agreed is None for each in (alone, last_word, station))
+
+
+def test_advice_on_a_name_is_held_against_the_treasure() -> None:
+    kinds = tuple(TreasureKind({}, 10, name, "x.jpg") for name in ("can", "ball", "cup", "jar"))
+    made = [
+        *decisions_of(
+            recorded(
+                [
+                    (0.0, TreasuresHidden(kinds)),
+                    (1.0, goes(2)),
+                    (5.0, RobotArrived(0, Room(2))),
+                    (5.0, TreasureSensed(Room(2), {})),
+                    (6.0, said("human", 2, "assert", scenario="take-treasure")),
+                    (6.0, moved("human", "assert", "treasure_in(can, Room2)")),
+                    (6.0, moved("robot", "assert", "treasure_in(ball, Room2)")),
+                    (8.0, said("human", 2, "accept", scenario="take-treasure")),
+                    (8.1, TreasureIdentified(Room(2), 0, "ball", 10, 1.0)),
+                ]
+            )
+        )
+    ]
+    (named,) = [each for each in made if each.matter == "take-treasure"]
+    assert (named.choice, named.advice, named.is_right, named.is_appropriate, named.switched) == (
+        "ball",
+        "ball",
+        True,
+        True,
+        True,
+    )
+    assert (named.shown, named.chosen) == (5.0, 8.0)
+
+
+def fluency(told: Sequence[tuple[float, Told]], robots: int) -> AttentionFigures:
+    recording = recorded(told, robots)
+    return figures_of(recording, decisions_of(recording))
+
+
+def test_fluency_is_that_of_the_times() -> None:
+    """The first robot stands 2 s, drives 8 s, stands 4 s, drives; the second one stands 5 s and drives 15 s."""
+    figures = fluency(
+        [
+            (1.0, said("human", 1, "assert")),
+            (2.0, goes(1)),
+            (5.0, goes(2, robot=1)),
+            (10.0, RobotArrived(0, Room(1))),
+            (13.0, said("human", 3, "assert", talk=2)),
+            (14.0, goes(3)),
+            (20.0, GameEnded(EndReason.GIVEN_UP, 0)),
+        ],
+        2,
+    )
+    first, second = figures.robots
+    assert (first.under_way, second.under_way) == (8.0 + 6.0, 15.0)
+    assert (first.waiting, second.waiting) == (2.0 + 4.0, 5.0)
+    assert figures.person_waited == 20.0 - (5.0 + 4.0)
+    assert figures.both == 3.0 + 4.0
+    assert first.attention == [1.0, 3.0]
+    assert first.interaction == [1.0, 1.0]
+    assert first.delays == [1.0, 1.0, 3.0, 1.0]
+    # What is done at once was thought about before, and is no interaction.
+    assert (second.attention, second.interaction, second.delays) == ([5.0], [0.0], [5.0, 0.0])
+    assert first.drives == [8.0]
+
+
+TEXT = """\
+title: x
+base: {map: arena8, game.energy: 30, dialogue: {condition: collaborator, adviser_error_rate: 0.5}}
+within: {robots: [1, 2]}
+quota: 1
+steps:
+  - {step: trial, each_condition: true, max_seconds: 60}
+  - {step: form, form: trust, each_condition: true}
+"""
+
+
+def test_tables_of_recorded_games_and_recordings_that_are_gone_or_changed(tmp_path: Path) -> None:
+    folder = rehearse(tmp_path, Rehearsed(drop_out=0.0, not_applicable=0.0), 1, TEXT)
+    entries = read_log(folder.log)
+    pieces = [*game_tables(records_of(folder.read(), entries, folder.root))]
+    frames = {
+        name: pd.DataFrame(
+            [row for piece in pieces if not isinstance(piece, str) and piece.name == name for row in piece.rows]
+        )
+        for name in ("decisions", "reliance", "robots", "fluency", "moves")
+    }
+    assert not any(isinstance(piece, str) for piece in pieces)
+    assert frames["robots"].groupby("trial").robot.max().tolist() in ([1, 2], [2, 1])
+    choices = frames["decisions"][frames["decisions"].matter == "select-room"]
+    assert choices.advice_right.notna().all()
+    assert (choices.agreed == (choices.advice == choices.choice)).all()
+    assert (frames["reliance"].error_rate_set == 0.5).all()
+    assert frames["reliance"].trust.between(0, 1).all()
+    assert frames["fluency"][["human_idle", "robot_idle"]].apply(lambda idle: idle.between(0, 1).all()).all()
+    assert {"human", "robot"} == set(frames["moves"].speaker)
+    bags = [folder.root / str(e.event.data["bag"]) for e in entries if e.event.kind == EventKind.GAME_PLAYED]
+    bags[0].unlink()
+    with bags[1].open("ab") as file:
+        file.write(b"x")
+    records = records_of(folder.read(), entries, folder.root)
+    assert [str(trial.recording) for trial in records.trials] == ["missing", "changed"]
+    notes = [*game_tables(records)]
+    assert "is missing" in str(notes[0])
+    assert "is not what was recorded" in str(notes[1])
+    assert len(notes) == 2

@@ -1,0 +1,1 @@
+"""Tables of an export, a module a family: columns with units, meanings, and the functions of their values."""

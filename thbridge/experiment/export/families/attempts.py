@@ -1,0 +1,252 @@
+"""Attempts at steps, gathered from the log: what most tables are made of, and the columns that they share."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign, drawn_seed
+from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.export.families.described import (
+    CellValue,
+    ColumnDescription,
+    FactorRole,
+    ValuedColumn,
+    flag,
+    text,
+    whole,
+)
+from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome
+from thbridge.experiment.store.events import JsonValue, LoggedEvent
+
+NO_DATA = frozenset({StepKind.PRACTICE, StepKind.CHECK})
+"""Kinds of steps that never count as data."""
+
+
+@dataclass(slots=True)
+class ItemTimes:
+    """Times of an item within one attempt at a step, nanoseconds of the program's clock.
+
+    Attributes:
+        shown: when it was shown first; None: it was not.
+        touched: when the person began to answer.
+        given: when they went on from it.
+        changes: how often the answer was changed before.
+        pasted: characters that were pasted into it.
+        answer: the one given; None: none.
+    """
+
+    shown: int | None = None
+    touched: int | None = None
+    given: int | None = None
+    changes: int = 0
+    pasted: int = 0
+    answer: JsonValue = None
+
+
+@dataclass(slots=True)
+class Attempt:
+    """One time that a person went through a step.
+
+    Attributes:
+        step: the step.
+        number: of the attempt, from 1.
+        began: wall time.
+        began_ns: by the program's clock.
+        ended: wall time; empty while it is under way.
+        ended_ns: by the program's clock; None likewise.
+        outcome: how it ended; None while it has not.
+        resumed: how often a program went on with it that another one had begun.
+        broken_off: how many games were begun in it and not gone on with.
+        away_ns: how long another window had keys and clicks.
+        away: how often.
+        left_ns: since when it has; None: it has not.
+        items: the times of its items, in the order in which they came.
+        game: what the log has of the game that was played; None: none was.
+        consent: what it has of the answer to the question for consent, likewise.
+    """
+
+    step: PlannedStep
+    number: int
+    began: str
+    began_ns: int
+    ended: str = ""
+    ended_ns: int | None = None
+    outcome: StepOutcome | None = None
+    resumed: int = 0
+    broken_off: int = 0
+    away_ns: int = 0
+    away: int = 0
+    left_ns: int | None = None
+    items: dict[str, ItemTimes] = field(default_factory=dict)
+    game: Mapping[str, JsonValue] | None = None
+    consent: Mapping[str, JsonValue] | None = None
+
+    @property
+    def duration(self) -> float | None:
+        """Time in the step, s; None while it is under way, and where it was resumed: each process has its own clock."""
+        return None if self.resumed else between(self.began_ns, self.ended_ns)
+
+
+def between(begin: int | None, end: int | None) -> float | None:
+    """Return the time between two readings of a clock in nanoseconds, s; None where one is missing."""
+    return None if begin is None or end is None else (end - begin) / 1e9
+
+
+def attempts_of(progress: Progress, events: Iterable[LoggedEvent]) -> dict[str, list[Attempt]]:
+    """Return all attempts of each person, in order."""
+    of_person: defaultdict[str, list[LoggedEvent]] = defaultdict(list)
+    for event in events:
+        of_person[event.event.participant].append(event)
+    return {person: _gathered(run, of_person[person]) for person, run in progress.runs.items()}
+
+
+def _gathered(run: Run, events: Iterable[LoggedEvent]) -> list[Attempt]:
+    found: list[Attempt] = []
+    for event in (entry.event for entry in events):
+        data, now = event.data or {}, event.clocks.monotonic_ns
+        if event.kind == EventKind.STEP_BEGUN:
+            number = 1 + sum(one.step.number == event.step for one in found)
+            found.append(Attempt(run.plan[event.step - 1], number, event.clocks.wall, now))
+        if not found or found[-1].step.number != event.step:
+            continue
+        attempt = found[-1]
+        times = attempt.items.setdefault(str(data["item"]), ItemTimes()) if "item" in data else ItemTimes()
+        match event.kind:
+            case EventKind.STEP_RESUMED:
+                attempt.resumed += 1
+                attempt.left_ns = None
+            case EventKind.STEP_ENDED:
+                attempt.ended, attempt.ended_ns = event.clocks.wall, now
+                attempt.outcome = StepOutcome(str(data["outcome"]))
+            case EventKind.ITEM_SHOWN:
+                times.shown = now if times.shown is None else times.shown
+            case EventKind.ITEM_TOUCHED:
+                times.touched = now if times.touched is None else times.touched
+            case EventKind.ITEM_CHANGED:
+                times.changes += 1
+            case EventKind.ITEM_GIVEN:
+                times.given, times.answer = now, data["answer"]
+            case EventKind.GAME_PLAYED:
+                attempt.game = data
+            case EventKind.TEXT_PASTED:
+                times.pasted += int(str(data.get("characters", 0)))
+            case EventKind.CONSENT_ANSWERED:
+                attempt.consent = data
+            case EventKind.GAME_BROKEN_OFF:
+                attempt.broken_off += 1
+            case EventKind.FOCUS_LOST:
+                attempt.away += 1
+                attempt.left_ns = now
+            case EventKind.FOCUS_REGAINED if attempt.left_ns is not None:
+                attempt.away_ns += now - attempt.left_ns
+                attempt.left_ns = None
+    return found
+
+
+# Columns that tables share
+
+
+class OfRun(Protocol):
+    """Subject of a row that belongs to a person."""
+
+    @property
+    def run(self) -> Run:
+        """The person's run."""
+
+
+class OfAttempt(OfRun, Protocol):
+    """Subject of a row that belongs to an attempt at a step."""
+
+    @property
+    def attempt(self) -> Attempt:
+        """The attempt."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunSubject:
+    """A run; see `OfRun`."""
+
+    run: Run
+
+
+@dataclass(frozen=True, slots=True)
+class AttemptSubject:
+    """An attempt; see `OfAttempt`."""
+
+    run: Run
+    attempt: Attempt
+
+
+def run_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...]:
+    """Return the columns with which each row begins that belongs to a person."""
+    return (
+        text("participant", "id of the person", lambda row: row.run.participant),
+        flag(
+            "counts",
+            "whether the row is data: the run is complete and was not excluded, and the step is neither practice nor "
+            "check",
+            lambda row: row.run.state is RunState.COMPLETE,
+        ),
+        *_between_columns(design),
+    )
+
+
+def attempt_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], ...]:
+    """Return the columns with which each row begins that belongs to a step."""
+    participant, counts, *factors = run_columns(design)
+
+    def is_data(row: OfAttempt) -> bool:
+        return row.run.state is RunState.COMPLETE and row.attempt.step.entry.step not in NO_DATA
+
+    def trial(row: OfAttempt) -> int | None:
+        number = row.attempt.step.trial
+        return None if number is None else number + 1
+
+    return (
+        participant,
+        ValuedColumn(counts.described, is_data),
+        *factors,
+        *_within_columns(design),
+        whole("step", "number of the step in the person's order, from 1", lambda row: row.attempt.step.number, least=1),
+        text("name", "name of the step in the experiment's file", lambda row: row.attempt.step.name),
+        text("kind", "what is done in the step", lambda row: str(row.attempt.step.entry.step)),
+        whole(
+            "attempt",
+            "how often the person had come to this step, this time counted",
+            lambda row: row.attempt.number,
+            least=1,
+        ),
+        whole("trial", "number of the trial in the person's order, from 1; none in other steps", trial, least=1),
+    )
+
+
+def _between_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfRun], ...]:
+    def column(factor: str) -> ValuedColumn[OfRun]:
+        levels = tuple(dict.fromkeys(cell.levels[factor] for cell in design.cells))
+        meaning = "level of a factor between people"
+        described = ColumnDescription(factor, "string", "", meaning, role=FactorRole.BETWEEN, levels=levels)
+        return ValuedColumn(described, lambda row: design.cells[row.run.place.cell].levels[factor])
+
+    return tuple(map(column, design.cells[0].levels))
+
+
+def _within_columns(design: ExperimentDesign) -> tuple[ValuedColumn[OfAttempt], ...]:
+    def column(factor: str) -> ValuedColumn[OfAttempt]:
+        levels = tuple(dict.fromkeys(condition.levels[factor] for condition in design.conditions))
+        meaning = "level of a factor within people; none outside of conditions"
+        described = ColumnDescription(factor, "string", "", meaning, role=FactorRole.WITHIN, levels=levels)
+
+        def level(row: OfAttempt) -> CellValue:
+            condition = row.attempt.step.condition
+            return None if condition is None else design.conditions[condition].levels[factor]
+
+        return ValuedColumn(described, level)
+
+    return tuple(map(column, design.conditions[0].levels))
+
+
+def seed_of(design: ExperimentDesign, attempt: Attempt) -> int | None:
+    """Return the seed of the game of a trial; None of any other step."""
+    return None if attempt.step.trial is None else drawn_seed(design, attempt.step.trial)

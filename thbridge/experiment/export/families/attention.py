@@ -1,0 +1,370 @@
+"""Tables of robots and of fluency: who waited for whom in a game.
+
+The person waits while no robot waits for them. A robot waits for the person while it stands, answers, is theirs to
+command, and can be sent somewhere or stands before a treasure that is not decided. A robot acts while it is under way
+to a room. Sources: Hoffman, Evaluating fluency in human-robot collaboration (2019); Olsen and Goodrich, Metrics for
+evaluating human-robot interactions (2003).
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from sim.common.robot_numbers import number_of
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.export.families.attempts import Attempt, attempt_columns
+from thbridge.experiment.export.families.decisions import GameDecision
+from thbridge.experiment.export.families.described import (
+    ExperimentTable,
+    TableOf,
+    count,
+    number,
+    seconds,
+    share,
+    whole,
+)
+from thbridge.experiment.export.families.game_recording import (
+    GameRecording,
+    RecordedTrial,
+    TimedEvent,
+    TimedMove,
+    TimedUtterance,
+)
+from thbridge.experiment.progress import Run
+from thbridge.hunt import rules
+from thbridge.hunt.events import (
+    Commander,
+    HandbackRequested,
+    MoveFailed,
+    PropertyMeasured,
+    PropertyTold,
+    RobotArrived,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+    TreasureTakenUp,
+)
+from thbridge.hunt.game import GameState
+
+_OF_A_ROBOT = (TreasurePictured, TreasureIdentified, PropertyMeasured, HandbackRequested)
+_OF_A_ROOM = (PropertyTold, TreasureLeft, TreasureTakenUp)
+
+
+@dataclass(slots=True)
+class RobotStand:
+    """A time that a robot stood, from its arrival, or the beginning of the game, to its departure.
+
+    Attributes:
+        robot: index in the team.
+        began: when it came to stand, s.
+        first_act: when the person first did or said something about it; None: never.
+        last_act: when they last did.
+        departed: when it left; None: the game ended before.
+        by_person: True when the person sent it.
+    """
+
+    robot: int
+    began: float
+    first_act: float | None = None
+    last_act: float | None = None
+    departed: float | None = None
+    by_person: bool = False
+
+    def act(self, time: float) -> None:
+        """Take an act of the person."""
+        self.first_act, self.last_act = time if self.first_act is None else self.first_act, time
+
+
+@dataclass(slots=True)
+class RobotAttention:
+    """Figures of a robot in a game.
+
+    Attributes:
+        stands: the times that it stood.
+        drives: how long each of its moves took, s.
+        arrived: rooms that it reached.
+        failed: moves that did not reach their room.
+        spent: energy.
+        under_way: how long it was, s.
+        waiting: how long it waited for the person, s.
+    """
+
+    stands: list[RobotStand] = field(default_factory=list)
+    drives: list[float] = field(default_factory=list)
+    arrived: int = 0
+    failed: int = 0
+    spent: float = 0.0
+    under_way: float = 0.0
+    waiting: float = 0.0
+
+    @property
+    def attention(self) -> list[float]:
+        """Time that it stood, each time, before the person did something about it, s."""
+        return [each.first_act - each.began for each in self.stands if each.first_act is not None]
+
+    @property
+    def interaction(self) -> list[float]:
+        """From the person's first act to its departure, each time that they sent it, s."""
+        return [
+            each.departed - each.first_act
+            for each in self.stands
+            if each.by_person and each.first_act is not None and each.departed is not None
+        ]
+
+    @property
+    def delays(self) -> list[float]:
+        """From the robot's arrival to the person's first act, and from their last act to its departure, s."""
+        sent = [each for each in self.stands if each.by_person and each.departed is not None]
+        known = ((each.began, each.first_act, each.last_act, each.departed) for each in sent)
+        return [
+            time
+            for began, first, last, departed in known
+            if first is not None and last is not None and departed is not None
+            for time in (first - began, departed - last)
+        ]
+
+
+@dataclass(frozen=True, slots=True)
+class AttentionFigures:
+    """Figures of a game.
+
+    Attributes:
+        robots: of each robot.
+        duration: of the game, s.
+        person_waited: how long no robot waited for the person, s.
+        both: how long a robot was under way while another one waited for the person, s.
+    """
+
+    robots: tuple[RobotAttention, ...]
+    duration: float
+    person_waited: float
+    both: float
+
+
+def figures_of(recording: GameRecording, decisions: Iterable[GameDecision]) -> AttentionFigures:
+    """Return the figures of a game.
+
+    Args:
+        recording: of the game.
+        decisions: those of the game, which tell who sent robots.
+    """
+    by = {(each.robot, each.done): each.by for each in decisions if each.matter == "select-room"}
+    robots = tuple(RobotAttention([RobotStand(robot, 0.0)]) for robot in range(recording.robots))
+    argues = any(recording.moves)
+    talks: set[int] = set()
+    left: dict[int, float] = {}
+    for each in recording.happenings:
+        match each:
+            case TimedUtterance(time, said):
+                # What robots that do not argue say first answers the person's wish.
+                opens = not argues and said.dialogue not in talks
+                talks.add(said.dialogue)
+                if said.speaker == "human" or opens:
+                    robots[said.robot].stands[-1].act(time)
+            case TimedEvent(time, RobotDeparted(robot=robot)):
+                stand = robots[robot].stands[-1]
+                stand.by_person = by.get((robot, time)) == "person"
+                if stand.by_person and stand.first_act is None:
+                    stand.act(time)
+                stand.departed, left[robot] = time, time
+            case TimedEvent(time, RobotArrived(robot=robot) | MoveFailed(robot=robot)):
+                figures = robots[robot]
+                if robot in left:
+                    figures.drives.append(time - left.pop(robot))
+                figures.arrived += isinstance(each.event, RobotArrived)
+                figures.failed += isinstance(each.event, MoveFailed)
+                figures.stands.append(RobotStand(robot, time))
+            case TimedEvent(time):
+                for robot in _acted_on(each):
+                    robots[robot].stands[-1].act(time)
+            case TimedMove():
+                pass
+    waited, both = _integrate(recording, robots)
+    return AttentionFigures(robots, recording.duration, waited, both)
+
+
+def _acted_on(each: TimedEvent) -> Iterator[int]:
+    """Yield the robot that the person acted on, if the event is an act of theirs."""
+    if isinstance(each.event, _OF_A_ROBOT) and each.event.robot is not None:
+        yield each.event.robot
+    elif isinstance(each.event, _OF_A_ROOM) and (robot := each.before.decider(each.event.room)) is not None:
+        yield robot
+
+
+def _integrate(recording: GameRecording, robots: Sequence[RobotAttention]) -> tuple[float, float]:
+    """Add up how long robots were under way, waited and spent; return how long the person waited, and both acted."""
+    waited = both = 0.0
+    events = [*recording.events]
+    ends = [*(later.time for _, later in pairwise(events)), recording.duration]
+    for each, end in zip(events, ends, strict=True):
+        span = max(0.0, end - each.time)
+        drives = [state.bound_for is not None for state in each.after.robots]
+        waits = [waits_for_person(each.after, robot) for robot in range(len(robots))]
+        for robot, figures in enumerate(robots):
+            figures.under_way += span * drives[robot]
+            figures.waiting += span * waits[robot]
+            figures.spent += each.before.robots[robot].energy - each.after.robots[robot].energy
+        waited += span * (not any(waits))
+        both += span * (any(waits) and any(drives))
+    return waited, both
+
+
+def waits_for_person(state: GameState, robot: int) -> bool:
+    """Return True while a robot waits for the person; see above."""
+    here = state.robots[robot]
+    if state.ended or here.bound_for is not None or here.is_silent or here.command.by is not Commander.PARTICIPANT:
+        return False
+    if rules.affordable(state, robot):
+        return True
+    found = None if here.at.is_corridor else state.room(here.at)
+    undecided = found is not None and found.sensed is not None and not found.is_decided
+    return undecided and here.energy >= state.started.identify_cost
+
+
+@dataclass(frozen=True, slots=True)
+class _RobotSubject:
+    """A robot in a trial."""
+
+    run: Run
+    attempt: Attempt
+    robot: int
+    figures: RobotAttention
+    duration: float
+    collisions: int
+
+
+def robots(design: ExperimentDesign, trial: RecordedTrial, game: AttentionFigures) -> ExperimentTable:
+    """Return the rows of a trial's robots."""
+    table: TableOf[_RobotSubject] = TableOf(
+        "robots",
+        "a robot in a trial",
+        (
+            *attempt_columns(design),
+            whole("robot", "counts from 1", lambda row: number_of(row.robot), least=1),
+            count("rooms_reached", "rooms that it reached", lambda row: row.figures.arrived),
+            count("moves_failed", "moves that did not reach their room", lambda row: row.figures.failed),
+            count("collisions", "times that it touched a wall or another robot", lambda row: row.collisions),
+            number("energy_spent", "", "energy, in the game's units", lambda row: row.figures.spent),
+            seconds(
+                "under_way_s",
+                "from each event departed to the next arrived or failed, or the end",
+                lambda row: row.figures.under_way,
+            ),
+            share(
+                "idle",
+                "share of the game in which it was not under way",
+                lambda row: _over(row.duration - row.figures.under_way, row.duration),
+            ),
+            seconds(
+                "waiting_s",
+                "how long it stood, answered, was the participant's to command, and could be sent somewhere or had an "
+                "undecided treasure before it",
+                lambda row: row.figures.waiting,
+            ),
+            count(
+                "stands", "times that it came to stand, the beginning among them", lambda row: len(row.figures.stands)
+            ),
+            seconds(
+                "attention_s",
+                "mean wait for attention: from started, arrived or failed to the person's first act about the robot "
+                "(sentence, request for advice, picture, name, property, departure); of stands with one",
+                lambda row: _mean(row.figures.attention),
+            ),
+            seconds(
+                "interaction_s",
+                "mean time from the person's first act about the standing robot to departed; of departures by them",
+                lambda row: _mean(row.figures.interaction),
+            ),
+            seconds(
+                "neglect_s",
+                "mean time that it worked by itself: from departed to arrived or failed",
+                lambda row: _mean(row.figures.drives),
+            ),
+        ),
+    )
+    return table.of(
+        _RobotSubject(trial.run, trial.attempt, robot, figures, game.duration, trial.recording.collisions[robot])
+        for robot, figures in enumerate(game.robots)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _FluencySubject:
+    """The game of a trial."""
+
+    run: Run
+    attempt: Attempt
+    game: AttentionFigures
+
+    def all_of(self, name: str) -> list[float]:
+        """Figures of all robots together."""
+        return [value for robot in self.game.robots for value in getattr(robot, name)]
+
+    @property
+    def fan_out(self) -> float | None:
+        """Neglect time over interaction time, and one."""
+        neglect, interaction = _mean(self.all_of("drives")), _mean(self.all_of("interaction"))
+        return None if neglect is None or not interaction else neglect / interaction + 1.0
+
+
+def fluency(design: ExperimentDesign, trial: RecordedTrial, game: AttentionFigures) -> ExperimentTable:
+    """Return the row of a trial's fluency."""
+    table: TableOf[_FluencySubject] = TableOf(
+        "fluency",
+        "a trial: who waited for whom (Hoffman 2019)",
+        (
+            *attempt_columns(design),
+            seconds(
+                "game_s",
+                "from the event started to ended, or to the end of the recording; simulated time, as all times here",
+                lambda row: row.game.duration,
+            ),
+            share(
+                "human_idle",
+                "share of the game in which no robot waited for the person: each was under way, did not answer, was "
+                "another's to command, or could not be sent anywhere and had no undecided treasure before it",
+                lambda row: _over(row.game.person_waited, row.game.duration),
+            ),
+            share(
+                "robot_idle",
+                "share of the game in which a robot was not under way (departed to arrived or failed); mean of all",
+                lambda row: _mean(
+                    [1.0 - each.under_way / row.game.duration for each in row.game.robots if row.game.duration]
+                ),
+            ),
+            share(
+                "concurrent_activity",
+                "share of the game in which a robot was under way while another one waited for the person",
+                lambda row: _over(row.game.both, row.game.duration),
+            ),
+            number(
+                "functional_delay",
+                "",
+                "sum, over the duration of the game, of the times from a robot's event started, arrived or failed to "
+                "the person's first act about it, and from their last act to its departed; of departures by the "
+                "person; with several robots it may be above 1",
+                lambda row: _over(math.fsum(row.all_of("delays")), row.game.duration),
+            ),
+            seconds("attention_s", "as in robots, over all of them", lambda row: _mean(row.all_of("attention"))),
+            seconds("interaction_s", "as in robots, over all of them", lambda row: _mean(row.all_of("interaction"))),
+            seconds("neglect_s", "as in robots, over all of them", lambda row: _mean(row.all_of("drives"))),
+            number(
+                "fan_out",
+                "",
+                "neglect_s over interaction_s, and 1 (Olsen and Goodrich 2003); none without interaction",
+                lambda row: row.fan_out,
+                1,
+            ),
+        ),
+    )
+    return table.of([_FluencySubject(trial.run, trial.attempt, game)])
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return math.fsum(values) / len(values) if values else None
+
+
+def _over(part: float, whole_of_it: float) -> float | None:
+    return part / whole_of_it if whole_of_it > 0.0 else None

@@ -1,0 +1,336 @@
+"""Table of decisions: what a robot advised, what was chosen and when, and whether the person relied rightly."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from sim.common.robot_numbers import number_of
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.export.families.attempts import Attempt, attempt_columns
+from thbridge.experiment.export.families.described import (
+    ExperimentTable,
+    TableOf,
+    count,
+    flag,
+    seconds,
+    share,
+    text,
+    whole,
+)
+from thbridge.experiment.export.families.game_recording import (
+    GameRecording,
+    RecordedTrial,
+    TimedEvent,
+    TimedMove,
+    TimedUtterance,
+)
+from thbridge.experiment.progress import Run
+from thbridge.hunt import rules
+from thbridge.hunt.events import (
+    Commander,
+    GameStarted,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+    RoomAdvised,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+)
+from thbridge.hunt.treasures import same_name
+from thbridge.ros.messages.session_records import DialogueMoveRecord
+
+_NEXT = re.compile(r"next\(Robot\d+, Room(\d+)\)")
+_TREASURE = re.compile(r"treasure_in\((.*), Room\d+\)")
+
+
+@dataclass(frozen=True, slots=True)
+class GameDecision:
+    """A decision in a game.
+
+    Attributes:
+        robot: index in the team.
+        matter: "select-room", "take-picture" or "take-treasure".
+        by: "person", "robot" (it decided alone), "ground station" or "researcher".
+        shown: when the options were there, s since the beginning of the game.
+        chosen: when the choice was made.
+        done: when it was carried out.
+        options: what could be chosen then; empty where it is not a choice among few.
+        choice: the room, the name, "picture", or "left".
+        advice: the room, or name, that the robot advised; empty: none.
+        advised: when; None: never.
+        advice_from: "asked" (an event advised), or "argued" (the robot asserted it); empty: none.
+        confidence: stated with it; None: none was.
+        is_right: whether the advice was; None: not known.
+        first_choice: what the person proposed before the robot said what it thought; empty: nothing.
+        refused: True when the robot rejected or denied what the person proposed.
+        dialogues: number of dialogues about it.
+        points: of a name.
+    """
+
+    robot: int
+    matter: str
+    by: str
+    shown: float
+    chosen: float
+    done: float
+    options: tuple[str, ...]
+    choice: str
+    advice: str = ""
+    advised: float | None = None
+    advice_from: str = ""
+    confidence: float | None = None
+    is_right: bool | None = None
+    first_choice: str = ""
+    refused: bool = False
+    dialogues: int = 0
+    points: int | None = None
+
+    @property
+    def agreed(self) -> bool | None:
+        """True when the choice is what was advised; None without advice, and of what the person did not decide."""
+        return self.choice == self.advice if self.advice and self.by == "person" else None
+
+    @property
+    def is_appropriate(self) -> bool | None:
+        """True when right advice was taken, or wrong advice was not; None where either is not known."""
+        return None if self.agreed is None or self.is_right is None else self.agreed == self.is_right
+
+    @property
+    def disagreed(self) -> bool | None:
+        """True when the robot rejected the person's first choice, or advised another; None without a first choice."""
+        return (self.refused or self.advice not in {"", self.first_choice}) if self.first_choice else None
+
+    @property
+    def switched(self) -> bool | None:
+        """True when the person left the first choice with which the robot disagreed; None: it did not."""
+        return self.choice != self.first_choice if self.disagreed and self.by == "person" else None
+
+
+@dataclass(slots=True)
+class _Matter:
+    """Matter of a robot, and what has been said of it since it came up."""
+
+    shown: float
+    advice: str = ""
+    advised: float | None = None
+    advice_from: str = ""
+    confidence: float | None = None
+    is_right: bool | None = None
+    first_choice: str = ""
+    talks: set[int] = field(default_factory=set)
+    spoke: float | None = None
+    alone: bool = False
+    refused: bool = False
+    refused_last: str = ""
+
+    def argued(self, time: float, advice: str, *, is_right: bool | None) -> None:
+        """The robot has asserted what is to be chosen; what it was asked for stands."""
+        if self.advice_from != "asked":
+            self.advice, self.advised, self.advice_from, self.is_right = advice, time, "argued", is_right
+
+
+def decisions_of(recording: GameRecording) -> Iterator[GameDecision]:
+    """Yield the decisions of a game that were carried out, in order."""
+    open_: dict[tuple[int, str], _Matter] = {}
+    argues = any(recording.moves)
+    advised_at: dict[int, float] = {}
+    now: TimedEvent | None = None
+
+    def of(robot: int, matter: str, time: float) -> _Matter:
+        return open_.setdefault((robot, matter), _Matter(time))
+
+    def made(each: TimedEvent, robot: int, matter: str, choice: str, points: int | None = None) -> GameDecision:
+        about = open_.pop((robot, matter), _Matter(each.time))
+        command = each.before.robots[robot].command.by
+        # A robot that has the last word, and rejected a room, goes where it wants.
+        is_alone = about.alone or about.refused_last not in {"", choice}
+        by = "robot" if is_alone else "person" if command is Commander.PARTICIPANT else str(command)
+        rooms = rules.affordable(each.before, robot) if matter == "select-room" else ()
+        chosen = about.spoke if about.spoke is not None and by == "person" else each.time
+        return GameDecision(
+            robot=robot,
+            matter=matter,
+            by=by,
+            shown=about.shown,
+            chosen=chosen,
+            done=each.time,
+            options=tuple(str(room.people) for room in rooms),
+            choice=choice,
+            advice=about.advice,
+            advised=about.advised,
+            advice_from=about.advice_from,
+            confidence=about.confidence,
+            is_right=about.is_right,
+            first_choice=about.first_choice,
+            refused=about.refused,
+            dialogues=len(about.talks),
+            points=points,
+        )
+
+    for each in recording.happenings:
+        match each:
+            case TimedEvent(time, event):
+                now = each
+                match event:
+                    case GameStarted(robots=robots):
+                        for robot in range(robots):
+                            of(robot, "select-room", time)
+                    case RobotArrived(robot=robot):
+                        open_[robot, "take-picture"] = _Matter(time)
+                        open_[robot, "take-treasure"] = _Matter(time)
+                        open_[robot, "select-room"] = _Matter(time)
+                    case MoveFailed(robot=robot):
+                        open_[robot, "select-room"] = _Matter(time)
+                    case RoomAdvised(robot, room, _, planned, _, confidence):
+                        about = of(robot, "select-room", time)
+                        about.advice, about.advised, about.advice_from = str(room.people), time, "asked"
+                        about.confidence, about.is_right = confidence, room == planned
+                        advised_at[robot] = time
+                    case RobotDeparted(robot, room):
+                        yield made(each, robot, "select-room", str(room.people))
+                    case TreasurePictured(robot=robot, cost=cost) if cost > 0.0:
+                        yield made(each, robot, "take-picture", "picture")
+                    case TreasureIdentified(robot=int() as robot, name=str() as name, points=points):
+                        yield made(each, robot, "take-treasure", name, points)
+                        _come_up(open_, robot, time)
+                    case TreasureLeft(room) if (decider := each.before.decider(room)) is not None:
+                        yield made(each, decider, "take-treasure", "left")
+                        _come_up(open_, decider, time)
+            case TimedUtterance(time, said):
+                about = of(said.robot, said.scenario, time)
+                about.alone |= said.move == "decide-alone"
+                opens = said.dialogue not in about.talks
+                about.talks.add(said.dialogue)
+                if said.speaker == "human":
+                    about.spoke, about.refused_last = time, ""
+                elif said.move == "reject" and said.scenario == "select-room":
+                    about.refused_last = str(said.room)
+                # Robots that do not argue ask about the room that the person has chosen, or suggest one.
+                proposed = opens and not argues and said.scenario == "select-room" and said.room is not None
+                if proposed and advised_at.get(said.robot) != time and not about.first_choice and not about.advice:
+                    about.first_choice = str(said.room)
+            case TimedMove(time, move) if move.speaker == "robot" and _denied(move):
+                about = of(move.robot, "select-room" if _NEXT.search(move.content) else "take-treasure", time)
+                about.refused = True
+            case TimedMove(time, move) if move.locution == "assert" and not move.is_booked:
+                if goes := _NEXT.fullmatch(move.content):
+                    about = of(move.robot, "select-room", time)
+                    if move.speaker == "robot":
+                        about.argued(time, goes[1], is_right=None)
+                    elif not about.first_choice and not about.advice:
+                        about.first_choice = goes[1]
+                elif named := _TREASURE.fullmatch(move.content):
+                    about = of(move.robot, "take-treasure", time)
+                    if move.speaker == "robot":
+                        about.argued(time, named[1], is_right=_is_treasure(now, move.robot, named[1]))
+                    elif not about.first_choice and not about.advice:
+                        about.first_choice = named[1]
+
+
+def _denied(move: DialogueMoveRecord) -> bool:
+    """Return True for a move against a room or a name."""
+    if move.locution == "assert" and move.content.startswith("not "):
+        return bool(_NEXT.fullmatch(move.content[4:]) or _TREASURE.fullmatch(move.content[4:]))
+    return move.locution == "reject" and bool(_NEXT.fullmatch(move.content) or _TREASURE.fullmatch(move.content))
+
+
+def _come_up(open_: dict[tuple[int, str], _Matter], robot: int, time: float) -> None:
+    """After the treasure where a robot stands the next room comes up, unless it has been talked about already."""
+    about = open_.get((robot, "select-room"))
+    if about is not None and not about.talks and not about.advice:
+        open_[robot, "select-room"] = _Matter(time)
+
+
+def _is_treasure(now: TimedEvent | None, robot: int, name: str) -> bool | None:
+    if now is None or now.after.treasures is None or now.after.robots[robot].at.is_corridor:
+        return None
+    treasure = now.after.treasure(now.after.robots[robot].at)
+    return None if treasure is None else same_name(treasure.name, name)
+
+
+@dataclass(frozen=True, slots=True)
+class _Numbered:
+    """A decision of a trial with its number."""
+
+    run: Run
+    attempt: Attempt
+    number: int
+    made: GameDecision
+
+
+def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[GameDecision]) -> ExperimentTable:
+    """Return the rows of a trial's decisions."""
+    table: TableOf[_Numbered] = TableOf(
+        "decisions",
+        "a decision that was carried out in a trial",
+        (
+            *attempt_columns(design),
+            whole("decision", "number in the trial, from 1", lambda row: row.number, least=1),
+            whole("robot", "that it is about; counts from 1", lambda row: number_of(row.made.robot), least=1),
+            text("matter", "select-room, take-picture or take-treasure", lambda row: row.made.matter),
+            text("decided_by", "person, robot (alone), ground station or researcher", lambda row: row.made.by),
+            text(
+                "options",
+                "rooms to which the robot could be sent at the choice, by their numbers; none of other matters",
+                lambda row: "; ".join(row.made.options) or None,
+            ),
+            text("advice", "room or name that the robot advised; none: no advice", lambda row: row.made.advice or None),
+            text(
+                "advice_from",
+                "asked: the robot was asked, or offered it (event advised); argued: it asserted it in a dialogue game",
+                lambda row: row.made.advice_from or None,
+            ),
+            share("confidence", "stated with the advice", lambda row: row.made.confidence),
+            flag(
+                "advice_right",
+                "whether the robot's planner had chosen the advised room, or the advised name is the treasure's; none: "
+                "not recorded",
+                lambda row: row.made.is_right,
+            ),
+            text(
+                "first_choice",
+                "what the person proposed before the robot advised anything",
+                lambda row: row.made.first_choice or None,
+            ),
+            flag(
+                "disagreed",
+                "whether the robot rejected or denied the first choice, or advised another; none: no first choice",
+                lambda row: row.made.disagreed,
+            ),
+            text("choice", "room, name, picture, or left: the treasure was given up", lambda row: row.made.choice),
+            seconds(
+                "shown_s",
+                "simulated time since the game began at which the decision was there: of a room from started, arrived, "
+                "failed, or the end of the decision on the treasure where the robot stands; of a treasure from arrived",
+                lambda row: row.made.shown,
+            ),
+            seconds(
+                "decision_s",
+                "simulated time from then to the choice: the person's last sentence about it, or the act itself where "
+                "nothing was said",
+                lambda row: row.made.chosen - row.made.shown,
+            ),
+            seconds(
+                "after_advice_s",
+                "simulated time from the latest advice to the choice",
+                lambda row: None if row.made.advised is None else max(0.0, row.made.chosen - row.made.advised),
+            ),
+            flag(
+                "agreed", "whether the person chose what was advised; none without advice", lambda row: row.made.agreed
+            ),
+            flag(
+                "appropriate",
+                "appropriate reliance: right advice taken, or wrong advice refused",
+                lambda row: row.made.is_appropriate,
+            ),
+            flag(
+                "switched",
+                "whether the person left a first choice with which the robot disagreed; none: it did not disagree",
+                lambda row: row.made.switched,
+            ),
+            count("dialogues", "dialogues about it", lambda row: row.made.dialogues),
+            whole("points", "of a name that was given", lambda row: row.made.points),
+        ),
+    )
+    return table.of(_Numbered(trial.run, trial.attempt, number, each) for number, each in enumerate(made, start=1))

@@ -1,0 +1,175 @@
+"""Tables of answers, item by item, and of the scores that follow from them."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.export.families.attempts import (
+    Attempt,
+    AttemptSubject,
+    ItemTimes,
+    attempt_columns,
+    between,
+)
+from thbridge.experiment.export.families.described import (
+    ExperimentTable,
+    TableOf,
+    count,
+    flag,
+    number,
+    seconds,
+    text,
+)
+from thbridge.experiment.progress import Run
+from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE, Answer, keyed, scores_of
+from thbridge.experiment.store.events import JsonValue
+
+
+@dataclass(frozen=True, slots=True)
+class _GivenItem:
+    """An item that was shown in an attempt."""
+
+    run: Run
+    attempt: Attempt
+    item: Item
+    times: ItemTimes
+
+    @property
+    def answer(self) -> Answer | None:
+        """The answer given; None: none."""
+        return _answer(self.times.answer)
+
+
+@dataclass(frozen=True, slots=True)
+class GivenScore:
+    """A score of a form that was filled in.
+
+    Attributes:
+        run: of the person.
+        attempt: at the form.
+        subscale: name of the score.
+        items: of it.
+        value: None where too few of them were answered.
+        answered: how many were, with a number.
+    """
+
+    run: Run
+    attempt: Attempt
+    subscale: str
+    items: tuple[Item, ...]
+    value: float | None
+    answered: int
+
+
+def answers(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> ExperimentTable:
+    """Return the table of answers."""
+
+    def items() -> Iterator[_GivenItem]:
+        for subject, form in _with_forms(design, subjects):
+            known = {item.id: item for item in form.items}
+            for name, times in subject.attempt.items.items():
+                yield _GivenItem(subject.run, subject.attempt, known[name], times)
+
+    def value(row: _GivenItem) -> float | None:
+        is_number = row.item.scale in {*MEASURED, Scale.NUMBER}
+        return row.answer if isinstance(row.answer, float) and is_number else None
+
+    def is_right(row: _GivenItem) -> bool | None:
+        return None if row.item.correct is None else row.times.answer == row.item.correct
+
+    table: TableOf[_GivenItem] = TableOf(
+        "answers",
+        "an item that was shown",
+        (
+            *attempt_columns(design),
+            text("item", "id of the item in its form", lambda row: row.item.id),
+            text("scale", "how it is answered", lambda row: str(row.item.scale)),
+            text(
+                "answer",
+                "the answer as given; of several options, joined by semicolons; none: not answered",
+                lambda row: None if row.answer is None else _words(row.answer),
+            ),
+            flag(
+                "not_applicable",
+                "whether it was answered as not applicable",
+                lambda row: row.times.answer == NOT_APPLICABLE and row.item.not_applicable,
+            ),
+            number("value", "", "the answer as a number, as given; none where it is no number", value),
+            number(
+                "keyed",
+                "",
+                "the number that counts for the score: reversed where the form's key says so",
+                lambda row: _known(keyed(row.item, row.answer)) if row.item.subscale else None,
+            ),
+            flag("right", "of a check: whether the answer is right; none in other steps", is_right),
+            seconds(
+                "seen_s",
+                "from the item being shown to its answer",
+                lambda row: between(row.times.shown, row.times.given),
+            ),
+            seconds(
+                "hesitation_s",
+                "from the item being shown to the first touch",
+                lambda row: between(row.times.shown, row.times.touched),
+            ),
+            count("changes", "how often the answer was changed before it was given", lambda row: row.times.changes),
+            count("pasted", "characters that were pasted into it", lambda row: row.times.pasted),
+        ),
+    )
+    return table.of(items())
+
+
+def given_scores(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> list[GivenScore]:
+    """Return all scores."""
+    found = []
+    for subject, form in _with_forms(design, subjects):
+        items = subject.attempt.items.items()
+        given = {name: answer for name, times in items if (answer := _answer(times.answer)) is not None}
+        for subscale, score in scores_of(form, given).items():
+            of_it = form.subscales[subscale]
+            answered = sum(_known(keyed(item, given.get(item.id))) is not None for item in of_it)
+            found.append(GivenScore(subject.run, subject.attempt, subscale, of_it, _known(score), answered))
+    return found
+
+
+def scores(design: ExperimentDesign, given: Sequence[GivenScore]) -> ExperimentTable:
+    """Return the table of scores."""
+    table: TableOf[GivenScore] = TableOf(
+        "scores",
+        "a score of a form that was filled in",
+        (
+            *attempt_columns(design),
+            text("subscale", "name of the score in its form", lambda row: row.subscale),
+            number("score", "", "by the form's key; none where too few items were answered", lambda row: row.value),
+            count("items", "items of the score", lambda row: len(row.items)),
+            count("answered", "items of it that were answered with a number", lambda row: row.answered),
+        ),
+    )
+    return table.of(given)
+
+
+def _with_forms(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Iterator[tuple[AttemptSubject, Form]]:
+    for subject in subjects:
+        if (form := design.forms.get(subject.attempt.step.index)) is not None:
+            yield subject, form
+
+
+def _answer(given: JsonValue) -> Answer | None:
+    if isinstance(given, list):
+        return tuple(map(str, given))
+    if isinstance(given, int | float) and not isinstance(given, bool):
+        return float(given)
+    return given if isinstance(given, str) else None
+
+
+def _words(answer: Answer) -> str:
+    if isinstance(answer, tuple):
+        return "; ".join(answer)
+    return f"{answer:g}" if isinstance(answer, float) else answer
+
+
+def _known(value: float) -> float | None:
+    """None for NaN."""
+    return None if math.isnan(value) else value

@@ -1,0 +1,195 @@
+"""The recording of a trial's game, read for tables: events, utterances and moves with their times, and its course."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from thbridge.analysis.report.dialogues import DialogueGatherer, RecordedGame
+from thbridge.experiment.export.families.attempts import Attempt
+from thbridge.experiment.export.families.trials import Trial
+from thbridge.experiment.progress import Run
+from thbridge.files.errors import BadFile
+from thbridge.hunt import game
+from thbridge.hunt.codec import from_json
+from thbridge.hunt.events import DialogueOpened, DialogueSaid, Event, GameEnded, GameStarted
+from thbridge.recording.bag.reading.reader import RawMessage, info, messages
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.session_records import DialogueMoveRecord, UtteranceRecord
+from thbridge.ros.names import DIALOGUE_MOVES, DIALOGUE_STATES, GAME_EVENTS, UTTERANCES
+
+_TOPICS = (GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES)
+_NOT_OF_THE_GAME = frozenset({"collision", "appeared", "vanished", "died", "revived", "carried", "authored"})
+"""Kinds of recorded events that are no events of the hunt."""
+
+
+@dataclass(frozen=True, slots=True)
+class TimedEvent:
+    """An event of the hunt.
+
+    Attributes:
+        time: since the beginning of the game, s.
+        event: what happened.
+        before: state of the game before it.
+        after: state after it.
+    """
+
+    time: float
+    event: Event
+    before: game.GameState
+    after: game.GameState
+
+
+@dataclass(frozen=True, slots=True)
+class TimedUtterance:
+    """Something said, and when, seconds since the beginning of the game."""
+
+    time: float
+    said: UtteranceRecord
+
+
+@dataclass(frozen=True, slots=True)
+class TimedMove:
+    """A move in a dialogue game, and when, seconds since the beginning of the game."""
+
+    time: float
+    move: DialogueMoveRecord
+
+
+Happening = TimedEvent | TimedUtterance | TimedMove
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedTrial:
+    """A trial with what was recorded of its game.
+
+    Attributes:
+        trial: the trial.
+        recording: of its game.
+    """
+
+    trial: Trial
+    recording: "GameRecording"
+
+    @property
+    def run(self) -> Run:
+        """The person's run."""
+        return self.trial.run
+
+    @property
+    def attempt(self) -> Attempt:
+        """The attempt at the trial."""
+        return self.trial.attempt
+
+
+@dataclass(slots=True)
+class GameRecording:
+    """Parts of a game's recording that tables need; of a recording with several games, of the last.
+
+    Attributes:
+        happenings: events, utterances and moves, in order.
+        collisions: of each robot, by its index.
+        duration: from the beginning to the end of the game, or of the recording, s.
+        games: dialogue games.
+    """
+
+    happenings: list[Happening] = field(default_factory=list)
+    collisions: Counter[int] = field(default_factory=Counter)
+    duration: float = 0.0
+    games: tuple[RecordedGame, ...] = ()
+
+    @property
+    def events(self) -> Iterator[TimedEvent]:
+        """The events of the hunt."""
+        return (each for each in self.happenings if isinstance(each, TimedEvent))
+
+    @property
+    def utterances(self) -> Iterator[TimedUtterance]:
+        """Everything that was said."""
+        return (each for each in self.happenings if isinstance(each, TimedUtterance))
+
+    @property
+    def moves(self) -> Iterator[TimedMove]:
+        """Moves in dialogue games."""
+        return (each for each in self.happenings if isinstance(each, TimedMove))
+
+    @property
+    def robots(self) -> int:
+        """Number of robots."""
+        return next(len(each.after.robots) for each in self.events)
+
+
+def read_game(bag: Path) -> GameRecording:
+    """Read a game.
+
+    Raises:
+        BadFile: there is no game that this version reads.
+    """
+    builder = _Builder()
+    try:
+        for message in messages(bag, _TOPICS):
+            builder.take(message)
+        end_ns = info(bag).end_ns
+        return builder.recording(end_ns)
+    except ValueError as error:
+        remedy = "Export with the version of the program that recorded it"
+        raise BadFile(bag, f"its game cannot be read ({error})", remedy) from None
+
+
+class _Builder:
+    """Takes the messages of a recording."""
+
+    def __init__(self) -> None:
+        self._begin_ns = 0
+        self._state: game.GameState | None = None
+        self._recording = GameRecording()
+        self._dialogues = DialogueGatherer()
+        self._ended: float | None = None
+
+    def take(self, message: RawMessage) -> None:
+        """Take a message. Raises ValueError when it cannot be read."""
+        if message.md5 != types.plain_definition(message.msgtype).md5:
+            raise ValueError(f"{message.topic} holds another release's {message.msgtype}")
+        time = (message.stamp_ns - self._begin_ns) / 1e9
+        match message.msgtype:
+            case types.GAME_EVENT:
+                self._event(message.stamp_ns, message.data)
+            case types.UTTERANCE:
+                utterance = unpack.utterance(message.data)
+                self._dialogues.take_utterance(utterance)
+                self._recording.happenings.append(TimedUtterance(time, utterance))
+            case types.DIALOGUE_MOVE:
+                move = unpack.dialogue_move(message.data)
+                self._dialogues.take_move(time, move)
+                self._recording.happenings.append(TimedMove(time, move))
+            case types.DIALOGUE_STATE:
+                self._dialogues.take_state(unpack.dialogue_state(message.data))
+
+    def _event(self, stamp_ns: int, data: bytes) -> None:
+        record = unpack.game_event(data)
+        if record.kind in _NOT_OF_THE_GAME:
+            if record.kind == "collision" and record.robot is not None:
+                self._recording.collisions[record.robot] += 1
+            return
+        event = from_json(record.json)
+        if isinstance(event, DialogueOpened | DialogueSaid):
+            raise ValueError(f"an event {record.kind}, which only journals have")
+        if isinstance(event, GameStarted):
+            self._recording, self._dialogues, self._ended = GameRecording(), DialogueGatherer(), None
+            self._begin_ns, self._state = stamp_ns, game.begin(event)
+        if self._state is None:
+            raise ValueError("it has no beginning of a game")
+        time, before = (stamp_ns - self._begin_ns) / 1e9, self._state
+        self._state = game.apply(before, event)
+        if isinstance(event, GameEnded):
+            self._ended = time
+        self._recording.happenings.append(TimedEvent(time, event, before, self._state))
+
+    def recording(self, end_ns: int | None) -> GameRecording:
+        """Return what was taken. Raises ValueError when there was no game."""
+        if self._state is None:
+            raise ValueError("it has no game")
+        end = 0.0 if end_ns is None else (end_ns - self._begin_ns) / 1e9
+        self._recording.duration = end if self._ended is None else self._ended
+        self._recording.games = self._dialogues.dialogues().games
+        return self._recording

@@ -1,0 +1,76 @@
+"""Table of all events of a log."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from thbridge.experiment.export.families.described import ExperimentTable, TableOf, count, flag, number, text, whole
+from thbridge.experiment.progress import Progress, RunState
+from thbridge.experiment.store.events import LoggedEvent
+
+LEFT_OUT = frozenset({"external_id", "code"})
+"""What is said of events but never exported: people could be found by it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _TableEvent:
+    """An event, and whether the run that it belongs to counts."""
+
+    entry: LoggedEvent
+    counts: bool
+
+
+def log_events(progress: Progress, events: Sequence[LoggedEvent]) -> ExperimentTable:
+    """Return the table of events."""
+    table: TableOf[_TableEvent] = TableOf(
+        "events",
+        "an event of the log",
+        (
+            whole(
+                "sequence",
+                "number of the event in the log; those missing were deleted by withdrawals",
+                lambda row: row.entry.sequence,
+                least=1,
+            ),
+            text("kind", "what happened", lambda row: row.entry.event.kind),
+            text("actor", "who did it", lambda row: row.entry.event.actor),
+            text("participant", "id of the person; none: nobody's", lambda row: row.entry.event.participant or None),
+            flag("counts", "whether it belongs to a run that is complete and was not excluded", lambda row: row.counts),
+            count("step", "number of the step, from 1; 0: none", lambda row: row.entry.event.step),
+            text("condition", "condition of the step", lambda row: row.entry.event.condition or None),
+            count(
+                "cause", "sequence of the event that it follows from; 0: from none", lambda row: row.entry.event.cause
+            ),
+            text(
+                "wall",
+                "date and time, UTC; wall clocks jump, so order by sequence",
+                lambda row: row.entry.event.clocks.wall,
+            ),
+            whole(
+                "monotonic_ns",
+                "clock of the program that saw it; of no meaning beside another program's",
+                lambda row: row.entry.event.clocks.monotonic_ns,
+                "ns",
+            ),
+            number(
+                "simulated_s",
+                "s",
+                "simulated time; none outside of games",
+                lambda row: row.entry.event.clocks.simulated,
+            ),
+            text(
+                "data",
+                f"what else there is to say, as JSON; without {' and '.join(sorted(LEFT_OUT))}",
+                lambda row: json.dumps(
+                    {name: value for name, value in (row.entry.event.data or {}).items() if name not in LEFT_OUT},
+                    ensure_ascii=False,
+                ),
+            ),
+        ),
+    )
+
+    def counts(person: str) -> bool:
+        run = progress.runs.get(person)
+        return run is not None and run.state is RunState.COMPLETE
+
+    return table.of(_TableEvent(entry, counts(entry.event.participant)) for entry in events)

@@ -1,0 +1,118 @@
+"""Tables of people and of the steps that they went through."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.export.families.attempts import (
+    Attempt,
+    AttemptSubject,
+    attempt_columns,
+    run_columns,
+)
+from thbridge.experiment.export.families.described import ExperimentTable, TableOf, count, flag, seconds, text
+from thbridge.experiment.progress import Progress, Run, StepOutcome
+
+
+@dataclass(frozen=True, slots=True)
+class _Person:
+    """A run with its attempts."""
+
+    run: Run
+    attempts: Sequence[Attempt]
+
+    @property
+    def consent(self) -> Attempt | None:
+        """The answered question for consent."""
+        asked = [each for each in self.attempts if each.step.entry.step is StepKind.CONSENT and each.outcome]
+        return asked[-1] if asked else None
+
+    @property
+    def agreed(self) -> bool | None:
+        """Their answer; None: they were not asked."""
+        if self.consent is None:
+            return None
+        told = {} if self.consent.consent is None else self.consent.consent
+        return bool(told.get("agrees", self.consent.outcome is StepOutcome.DONE))
+
+    def told_of_consent(self, name: str) -> str | None:
+        """Return what the log has of their answer."""
+        told = None if self.consent is None or self.consent.consent is None else self.consent.consent.get(name)
+        return None if told is None else str(told)
+
+
+def participants(
+    design: ExperimentDesign, progress: Progress, attempts: Mapping[str, Sequence[Attempt]]
+) -> ExperimentTable:
+    """Return the table of people."""
+
+    def duration(person: _Person) -> float | None:
+        known = [each.duration for each in person.attempts]
+        return math.fsum(each or 0.0 for each in known) if known and None not in known else None
+
+    def order(person: _Person) -> str:
+        return "; ".join(design.conditions[index].name for index in design.orders[person.run.place.order])
+
+    table: TableOf[_Person] = TableOf(
+        "participants",
+        "a person who began",
+        (
+            *run_columns(design),
+            text("state", "under way, complete, declined, left or excluded", lambda row: str(row.run.state)),
+            text("reason", "for leaving or being excluded", lambda row: row.run.reason or None),
+            count("place", "number of the place, from 0", lambda row: row.run.place.number),
+            text(
+                "cell",
+                "combination of levels of all factors between people; none where nothing differs between them",
+                lambda row: design.cells[row.run.place.cell].name or None,
+            ),
+            text("order", "conditions in the order in which this person meets them", order),
+            text("began", "date and time, UTC", lambda row: row.attempts[0].began if row.attempts else None),
+            text(
+                "ended",
+                "date and time of the last step's end, UTC",
+                lambda row: row.attempts[-1].ended or None if row.attempts else None,
+            ),
+            seconds("duration_s", "time in all steps, by the program's clock; none where one was resumed", duration),
+            flag("agreed", "whether the person agreed to take part; none: not asked", lambda row: row.agreed),
+            text(
+                "agreed_at",
+                "date and time of the answer, UTC",
+                lambda row: None if row.consent is None else row.consent.ended,
+            ),
+            text(
+                "consent_sha256",
+                "SHA-256 of the text that the person agreed to; none where the log does not have it",
+                lambda row: row.told_of_consent("version"),
+            ),
+        ),
+    )
+    return table.of(_Person(run, attempts[person]) for person, run in progress.runs.items())
+
+
+def steps(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> ExperimentTable:
+    """Return the table of attempts at steps."""
+    table: TableOf[AttemptSubject] = TableOf(
+        "steps",
+        "a time that a person went through a step",
+        (
+            *attempt_columns(design),
+            text(
+                "outcome",
+                "done, failed, passed over or lost; none while it is under way",
+                lambda row: None if row.attempt.outcome is None else str(row.attempt.outcome),
+            ),
+            text("began", "date and time, UTC", lambda row: row.attempt.began),
+            seconds(
+                "duration_s",
+                "time in the step, by the program's clock: of a text that of reading it; none where it was resumed",
+                lambda row: row.attempt.duration,
+            ),
+            count("resumed", "how often another program went on with it", lambda row: row.attempt.resumed),
+            count("away", "how often another window had keys and clicks", lambda row: row.attempt.away),
+            seconds("away_s", "how long it had them", lambda row: row.attempt.away_ns / 1e9),
+        ),
+    )
+    return table.of(subjects)

@@ -1,0 +1,136 @@
+"""Table of reliance: how often right advice was taken and wrong advice refused, and stated trust beside it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.export.families.attempts import Attempt, attempt_columns
+from thbridge.experiment.export.families.decisions import GameDecision
+from thbridge.experiment.export.families.described import ExperimentTable, TableOf, count, number, share
+from thbridge.experiment.export.families.forms import GivenScore
+from thbridge.experiment.export.families.trials import Trial
+from thbridge.experiment.progress import Run
+
+TRUST = "trust"
+"""Subscale that states trust."""
+
+
+@dataclass(frozen=True, slots=True)
+class RelianceSubject:
+    """Reliance in a trial.
+
+    Attributes:
+        run: of the person.
+        attempt: at the trial.
+        set_rate: share of advice that the study had err.
+        advised: decisions of the person on advice.
+        trust: stated after it, 0 to 1; None: not.
+    """
+
+    run: Run
+    attempt: Attempt
+    set_rate: float | None
+    advised: tuple[GameDecision, ...]
+    trust: float | None
+
+    def shares(self, name: str, *, right: bool | None = None) -> float | None:
+        """Return the share of decisions for which this is so, among those on right or wrong advice."""
+        of_them = [each for each in self.advised if right is None or each.is_right is right]
+        known = [value for each in of_them if (value := getattr(each, name)) is not None]
+        return sum(known) / len(known) if known else None
+
+    @property
+    def refused_wrong(self) -> float | None:
+        """Share of wrong advice that was not taken."""
+        taken = self.shares("agreed", right=False)
+        return None if taken is None else 1.0 - taken
+
+    @property
+    def error_rate(self) -> float | None:
+        """Share of advice that was wrong, where that is known."""
+        right = self.shares("is_right")
+        return None if right is None else 1.0 - right
+
+    @property
+    def calibration(self) -> float | None:
+        """Stated trust less the share of right advice."""
+        return None if self.trust is None or self.error_rate is None else self.trust - (1.0 - self.error_rate)
+
+
+def reliance_of(
+    design: ExperimentDesign, trial: Trial, made: Sequence[GameDecision], scores: Sequence[GivenScore]
+) -> RelianceSubject:
+    """Return the reliance in a trial.
+
+    Args:
+        design: the experiment.
+        trial: the trial.
+        made: its decisions.
+        scores: all scores of the person.
+    """
+    step, rate = trial.attempt.step, None
+    if step.condition is not None:
+        rate = design.cells[trial.run.place.cell].studies[step.condition].dialogue.adviser_error_rate
+    trust = [
+        (each.value - least) / (greatest - least)
+        for each in scores
+        if each.subscale == TRUST and each.attempt.step.condition == step.condition and each.value is not None
+        for least, greatest in [_range(each)]
+    ]
+    advised = tuple(each for each in made if each.agreed is not None)
+    return RelianceSubject(trial.run, trial.attempt, rate, advised, trust[-1] if trust else None)
+
+
+def _range(score: GivenScore) -> tuple[float, float]:
+    """Least and greatest value of a score that is a mean of its items."""
+    least, greatest = min(item.least for item in score.items), max(item.greatest for item in score.items)
+    return least, greatest
+
+
+def reliance(design: ExperimentDesign, subjects: Sequence[RelianceSubject]) -> ExperimentTable:
+    """Return the rows of reliance in trials."""
+    table: TableOf[RelianceSubject] = TableOf(
+        "reliance",
+        "a trial: how the person relied on the robots' advice",
+        (
+            *attempt_columns(design),
+            count("advised", "decisions of the person on advice, of any matter", lambda row: len(row.advised)),
+            count(
+                "advised_known",
+                "those of them whose advice is known to be right or wrong",
+                lambda row: sum(each.is_right is not None for each in row.advised),
+            ),
+            share("agreed", "share of advice that was taken", lambda row: row.shares("agreed")),
+            share(
+                "taken_when_right", "share of right advice that was taken", lambda row: row.shares("agreed", right=True)
+            ),
+            share("refused_when_wrong", "share of wrong advice that was not taken", lambda row: row.refused_wrong),
+            share(
+                "appropriate",
+                "appropriate reliance: right advice taken and wrong advice refused, over all known advice",
+                lambda row: row.shares("is_appropriate"),
+            ),
+            share(
+                "switched",
+                "share of first choices with which a robot disagreed that the person left",
+                lambda row: row.shares("switched"),
+            ),
+            share("error_rate_set", "share of advice that the study had err", lambda row: row.set_rate),
+            share("error_rate", "share of known advice in this trial that was wrong", lambda row: row.error_rate),
+            share(
+                "trust",
+                "the score trust of the form filled in for the same condition, from 0 (least possible) to 1",
+                lambda row: row.trust,
+            ),
+            number(
+                "calibration",
+                "",
+                "trust less the share of right advice: above 0 more trust than the advice deserved; none where either "
+                "is not known",
+                lambda row: row.calibration,
+                -1,
+                1,
+            ),
+        ),
+    )
+    return table.of(subjects)

@@ -1,0 +1,155 @@
+"""Table of trials, and whether their recordings are still what was recorded."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.export.families.attempts import Attempt, AttemptSubject, attempt_columns, seed_of
+from thbridge.experiment.export.families.described import (
+    ExperimentTable,
+    TableOf,
+    count,
+    flag,
+    number,
+    seconds,
+    text,
+    whole,
+)
+from thbridge.experiment.progress import Run, StepOutcome
+from thbridge.experiment.store.events import JsonValue
+
+
+class RecordingState(StrEnum):
+    """State of the recording of a game."""
+
+    AS_RECORDED = "as recorded"
+    CHANGED = "changed"
+    """Its hash is not the one in the log."""
+    MISSING = "missing"
+    NONE = "none"
+    """No game was played, or none to its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A game that a person was to play, in a trial or for practice.
+
+    Attributes:
+        run: of the person.
+        attempt: at its step.
+        recording: state of its recording.
+    """
+
+    run: Run
+    attempt: Attempt
+    recording: RecordingState
+
+    @property
+    def bag(self) -> str | None:
+        """Path of its recording in the study's folder; None without one."""
+        told = self.told("bag")
+        return None if told is None else str(told)
+
+    def told(self, name: str) -> JsonValue:
+        """Return what the log has of the game."""
+        return None if self.attempt.game is None else self.attempt.game.get(name)
+
+
+def trials_of(subjects: Sequence[AttemptSubject], root: Path) -> list[Trial]:
+    """Return the games of all attempts, and look at their recordings in the study's folder."""
+    games = {StepKind.TRIAL, StepKind.PRACTICE}
+    return [
+        Trial(subject.run, subject.attempt, _state(subject.attempt, root))
+        for subject in subjects
+        if subject.attempt.step.entry.step in games and subject.attempt.outcome is not StepOutcome.PASSED_OVER
+    ]
+
+
+def _state(attempt: Attempt, root: Path) -> RecordingState:
+    if attempt.game is None or "bag" not in attempt.game:
+        return RecordingState.NONE
+    try:
+        with (root / str(attempt.game["bag"])).open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return RecordingState.MISSING
+    return RecordingState.AS_RECORDED if digest == attempt.game.get("sha256") else RecordingState.CHANGED
+
+
+def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTable:
+    """Return the table of trials."""
+
+    def condition(row: Trial) -> str | None:
+        index = row.attempt.step.condition
+        return None if index is None else design.conditions[index].name or None
+
+    def told_number(row: Trial, name: str) -> float | None:
+        value = row.told(name)
+        return float(value) if isinstance(value, int | float) else None
+
+    def told_count(row: Trial, name: str) -> int | None:
+        value = row.told(name)
+        return value if isinstance(value, int) else None
+
+    def told_text(row: Trial, name: str) -> str | None:
+        value = row.told(name)
+        return None if value is None else str(value)
+
+    table: TableOf[Trial] = TableOf(
+        "trials",
+        "a game of a person; those of practice are marked by kind and counts",
+        (
+            *attempt_columns(design),
+            text("condition", "levels of all factors within people", condition),
+            text(
+                "cell",
+                "combination of levels of all factors between people; none where nothing differs between them",
+                lambda row: design.cells[row.run.place.cell].name or None,
+            ),
+            whole("seed", "of all that is chance in the game", lambda row: seed_of(design, row.attempt)),
+            whole("score", "points at the end", lambda row: told_count(row, "score")),
+            text(
+                "over",
+                "why the game ended: all-visited, no-move-left or given-up; none: it was ended by the time limit",
+                lambda row: told_text(row, "over"),
+            ),
+            count("rooms_visited", "rooms that robots reached", lambda row: told_count(row, "rooms_visited")),
+            count("identified", "treasures named, rightly or wrongly", lambda row: told_count(row, "identified")),
+            seconds(
+                "sim_seconds",
+                "simulated time from start to end of the game",
+                lambda row: told_number(row, "sim_seconds"),
+            ),
+            number("energy_left", "", "energy left to all robots", lambda row: told_number(row, "energy_left")),
+            text("began", "date and time, UTC", lambda row: row.attempt.began),
+            seconds(
+                "duration_s",
+                "time in the step, by the program's clock; none where it was resumed",
+                lambda row: row.attempt.duration,
+            ),
+            count("resumed", "how often another program went on with it", lambda row: row.attempt.resumed),
+            count(
+                "crashed",
+                "how many games were begun in it and not gone on with",
+                lambda row: row.attempt.broken_off + (row.attempt.outcome is StepOutcome.LOST),
+            ),
+            flag(
+                "finished",
+                "whether the step came to its end",
+                lambda row: row.attempt.outcome is StepOutcome.DONE,
+            ),
+            text("bag", "recording of the game, in the study's folder; none without one", lambda row: row.bag),
+            text("sha256", "SHA-256 of the recording, as in the log", lambda row: told_text(row, "sha256")),
+            text(
+                "recording",
+                "whether the recording is as recorded, changed or missing at this export; none: there is none. Tables "
+                "of games have rows only of those as recorded",
+                lambda row: str(row.recording),
+            ),
+        ),
+    )
+    return table.of(subjects)
