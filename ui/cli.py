@@ -28,6 +28,7 @@ from ui.commands.study.experiment import (
     study_freeze,
     study_new,
     study_rehearse,
+    study_run,
     study_status,
     study_watch,
     study_withdraw,
@@ -75,6 +76,7 @@ maps_app.command("edit")(maps_edit)
 app.add_typer(maps_app, name="maps")
 study_app.command("edit")(study_edit)
 study_app.command("new")(study_new)
+study_app.command("run")(study_run)
 study_app.command("rehearse")(study_rehearse)
 study_app.command("status")(study_status)
 study_app.command("watch")(study_watch)

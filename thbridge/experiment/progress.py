@@ -95,12 +95,13 @@ class Run:
         reason: for being excluded, or for leaving.
         step: number of the step that comes next, or is under way; one beyond the last when all are done.
         under_way: True while that step is.
+        begun: how often each step has begun, by its number in the plan.
         attempts: how often each check has been tried, by its number in the plan.
         failed: numbers of the checks that were failed for good.
         answers: the last answer to each item, by `STEP.ITEM`.
         given: the answers given in the step under way, by the item's id.
         drafts: answers that were begun or changed there, and not given since.
-        game_played: True when the game of that step has its recording.
+        game: what the log keeps of the game of that step; None: it has no recording yet.
         last_outcome: of the step that ended last; None: none has.
         code: completion code; empty before the run is complete.
         recruiting_code: the one told by the person; None: not yet.
@@ -115,12 +116,13 @@ class Run:
     reason: str = ""
     step: int = 1
     under_way: bool = False
+    begun: Mapping[int, int] = field(default_factory=dict)
     attempts: Mapping[int, int] = field(default_factory=dict)
     failed: frozenset[int] = frozenset()
     answers: Mapping[str, JsonValue] = field(default_factory=dict)
     given: Mapping[str, JsonValue] = field(default_factory=dict)
     drafts: Mapping[str, JsonValue] = field(default_factory=dict)
-    game_played: bool = False
+    game: Mapping[str, JsonValue] | None = None
     last_outcome: StepOutcome | None = None
     code: str = ""
     recruiting_code: str | None = None
@@ -215,7 +217,8 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
         case EventKind.STEP_BEGUN:
             if event.step != run.step or run.under_way:
                 raise BadHistory(f"{run.participant} begins step {event.step} where {run.step} is next")
-            return dataclasses.replace(run, under_way=True, given={}, drafts={}, game_played=False)
+            begun = {**run.begun, event.step: run.begun.get(event.step, 0) + 1}
+            return dataclasses.replace(run, under_way=True, begun=begun, given={}, drafts={}, game=None)
         case EventKind.STEP_RESUMED if data.get("from") == ResumeRule.BEGINNING:
             return dataclasses.replace(run, given={}, drafts={})
         case EventKind.ITEM_CHANGED if run.under_way and "answer" in data:
@@ -227,7 +230,7 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             drafts = {other: draft for other, draft in run.drafts.items() if other != item}
             return dataclasses.replace(run, answers=answers, given=given, drafts=drafts)
         case EventKind.GAME_PLAYED:
-            return dataclasses.replace(run, game_played=True)
+            return dataclasses.replace(run, game=data)
         case EventKind.STEP_ENDED:
             return _ended(run, event.step, StepOutcome(str(data["outcome"])))
         case EventKind.RUN_ENDED:

@@ -31,6 +31,12 @@ PRACTICE = Study(map="practice", templates="practice", robots=1)
 """A hall and two rooms, with treasures that no other set has."""
 
 
+def practice_setting(study: Study) -> StudySetting:
+    """Return the setting of the practice game, with what a study says of chance, server and sound."""
+    told = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
+    return setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=told), None)
+
+
 def offer_of(setting: StudySetting, given: bool) -> Offer:
     """Return the numbers of robots that a participant may choose, the rules of the game, and what they agree to.
 
@@ -95,9 +101,7 @@ class WindowGames:
 
     def practice(self) -> PlayGame:
         """A short game to learn how it goes; it is not recorded."""
-        told = dataclasses.replace(PRACTICE.participant, sound=self.study.participant.sound)
-        study = dataclasses.replace(PRACTICE, seed=self.study.seed, server=self.study.server, participant=told)
-        setting = setting_of(study, None)
+        setting = practice_setting(self.study)
 
         async def play(visit: GameVisit) -> None:
             options = dataclasses.replace(

@@ -26,6 +26,7 @@ from ui.model.screen import (
     FinishNumber,
     FitMap,
     FollowRobot,
+    GoOnFromGame,
     LeaveTreasure,
     NextRobot,
     Phase,
@@ -82,7 +83,11 @@ CONSENT = (
     KeyBinding(("A",), AgreeToTakePart(), "Agree to take part"),
     KeyBinding(("N",), DeclineToTakePart(), "Do not take part"),
 )
-OVER = (KeyBinding(("A",), AnotherGame(), "Play another game"),)
+OVER = (
+    KeyBinding(("A",), AnotherGame(), "Play another game"),
+    KeyBinding(("Enter",), GoOnFromGame(), "Go on with what comes after the game"),
+)
+"""Keys once the game is over, one for each of the ways on; the page offers one of them."""
 QUESTION = (
     KeyBinding(("Y",), Confirm(), "Yes, to a question of the program"),
     KeyBinding(("N", "Esc"), Cancel(), "No, to a question of the program"),
@@ -152,7 +157,8 @@ def act_for(key: str, screen: Screen) -> Act | None:
         case Phase.CONSENT:
             return _bound(key, CONSENT)
         case Phase.OVER:
-            return _bound(key, OVER)
+            act = _bound(key, OVER)
+            return act if screen.ending is not None and screen.ending.again.act == act else None
         case Phase.PLAYING:
             return _playing(key, screen)
         case Phase.CONNECTING:

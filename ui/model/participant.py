@@ -30,12 +30,18 @@ class Participant:
         time_of_day: returns the time of day, for the record of an agreement to take part.
         sound_on: True when the participant wants sounds.
         can_sound: True where there is something to play them with.
+        once: True where one game is played, and something else follows.
     """
 
     def __init__(
-        self, time_of_day: Callable[[], str] = utc_now, *, sound_on: bool = True, can_sound: bool = True
+        self,
+        time_of_day: Callable[[], str] = utc_now,
+        *,
+        sound_on: bool = True,
+        can_sound: bool = True,
+        once: bool = False,
     ) -> None:
-        self._memory = ParticipantMemory(time_of_day=time_of_day, sound_on=sound_on, can_sound=can_sound)
+        self._memory = ParticipantMemory(time_of_day=time_of_day, sound_on=sound_on, can_sound=can_sound, once=once)
         self._playback = MotionPlayback()
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None

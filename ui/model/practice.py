@@ -10,7 +10,7 @@ def advice(screen: Screen) -> str:
     if screen.phase is Phase.CONSENT:
         return "Read the text, and agree if you want to take part."
     if screen.ending is not None or screen.phase is Phase.OVER:
-        return "That was the practice game. Go back to the start page when you are ready."
+        return "That was the practice game. Go on when you are ready."
     if screen.confirmation is not None:
         return "The program asks before it does what cannot be undone."
     if isinstance(screen.popup, TreasurePopup):

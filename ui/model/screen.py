@@ -216,6 +216,11 @@ class AnotherGame(Act):
 
 
 @dataclass(frozen=True, slots=True)
+class GoOnFromGame(Act):
+    """Go on with what comes after the game, which is over."""
+
+
+@dataclass(frozen=True, slots=True)
 class ShowHelp(Act):
     """Open or close the sheet of rules and keys."""
 

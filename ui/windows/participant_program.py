@@ -7,7 +7,7 @@ It connects the window (`ParticipantWindow`), its model (`Participant`) and the 
 import time
 from collections.abc import Callable
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QApplication,
@@ -66,7 +66,14 @@ class GamePage(QWidget):
         practice: it is the practice game, whose strip says what to do next.
         back: goes back to the start page; None where there is none.
         clock: monotonic seconds.
+        way_back: label of that button.
+        once: True where one game is played and something else follows: its end is shown as it was when it came.
+
+    Attributes:
+        seen_over: the end of the game is shown.
     """
+
+    seen_over = Signal()
 
     def __init__(
         self,
@@ -75,14 +82,18 @@ class GamePage(QWidget):
         practice: bool,
         back: Callable[[], None] | None,
         clock: Callable[[], float],
+        way_back: str = "Back to the start page",
+        once: bool = False,
     ) -> None:
         super().__init__()
         self._link = link
         self._clock = clock
         self._practice = practice
+        self._once = once
+        self._is_over = False
         command, self._settings = system_player(), look.user_settings()
         self._model = Participant(
-            sound_on=bool(self._settings.value(SOUND_KEY, True, bool)), can_sound=command is not None
+            sound_on=bool(self._settings.value(SOUND_KEY, True, bool)), can_sound=command is not None, once=once
         )
         self._sound_on = self._model.sound_on
         self._sounds = SoundPlayer(self, command)
@@ -91,13 +102,13 @@ class GamePage(QWidget):
         appearance.changed.connect(self.window_of_game.set_palette)
         rows = spaced(QVBoxLayout(self), 0, 0)
         self._strip, self._advice = QWidget(), look.label()
-        self._build_strip(back)
+        self._build_strip(back, way_back)
         rows.addWidget(self._strip)
         rows.addWidget(self.window_of_game, 1)
         self.setFocusProxy(self.window_of_game)
         link.start()
 
-    def _build_strip(self, back: Callable[[], None] | None) -> None:
+    def _build_strip(self, back: Callable[[], None] | None, way_back: str) -> None:
         row = QHBoxLayout(self._strip)
         row.setContentsMargins(2 * GAP, GAP, 2 * GAP, GAP)
         self._strip.setAccessibleName("Practice game" if self._practice else "This game")
@@ -109,7 +120,7 @@ class GamePage(QWidget):
         row.addWidget(self._advice, 1)
         if back is not None:
             button = ActionButton()
-            button.show_face(ButtonFace("Back to the start page", "F10"), "Back to the start page")
+            button.show_face(ButtonFace(way_back, "F10"), way_back)
             button.clicked.connect(back)
             key = QShortcut(QKeySequence("F10"), self)
             key.activated.connect(button.click)
@@ -132,6 +143,8 @@ class GamePage(QWidget):
 
     def pump(self) -> None:
         """Take the events from the server, and set the open requests."""
+        if self._once and self._is_over:
+            return  # Its server may stop now.
         now = self._clock()
         for received in self._link.take_events():
             match received.event:
@@ -147,8 +160,20 @@ class GamePage(QWidget):
         screen = self._model.screen(now)
         if self._practice:
             set_text(self._advice, advice(screen))
-        else:
+        elif not self._once:
             self._strip.setVisible(screen.phase is Phase.OVER)
+        if screen.phase is Phase.OVER and not self._is_over:
+            self._is_over = True
+            self.seen_over.emit()
+
+    @property
+    def is_over(self) -> bool:
+        """True once the end of the game is shown."""
+        return self._is_over
+
+    def disconnect_from_game(self) -> None:
+        """Leave the server, and go on showing the end of the game."""
+        self._link.stop()
 
     def _keep_sound(self, on: bool) -> None:
         """Keep the participant's choice for other games; be silent at once where it is that."""

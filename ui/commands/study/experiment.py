@@ -1,4 +1,4 @@
-"""Commands for studies with people: `thbridge study new`, `status`, `watch`, `freeze`, `export`, `withdraw`, ..."""
+"""Commands for studies with people: `thbridge study new`, `run`, `status`, `watch`, `freeze`, `export`, ..."""
 
 import secrets
 import shutil
@@ -83,6 +83,25 @@ def study_watch(
     from ui.windows.desk.program import show_hosted
 
     raise typer.Exit(show_hosted(look.value))
+
+
+def study_run(
+    folder: FolderOfExperiment,
+    windowed: Annotated[bool, typer.Option("--windowed", help="In a window, not on the full screen.")] = False,
+    look: LookOption = ColourScheme.SYSTEM,
+    hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
+) -> None:
+    """Have people go through the study at this computer, one after the other; after a crash it goes on where it was."""
+    if hosted:
+        from ui.windows.kiosk.window import open_kiosk
+
+        raise typer.Exit(open_kiosk(look.value, windowed=windowed))
+    from ui.actions.study_run import run_study
+
+    why = why_no_window()
+    if why is not None:
+        fail(BAD_INPUT, why)
+    run_study(folder, ("--look", look.value, *(["--windowed"] if windowed else [])))
 
 
 def study_freeze(folder: FolderOfExperiment) -> None:

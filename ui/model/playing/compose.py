@@ -61,7 +61,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         confirmation=None if playing is None else confirmation(memory, playing),
         waiting=() if playing is None else _waiting(playing),
         history=memory.history.lines,
-        ending=game_over_page(hunt) if hunt is not None and phase is Phase.OVER else None,
+        ending=game_over_page(hunt, memory.once) if hunt is not None and phase is Phase.OVER else None,
         help=_help(memory, hunt) if memory.help_open else (),
         typed=memory.typed,
         announcement="",

@@ -32,6 +32,7 @@ from ui.model.screen import (
     DeclineToTakePart,
     DialoguePopup,
     FitMap,
+    GoOnFromGame,
     Phase,
     PickName,
     RoomTile,
@@ -86,9 +87,11 @@ class ParticipantWindow(QWidget):
     Attributes:
         declined: the participant does not take part in the study.
         sounded: a `GameSound` is to be heard.
+        went_on: the participant goes on with what comes after the game.
     """
 
     declined = Signal()
+    went_on = Signal()
     sounded = Signal(object)
 
     def __init__(self, model: Participant, clock: Callable[[], float], palette: Palette) -> None:
@@ -209,6 +212,9 @@ class ParticipantWindow(QWidget):
         if (picks or act in self._popped) and now - since < ANSWER_DELAY:
             return
         if isinstance(act, TypeDigit) and now - self._digits_at < ANSWER_DELAY:
+            return
+        if isinstance(act, GoOnFromGame):
+            self.went_on.emit()
             return
         self._model.do(act, now)
         if isinstance(act, FitMap):

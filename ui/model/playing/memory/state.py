@@ -220,6 +220,7 @@ class ParticipantMemory:
         sound_on: True while the participant wants sounds.
         can_sound: True where there is something to play them with.
         sounds: those to be heard with the next screen.
+        once: True where one game is played, and something else follows.
     """
 
     hunt: HuntMemory | None = None
@@ -242,6 +243,7 @@ class ParticipantMemory:
     sound_on: bool = True
     can_sound: bool = True
     sounds: list[GameSound] = field(default_factory=list)
+    once: bool = False
 
     def motion(self, robot: int) -> RobotMotion:
         """Progress of a robot on its path by the last telemetry; an older program that moves robots sends none."""

@@ -6,7 +6,7 @@ from thbridge.roles.view import Debrief, PlayAgain, RoomDebrief, RoomView
 from ui.model.keys import keyed
 from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.words import as_sentence, counted, scored, verdict_words
-from ui.model.screen import AnotherGame, GameOverPage
+from ui.model.screen import AnotherGame, GameOverPage, GoOnFromGame
 
 _ENDS = {
     EndReason.ALL_VISITED.value: "Every room has been visited.",
@@ -15,8 +15,8 @@ _ENDS = {
 }
 
 
-def game_over_page(hunt: HuntMemory) -> GameOverPage:
-    """The reason why the game is over, and its results."""
+def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
+    """The reason why the game is over, and its results; `once` where no other game follows."""
     view = hunt.view
     visited = sum(room.state == "visited" for room in view.rooms)
     verdicts = [room.verdict for room in view.rooms if room.verdict is not None]
@@ -35,6 +35,8 @@ def game_over_page(hunt: HuntMemory) -> GameOverPage:
     lines.append(debrief.farewell or "Thank you for playing.")
     busy = PlayAgain(view.game) in hunt.pending
     again = keyed(AnotherGame(), "Play again", not busy, "With treasures hidden anew.", busy)
+    if once:
+        again = keyed(GoOnFromGame(), "Continue")
     return GameOverPage(f"The game is over. Score: {scored(view.score)}", tuple(lines), again)
 
 

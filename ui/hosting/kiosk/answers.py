@@ -1,0 +1,62 @@
+"""Items and answers on their way between a form and the window in which it is filled in."""
+
+from thbridge.experiment.questionnaires.form import Item, Scale
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
+from thbridge.experiment.store.events import JsonValue
+from ui.model.kiosk import Answer, FormItem
+
+LONGEST = 20_000
+"""Characters of a text that are taken."""
+
+
+def form_item(item: Item) -> FormItem:
+    """Return what people see of an item: neither its key nor what is right."""
+    return FormItem(
+        id=item.id,
+        text=item.text,
+        scale=item.scale.value,
+        words=item.words,
+        low=item.low,
+        high=item.high,
+        minimum=item.minimum,
+        maximum=item.maximum,
+        step=item.step,
+        unit=item.unit,
+        options=item.options,
+        several=item.several,
+        required=item.required,
+        not_applicable=item.not_applicable,
+    )
+
+
+def is_answer(item: Item, answer: Answer) -> bool:
+    """Return True for what an item can be answered with; None takes an answer back."""
+    if answer is None:
+        return True
+    if answer == NOT_APPLICABLE and item.not_applicable:
+        return True
+    match item.scale:
+        case Scale.TEXT:
+            return isinstance(answer, str) and len(answer) <= LONGEST
+        case Scale.CHOICE if item.several:
+            return isinstance(answer, tuple) and set(answer) <= set(item.options)
+        case Scale.CHOICE:
+            return answer in item.options
+        case Scale.NUMBER:
+            return isinstance(answer, float) and item.minimum <= answer <= item.maximum
+    is_whole = item.scale is Scale.ANALOGUE or (isinstance(answer, float) and answer.is_integer())
+    return isinstance(answer, float) and is_whole and item.least <= answer <= item.greatest
+
+
+def to_answer(given: JsonValue) -> Answer:
+    """Return an answer of the log as the window takes it."""
+    if isinstance(given, list):
+        return tuple(map(str, given))
+    if isinstance(given, bool | dict):
+        return None
+    return float(given) if isinstance(given, int) else given
+
+
+def to_json(answer: Answer) -> JsonValue:
+    """Return an answer as the log takes it."""
+    return list(answer) if isinstance(answer, tuple) else answer

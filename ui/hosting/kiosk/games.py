@@ -1,0 +1,172 @@
+"""Games of a study with people: played in the person's window, recorded, and gone on with after a crash."""
+
+import asyncio
+from dataclasses import replace
+from pathlib import Path
+from typing import Protocol
+
+from sim.common.observations import TICK, TICKS_PER_SECOND
+from thbridge.app import play as hunt
+from thbridge.app.compose.setting import StudySetting
+from thbridge.app.play import FINAL_TICKS, HuntOutcome, HuntUnfinished, PlayOptions
+from thbridge.app.session.input_log import GameDiffers
+from thbridge.app.session.session import TickRecord
+from thbridge.batch.measures import GameObserver
+from thbridge.batch.settings import SettingCache
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.progress import Run
+from thbridge.experiment.store.events import JsonValue
+from thbridge.experiment.trials import played, setting_of_trial
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.recording.recordings import make_room
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
+from ui.first_start import compile_ahead
+from ui.hosting.games import practice_setting
+
+SEEN_WITHIN = 10 * TICKS_PER_SECOND
+"""Ticks after the end of a game by which the window must have shown it; then it is not waited for any more."""
+
+
+class KioskStopped(Exception):  # noqa: N818 - nothing went wrong with the program
+    """The program was stopped (Ctrl-C, SIGTERM), or the window was closed on purpose."""
+
+
+class GameWatcher(Protocol):
+    """Host of the person at a game."""
+
+    def ready(self, where: ListeningAddress) -> None:
+        """Let the window join the game."""
+
+    def passed(self, seconds: float) -> None:
+        """Take the simulated time, after each tick."""
+
+    def time_is_up(self) -> None:
+        """Tell the person that the time of the game is over."""
+
+    def has_left(self) -> bool:
+        """Return True once the person goes on or away, or the run or the program ends."""
+
+    def has_seen_end(self) -> bool:
+        """Return True once the window shows the end."""
+
+    def broken_off(self, bag: Path | None) -> None:
+        """Take down that a game is not gone on with; its recording, if there is one, was moved there."""
+
+
+class StudyGames:
+    """Plays the games of one study.
+
+    Args:
+        folder: of the study.
+        design: the study.
+    """
+
+    def __init__(self, folder: ExperimentFolder, design: ExperimentDesign) -> None:
+        self._folder = folder
+        self._design = design
+        self._settings = SettingCache(design.beside)
+
+    async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> None:
+        """Play the practice game, which is not recorded."""
+        study = self._design.cells[run.place.cell].studies[0]
+        await self._play(practice_setting(study), self._options(step, study.rate, None), watcher)
+
+    async def play(
+        self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
+    ) -> dict[str, JsonValue] | None:
+        """Play a person's game, or go on with one that was under way.
+
+        Args:
+            run: the person's.
+            step: a trial.
+            watcher: hosts the person.
+            goes_on: True to go on with what an earlier program began; False to begin anew.
+
+        Returns:
+            What the log keeps of it; None where it did not come to its end.
+
+        Raises:
+            BadFile: it cannot be recorded.
+            KioskStopped: by Ctrl-C or SIGTERM.
+            ParticipantDeclined: the study's own text was not agreed to.
+        """
+        setting = setting_of_trial(self._design, self._settings, run, step)
+        if setting is None:
+            return None
+        bag, attempt = self._folder.bag(run.participant, step.number), run.begun.get(step.number, 1)
+        if attempt > 1:
+            # The log names the recording of the time before.
+            bag = bag.with_stem(f"{bag.stem}-attempt-{attempt}")
+        try:
+            self._make_room(bag, watcher, goes_on=goes_on)
+            options = self._options(step, setting.study.rate, bag)
+            try:
+                measures = await self._play(setting, options, watcher)
+            except GameDiffers:
+                # Of another release, or its study was changed: it cannot be the same game.
+                self._make_room(bag, watcher, goes_on=False)
+                measures = await self._play(setting, options, watcher)
+        except OSError as error:
+            raise BadFile(bag, f"cannot be recorded ({reason_of(error)})", "Make room on the disk") from None
+        if measures is None:
+            return None
+        observer, outcome = measures
+        return await asyncio.to_thread(played, observer.measures(outcome), bag, self._folder.root)
+
+    def _options(self, step: PlannedStep, rate: float | None, bag: Path | None) -> PlayOptions:
+        log = None if bag is None else _inputs_of(bag)
+        return PlayOptions(rate or 1.0, bag, frozenset(), "", step.entry.max_seconds, inputs=log)
+
+    def _make_room(self, bag: Path, watcher: GameWatcher, *, goes_on: bool) -> None:
+        """Move what an earlier program has recorded out of the way; without its log of inputs a game begins anew."""
+        bag.parent.mkdir(parents=True, exist_ok=True)
+        moved, log = make_room(bag), _inputs_of(bag)
+        if log.exists() and not goes_on:
+            log.rename(_inputs_of(moved or bag.with_stem(f"{bag.stem}-0")))
+        if moved is not None and not log.exists():
+            watcher.broken_off(moved)
+
+    async def _play(
+        self, setting: StudySetting, options: PlayOptions, watcher: GameWatcher
+    ) -> tuple[GameObserver, HuntOutcome] | None:
+        """Play a game; None when it did not come to its end."""
+        observer, over_at, last = GameObserver(), 0, int(options.max_seconds * TICKS_PER_SECOND)
+        told = ended = False
+
+        def ready(where: ListeningAddress | CannotListen) -> None:
+            if isinstance(where, CannotListen):
+                raise BadFile(self._folder.file, str(where), "Close the other program, or write server.port: 0")
+            watcher.ready(where)
+
+        def progress(moment: TickRecord) -> None:
+            nonlocal over_at, told, ended
+            observer.record(moment)
+            watcher.passed(moment.tick * TICK)
+            if over_at == 0 and moment.game is not None and moment.game.ended is not None:
+                over_at = moment.tick
+            if over_at:
+                since = moment.tick - over_at
+                ended = since >= FINAL_TICKS and (watcher.has_seen_end() or since >= SEEN_WITHIN)
+            elif not told and moment.tick >= last - FINAL_TICKS:
+                told = True
+                watcher.time_is_up()
+
+        def left() -> bool:
+            return watcher.has_left() or ended
+
+        await asyncio.to_thread(compile_ahead, whole_hunt=True)
+        try:
+            outcome = await hunt.play(setting, None, replace(options, left=left), ready, progress)
+        except HuntUnfinished as early:
+            if early.stopped:
+                raise KioskStopped from None
+            return (observer, early.outcome) if told else None
+        return observer, outcome
+
+
+def _inputs_of(bag: Path) -> Path:
+    """Path of the log of inputs by which a game goes on."""
+    return bag.with_suffix(".inputs")

@@ -1,0 +1,579 @@
+"""The host of the kiosk: shows people one page after the other, and has all that they do in the log at once.
+
+It knows nothing that the log does not know. After a crash it goes on with the same person where they were.
+"""
+
+import asyncio
+import contextlib
+import hashlib
+import secrets
+import time
+from collections.abc import Callable, Coroutine, Mapping
+from contextlib import AbstractAsyncContextManager
+from pathlib import Path
+from typing import Protocol, TypeAlias
+
+from msgspec import structs
+
+from thbridge.app.consent import ParticipantDeclined
+from thbridge.experiment.allocation.places import NoPlace
+from thbridge.experiment.conductor import Conductor, unfinished
+from thbridge.experiment.design.experiment_file import ExperimentDesign, WhoBegins
+from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.steps import ResumeRule, StepKind
+from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, resumes
+from thbridge.experiment.questionnaires.form import Form, Item
+from thbridge.experiment.store.events import Actor, Clocks, JsonValue
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.timing.wall_clock import utc_now
+from ui.first_start import is_compiled
+from ui.hosting.kiosk import words
+from ui.hosting.kiosk.answers import form_item, is_answer, to_answer, to_json
+from ui.hosting.kiosk.games import GameWatcher, KioskStopped
+from ui.hosting.lobby import WILDCARD_ADDRESSES
+from ui.model.kiosk import (
+    AnswerKept,
+    BeginNext,
+    CloseKiosk,
+    ConsentReply,
+    ConsentToAsk,
+    FocusNews,
+    FormItem,
+    FormToFill,
+    FromKiosk,
+    GamePrepared,
+    GameRecorded,
+    GameSeenOver,
+    GameToJoin,
+    ItemNews,
+    KioskClosed,
+    StoppedTakingPart,
+    StudyProgress,
+    TextToRead,
+    ToKiosk,
+    WentOn,
+)
+
+
+class WindowOfKiosk(Protocol):
+    """The window, as `WindowProcess` has it."""
+
+    async def send(self, message: ToKiosk) -> None:
+        """Send a message."""
+
+    async def next_request(self) -> FromKiosk:
+        """Wait for its next message."""
+
+    def opened(self) -> AbstractAsyncContextManager[None]:
+        """Keep it open inside this context."""
+
+
+class GamesOfStudy(Protocol):
+    """Player of games, as `StudyGames` does."""
+
+    async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> None:
+        """Play the practice game."""
+
+    async def play(
+        self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
+    ) -> dict[str, JsonValue] | None:
+        """Play a person's game; what the log keeps of it, or None where it did not come to its end."""
+
+
+class StudyClock:
+    """The clocks of a study's events.
+
+    Attributes:
+        simulated: seconds of simulated time while a game is played; None outside of games.
+    """
+
+    def __init__(self) -> None:
+        self.simulated: float | None = None
+
+    def __call__(self) -> Clocks:
+        """Return the times now."""
+        return Clocks(utc_now(), time.monotonic_ns(), self.simulated)
+
+
+class _RunOver(Exception):  # noqa: N818 - nothing went wrong with the program
+    """The run of the person at the window has ended, or is excluded."""
+
+
+class _Woken:
+    """Something changed without the window."""
+
+
+_Page: TypeAlias = TextToRead | ConsentToAsk | FormToFill | GamePrepared | GameToJoin | GameRecorded
+
+
+class KioskHost:
+    """Takes one person after the other through a study.
+
+    Args:
+        design: the study.
+        conductor: of its log; its clocks are `clock`.
+        window: in which people go through it; opened here.
+        games: plays its games.
+        clock: of its events.
+
+    Attributes:
+        changed: called after each event of the log.
+    """
+
+    def __init__(
+        self,
+        design: ExperimentDesign,
+        conductor: Conductor,
+        window: WindowOfKiosk,
+        games: GamesOfStudy,
+        clock: StudyClock,
+    ) -> None:
+        self.changed: Callable[[], None] = _ignore
+        self._design = design
+        self._conductor = conductor
+        self._window = window
+        self._games = games
+        self._clock = clock
+        self._token = secrets.token_hex(8)
+        self._heard: asyncio.Queue[FromKiosk | _Woken] = asyncio.Queue()
+        self._person = ""
+        self._page = 0
+        self._admits = False
+        conductor.listeners.append(lambda _event: self.changed())
+
+    # For the researcher's window
+
+    @property
+    def progress(self) -> Progress:
+        """Places and steps of everybody."""
+        return self._conductor.progress
+
+    @property
+    def participant(self) -> str:
+        """Id of the person at the window; empty: none."""
+        return self._person
+
+    def admit_next(self) -> bool:
+        """Begin the run of the next person; False: somebody is at the window, or there is no place."""
+        if unfinished(self.progress) or isinstance(self.progress.next_place(), NoPlace):
+            return False
+        self._admits = True
+        self._wake()
+        return True
+
+    def note(self, text: str, participant: str = "") -> None:
+        """Take down words of the researcher."""
+        self._conductor.note(text, participant)
+
+    def exclude(self, participant: str, reason: str) -> None:
+        """Decide that a run does not count; whoever is in it is told that it ends."""
+        self._conductor.exclude(participant, reason)
+        self._wake()
+
+    def end_run(self, participant: str, reason: str) -> None:
+        """End a run: the person went, or cannot go on."""
+        self._conductor.leave(participant, reason, actor="experimenter")
+        self._wake()
+
+    def _wake(self) -> None:
+        self._heard.put_nowait(_Woken())
+
+    # The whole study
+
+    async def run(self) -> None:
+        """Take people through the study until the window is closed, or the program stopped.
+
+        Raises:
+            BadFile: the log or a recording cannot be written, or a text cannot be read.
+        """
+        async with self._window.opened():
+            listening = asyncio.create_task(self._listen())
+            try:
+                with contextlib.suppress(KioskStopped):
+                    await self._resume()
+                    while True:
+                        await self._go_through(await self._next_run())
+            finally:
+                await self._window.send(CloseKiosk())
+                listening.cancel()
+                await asyncio.gather(listening, return_exceptions=True)
+
+    async def _listen(self) -> None:
+        while True:
+            self._heard.put_nowait(await self._window.next_request())
+
+    async def _resume(self) -> None:
+        """Go on with whoever was under way when an earlier program died."""
+        runs = list(self.progress.runs.values())
+        for run in unfinished(self.progress):
+            self._person = run.participant
+            with contextlib.suppress(_RunOver):
+                await self._read(TextToRead(0, words.RESTARTED, words.RESTARTED_TEXT))
+            await self._go_through(run.participant)
+        if runs and runs[-1].state is not RunState.UNDER_WAY and not runs[-1].farewell_read:
+            self._person = runs[-1].participant
+            await self._part(self._person)
+
+    async def _next_run(self) -> str:
+        """Wait until the next person begins; their id."""
+        while True:
+            place = self.progress.next_place()
+            if isinstance(place, NoPlace):
+                heading, text = words.NO_PLACES[place]
+                await self._show(TextToRead(0, heading, text, button=""))
+            elif self._design.file.begins is WhoBegins.RESEARCHER:
+                await self._show(TextToRead(0, words.WELCOME, words.WELCOME_RESEARCHER, button=""))
+            else:
+                await self._show(TextToRead(0, words.WELCOME, words.WELCOME_PARTICIPANT, button="Begin"))
+            message: FromKiosk | _Woken | None = None
+            while not (self._admits or isinstance(message, WentOn | BeginNext | _Woken)):
+                message = await self._next()
+            begins, self._admits = self._admits or not isinstance(message, _Woken), False
+            if begins and not isinstance(admitted := self._conductor.admit(), NoPlace):
+                return admitted.participant
+
+    async def _go_through(self, participant: str) -> None:
+        """Have a person go through all the steps that they have left."""
+        self._person = participant
+        with contextlib.suppress(_RunOver):
+            await self._ask_recruiting_code()
+            while await self._begin():
+                pass
+        await self._part(participant)
+
+    async def _begin(self) -> bool:
+        """Go through the next step; False: there is none."""
+        self._check()
+        before = self._run
+        if before.last_outcome is StepOutcome.FAILED and not before.under_way:
+            await self._tell_of_repetition(before)
+        ahead = self.progress.next_step(self._person)
+        how = resumes(before, ahead) if before.under_way and ahead is not None else None
+        step = self._conductor.begin(self._person)
+        if step is not None:
+            await self._do(step, how)
+            self._conductor.end(self._person, step)
+        return step is not None
+
+    async def _do(self, step: PlannedStep, how: ResumeRule | None) -> None:
+        """Have a person do what a step asks for; `how` it goes on after a crash, None where it begins."""
+        match step.entry.step:
+            case StepKind.CONSENT:
+                await self._consent(step)
+            case StepKind.PRACTICE:
+                await self._practice(step)
+            case StepKind.TRIAL:
+                await self._trial(step, how)
+            case StepKind.CHECK | StepKind.FORM:
+                await self._form(step)
+            case StepKind.INSTRUCTIONS | StepKind.PAUSE | StepKind.DEBRIEF:
+                await self._text(step)
+
+    @property
+    def _run(self) -> Run:
+        return self.progress.runs[self._person]
+
+    async def _part(self, participant: str) -> None:
+        """Show the last page until the person has gone."""
+        heading, text = words.farewell(self.progress.runs[participant])
+        code = self.progress.runs[participant].code
+        await self._show(TextToRead(0, heading, text, "Finish", code=code))
+        message: FromKiosk | _Woken | None = None
+        while not (self._admits or isinstance(message, WentOn)):
+            message = await self._next()
+        by: Actor = "experimenter" if self._admits else "participant"
+        self._person = ""
+        self._conductor.tell_of_run(EventKind.FAREWELL_READ, participant, {}, by)
+
+    # Pages
+
+    async def _show(self, page: _Page) -> None:
+        """Show a page; it gets the next number, and the person's progress."""
+        await self._window.send(self._numbered(page))
+
+    def _numbered(self, page: _Page) -> _Page:
+        self._page += 1
+        shown = structs.replace(page, page=self._page)
+        return shown if isinstance(shown, GameToJoin) else structs.replace(shown, progress=self._way)
+
+    @property
+    def _way(self) -> StudyProgress:
+        run = self.progress.runs.get(self._person)
+        if run is None or run.state is not RunState.UNDER_WAY:
+            return StudyProgress()
+        return StudyProgress(min(run.step, len(run.plan)), len(run.plan))
+
+    async def _read(self, page: TextToRead | GameRecorded) -> None:
+        """Show a page until the person goes on from it."""
+        await self._show(page)
+        while not isinstance(await self._next_of_run(), WentOn):
+            pass
+
+    async def _next(self) -> FromKiosk | _Woken:
+        """Wait for what is said of the page shown, or what changed without the window."""
+        while True:
+            message = self._taken(await self._heard.get())
+            if message is not None:
+                return message
+
+    async def _next_of_run(self) -> FromKiosk | _Woken:
+        """Wait likewise; raises _RunOver once the person's run has ended."""
+        message = await self._next()
+        self._check()
+        return message
+
+    def _check(self) -> None:
+        if self._run.state is not RunState.UNDER_WAY:
+            raise _RunOver
+
+    def _taken(self, message: FromKiosk | _Woken) -> FromKiosk | _Woken | None:
+        """Take what is the same on all pages; return the rest, but None for what is said of another page."""
+        match message:
+            case KioskClosed():
+                raise KioskStopped
+            case FocusNews(has_focus, window_ns):
+                if self._person:
+                    kind = EventKind.FOCUS_REGAINED if has_focus else EventKind.FOCUS_LOST
+                    self._tell(kind, {"window_ns": window_ns})
+                return None
+            case StoppedTakingPart():
+                if self._person and self._run.state is RunState.UNDER_WAY:
+                    self._conductor.leave(self._person, "stopped taking part")
+                return _Woken()
+            case BeginNext() | _Woken():
+                return message
+            case _:
+                return message if message.page == self._page else None
+
+    def _tell(self, kind: EventKind, data: Mapping[str, JsonValue]) -> None:
+        """Take down what a person did, in the step under way if there is one."""
+        step = self.progress.next_step(self._person) if self._run.under_way else None
+        if step is None:
+            self._conductor.tell_of_run(kind, self._person, data, "participant")
+        else:
+            self._conductor.tell(kind, self._person, step, data, "participant")
+
+    # Steps
+
+    async def _ask_recruiting_code(self) -> None:
+        ask = self._design.file.recruiting.ask
+        if not ask or self._run.recruiting_code is not None:
+            return
+        asked = FormItem("code", ask, "text")
+        await self._show(FormToFill(0, words.RECRUITING, "", (asked,)))
+        code = ""
+        while True:
+            match await self._next_of_run():
+                case ItemNews(what="changed" | "given", answer=str(answer)):
+                    code = answer.strip()
+                case WentOn() if code:
+                    break
+                case WentOn():
+                    await self._show(FormToFill(0, words.RECRUITING, "", (asked,), missing=("code",)))
+        self._conductor.tell_of_run(EventKind.RECRUITING_CODE, self._person, {"code": code}, "participant")
+
+    async def _tell_of_repetition(self, run: Run) -> None:
+        """Tell somebody who failed a check that it comes again; nothing where it does not."""
+        check = next((step for step in run.plan[run.step - 1 :] if step.number in run.attempts), None)
+        if check is None or check.number in run.failed:
+            return
+        named = run.plan[run.step - 1]
+        before = "" if named.number == check.number else words.spoken(named.entry.step)
+        text = words.repetition(before, check.entry.attempts - run.attempts[check.number])
+        await self._read(TextToRead(0, words.ONCE_MORE, text))
+
+    async def _text(self, step: PlannedStep) -> None:
+        heading, text, markdown = words.HEADINGS[step.entry.step], words.PAUSE_TEXT, False
+        if step.entry.text is not None:
+            path = self._design.path.parent / step.entry.text
+            text, markdown = _bytes_of(path).decode(errors="replace"), path.suffix == ".md"
+            heading = "" if markdown else heading
+        await self._read(TextToRead(0, heading, text, markdown=markdown))
+
+    async def _consent(self, step: PlannedStep) -> None:
+        content = _bytes_of(self._design.path.parent / (step.entry.text or Path()))
+        await self._show(ConsentToAsk(0, content.decode(errors="replace")))
+        message: FromKiosk | _Woken | None = None
+        while not isinstance(message, ConsentReply):
+            message = await self._next_of_run()
+        version = hashlib.sha256(content).hexdigest()
+        data: dict[str, JsonValue] = {"agrees": message.agrees, "version": version, "window_ns": message.window_ns}
+        self._tell(EventKind.CONSENT_ANSWERED, data)
+        if not message.agrees:
+            self._conductor.leave(self._person, "did not agree", declined=True)
+            raise _RunOver
+
+    async def _form(self, step: PlannedStep) -> None:
+        form = self._conductor.form(step)
+        pages = list(form.pages(self._design.file.seed, self._person))
+        for part, items in enumerate(pages, start=1):
+            if any(item.id not in self._run.given for item in items):
+                await self._fill_in(form, items, part, len(pages))
+
+    async def _fill_in(self, form: Form, items: tuple[Item, ...], part: int, parts: int) -> None:
+        """Have a page of a form filled in; what nobody need answer gets no answer in the end, which is one, too."""
+        shown, missing = tuple(map(form_item, items)), tuple[str, ...]()
+        while True:
+            kept = {**self._run.given, **self._run.drafts}
+            answers = {item.id: to_answer(kept[item.id]) for item in items if item.id in kept}
+            page = FormToFill(0, form.title, form.instructions, shown, answers, missing, part, parts)
+            await self._show(page)
+            while not isinstance(message := await self._next_of_run(), WentOn):
+                if isinstance(message, ItemNews):
+                    await self._take(items, message)
+            for item in items:
+                if item.id in self._run.drafts:
+                    self._tell(EventKind.ITEM_GIVEN, {"item": item.id, "answer": self._run.drafts[item.id]})
+            missing = tuple(item.id for item in items if item.required and self._run.given.get(item.id) is None)
+            if not missing:
+                for item in items:
+                    if item.id not in self._run.given:
+                        self._tell(EventKind.ITEM_GIVEN, {"item": item.id, "answer": None})
+                return
+
+    async def _take(self, items: tuple[Item, ...], news: ItemNews) -> None:
+        """Take down what happened with an item."""
+        item = next((item for item in items if item.id == news.item), None)
+        if item is None or (news.what in {"changed", "given"} and not is_answer(item, news.answer)):
+            return
+        data: dict[str, JsonValue] = {"item": item.id, "window_ns": news.window_ns}
+        run, answer = self._run, to_json(news.answer)
+        match news.what:
+            case "shown":
+                self._tell(EventKind.ITEM_SHOWN, data)
+            case "touched":
+                self._tell(EventKind.ITEM_TOUCHED, data)
+            case "pasted":
+                self._tell(EventKind.TEXT_PASTED, {**data, "characters": news.characters})
+            case "changed":
+                if answer != {**run.given, **run.drafts}.get(item.id):
+                    self._tell(EventKind.ITEM_CHANGED, {**data, "answer": answer})
+                await self._window.send(AnswerKept(self._page, item.id, news.answer))
+            case "given":
+                if item.id in run.drafts or answer != run.given.get(item.id):
+                    self._tell(EventKind.ITEM_GIVEN, {**data, "answer": answer})
+                await self._window.send(AnswerKept(self._page, item.id, news.answer))
+
+    async def _practice(self, step: PlannedStep) -> None:
+        await self._show(GamePrepared(0, words.PRACTICE_COMES + _compiling()))
+        visit = _Visit(self, practice=True)
+        await self._at_game(visit, self._games.practise(self._run, step, visit))
+        if not visit.went_on:
+            await self._read_result(visit, GameRecorded(0, words.PRACTICE_ENDED, words.result(None)))
+
+    async def _trial(self, step: PlannedStep, how: ResumeRule | None) -> None:
+        visit = _Visit(self, practice=False)
+        if self._run.game is None:
+            goes_on = how is ResumeRule.EXACT
+            told = words.GAME_COMES_BACK if goes_on else words.GAME_COMES
+            await self._show(GamePrepared(0, told + _compiling()))
+            game = await self._at_game(visit, self._games.play(self._run, step, visit, goes_on=goes_on))
+            if game is not None:
+                self._conductor.tell(EventKind.GAME_PLAYED, self._person, step, game, "program")
+        if not visit.went_on:
+            await self._read_result(visit, GameRecorded(0, words.GAME_ENDED, words.result(self._run.game)))
+
+    async def _at_game(
+        self, visit: "_Visit", game: Coroutine[object, object, dict[str, JsonValue] | None]
+    ) -> dict[str, JsonValue] | None:
+        """Play a game to its end, unless the run or the program ends before."""
+        try:
+            played = await game
+        except ParticipantDeclined as declined:
+            visit.check()
+            if declined.answered:
+                self._conductor.leave(self._person, "did not agree", declined=True)
+            raise _RunOver from None
+        finally:
+            self._clock.simulated = None
+            await visit.done()
+        visit.check()
+        return played
+
+    async def _read_result(self, visit: "_Visit", result: GameRecorded) -> None:
+        """Show that a game has ended until the person goes on; the window may show its end already, on its page."""
+        if visit.page != self._page or visit.page == 0:
+            await self._read(result)
+            return
+        await self._window.send(structs.replace(result, page=self._page, progress=self._way))
+        while not isinstance(await self._next_of_run(), WentOn):
+            pass
+
+
+class _Visit:
+    """A person at one game; see `GameWatcher` for the methods."""
+
+    def __init__(self, host: KioskHost, practice: bool) -> None:
+        self._host = host
+        self._practice = practice
+        self._sending: list[asyncio.Task[None]] = []
+        self._stopped: KioskStopped | None = None
+        self._seen_end = False
+        self.page = 0
+        """Number of the game's page; 0: it was not shown."""
+        self.went_on = False
+        """True once the person has gone on from the game."""
+
+    def ready(self, where: ListeningAddress) -> None:
+        host = self._host
+        agreed_at = "" if self._practice else host._run.agreed_at
+        address = WILDCARD_ADDRESSES.get(where.host, where.host)
+        self.page = self._send(GameToJoin(0, address, where.port, host._token, self._practice, agreed_at))
+
+    def passed(self, seconds: float) -> None:
+        self._host._clock.simulated = None if self._practice else seconds
+
+    def time_is_up(self) -> None:
+        self._send(GamePrepared(0, words.TIME_IS_UP))
+
+    def has_left(self) -> bool:
+        host = self._host
+        try:
+            while not host._heard.empty():
+                match host._taken(host._heard.get_nowait()):
+                    case GameSeenOver():
+                        self._seen_end = True
+                    case WentOn():
+                        self.went_on = True
+        except KioskStopped as stopped:
+            self._stopped = stopped
+        return self.went_on or self._stopped is not None or host._run.state is not RunState.UNDER_WAY
+
+    def has_seen_end(self) -> bool:
+        return self._seen_end
+
+    def broken_off(self, bag: Path | None) -> None:
+        name = None if bag is None else bag.name
+        self._host._tell(EventKind.GAME_BROKEN_OFF, {"bag": name})
+
+    def check(self) -> None:
+        """Raise what has ended more than the game."""
+        if self._stopped is not None:
+            raise self._stopped
+        self._host._check()
+
+    async def done(self) -> None:
+        """Wait until all is sent."""
+        await asyncio.gather(*self._sending, return_exceptions=True)
+
+    def _send(self, page: _Page) -> int:
+        """Show a page soon; its number, which counts at once."""
+        shown = self._host._numbered(page)
+        self._sending.append(asyncio.get_running_loop().create_task(self._host._window.send(shown)))
+        return shown.page
+
+
+def _bytes_of(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise BadFile(path, f"cannot be read ({reason_of(error)})", "Bring it back") from None
+
+
+def _compiling() -> str:
+    return "" if is_compiled() else words.FIRST_TIME
+
+
+def _ignore() -> None:
+    """Do nothing."""

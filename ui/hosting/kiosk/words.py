@@ -1,0 +1,97 @@
+"""Words of the pages that no file of a study holds."""
+
+from collections.abc import Mapping
+
+from thbridge.experiment.allocation.places import NoPlace
+from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.progress import Run, RunState, StepOutcome
+from thbridge.experiment.store.events import JsonValue
+
+CALL = "Please tell the researcher."
+
+WELCOME = "Welcome"
+WELCOME_PARTICIPANT = (
+    "If you are the next person to take part, please begin. You will go through the study page by page; each page says "
+    "what to do.\n\nEverything can be done with the mouse, and with the keyboard alone: Tab goes on, Enter presses."
+)
+WELCOME_RESEARCHER = "Please wait. The researcher begins the study for you."
+
+NO_PLACES = {
+    NoPlace.FULL: (
+        "The study is complete",
+        f"As many people as are needed have taken part, so nobody else is asked. Thank you for coming. {CALL}",
+    ),
+    NoPlace.TAKEN: (
+        "There is no place just now",
+        f"All places of the study are taken by others who are still under way. One may become free later. {CALL}",
+    ),
+}
+"""Headings and texts for whoever comes when there is no place."""
+
+RESTARTED = "The study goes on where you were"
+RESTARTED_TEXT = (
+    "The program had to be started again. Your answers up to here are kept, and you need not give them again.\n\n"
+    "If you are not the person who was taking part just now, please do not go on, and tell the researcher."
+)
+
+RECRUITING = "Before you begin"
+
+ONCE_MORE = "Once more, please"
+
+PAUSE = "A pause"
+PAUSE_TEXT = "Take a rest if you like. Go on when you are ready."
+
+HEADINGS = {StepKind.INSTRUCTIONS: "Please read", StepKind.DEBRIEF: "What this study was about", StepKind.PAUSE: PAUSE}
+
+PRACTICE_COMES = "The practice game is being made ready. It does not count."
+GAME_COMES = "The game is being made ready. It begins in a moment."
+GAME_COMES_BACK = "The game is being brought back to where it was. It goes on in a moment."
+FIRST_TIME = " The first time on this computer takes up to a minute."
+TIME_IS_UP = "The time of this game is over. One moment, please."
+PRACTICE_ENDED = "The practice game has ended"
+GAME_ENDED = "The game has ended"
+
+
+_SPOKEN = {
+    StepKind.INSTRUCTIONS: "the text that explains it",
+    StepKind.PRACTICE: "the practice game",
+}
+
+
+def spoken(kind: StepKind) -> str:
+    """Return what people call a step."""
+    return _SPOKEN.get(kind, "what was before them")
+
+
+def repetition(from_step: str, attempts_left: int) -> str:
+    """Return what somebody is told who failed a check that is tried again; `from_step` what comes before it."""
+    last = " This is the last time." if attempts_left == 1 else ""
+    again = f"First comes {from_step} once more; then you answer again." if from_step else "Please answer them again."
+    return (
+        f"Not all of your answers were right. That happens, and nothing is lost: the questions only make sure that the "
+        f"study was explained well enough. {again}{last}"
+    )
+
+
+def result(game: Mapping[str, JsonValue] | None) -> str:
+    """Return what somebody is told after a game whose end they do not see any more."""
+    if game is None:
+        return "Go on when you are ready."
+    why = "" if game.get("over") else "Its time was over. "
+    return f"{why}Your score: {game['score']}. It is recorded.\n\nGo on when you are ready."
+
+
+def farewell(run: Run) -> tuple[str, str]:
+    """Return heading and text of the last page."""
+    match run.state:
+        case RunState.COMPLETE:
+            return "Thank you", "You have completed the study. Everything is kept. You may go now."
+        case RunState.DECLINED:
+            return "Thank you", f"You do not take part, and nothing more is recorded. {CALL}"
+        case RunState.LEFT:
+            return "Thank you", f"You do not go on with the study, and nothing more is recorded. {CALL}"
+        case _ if run.last_outcome is StepOutcome.FAILED:
+            told = "Your answers to the questions were not those that the study needs to go on"
+            return "The study ends here", f"{told}. You have done nothing wrong. Thank you for your time. {CALL}"
+        case _:
+            return "The study ends here", f"It cannot go on. That is not your fault. Thank you for your time. {CALL}"

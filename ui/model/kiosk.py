@@ -1,0 +1,231 @@
+"""Messages between the program that takes people through a study (host) and the window in which they go through it.
+
+The window is a process of its own. It knows what its page shows and nothing of the study's log: each page has a number,
+and what is said of another page than the one shown is void.
+"""
+
+from collections.abc import Sequence
+from typing import Literal, TypeAlias
+
+import msgspec
+
+from ui.model.window_protocol import WindowProtocol
+
+Answer: TypeAlias = float | str | tuple[str, ...] | None
+"""Answer to an item: a number, words or an option, several options; None: not answered."""
+
+
+class StudyProgress(msgspec.Struct, frozen=True):
+    """Place of a page in a person's way through the study: `step` of `steps`; 0 steps: none to show."""
+
+    step: int = 0
+    steps: int = 0
+
+
+class TextToRead(msgspec.Struct, frozen=True, tag=True):
+    """Host: show a text.
+
+    Attributes:
+        page: number of the page.
+        heading: above the text; empty: none.
+        text: in paragraphs, or Markdown.
+        button: what leads on; empty: nothing does, and the page is there until another comes.
+        markdown: True where the text is Markdown.
+        code: completion code to copy down; empty: none.
+        progress: of the person.
+    """
+
+    page: int
+    heading: str
+    text: str
+    button: str = "Continue"
+    markdown: bool = False
+    code: str = ""
+    progress: StudyProgress = StudyProgress()
+
+
+class ConsentToAsk(msgspec.Struct, frozen=True, tag=True):
+    """Host: ask for the agreement to a text."""
+
+    page: int
+    text: str
+    progress: StudyProgress = StudyProgress()
+
+
+class FormItem(msgspec.Struct, frozen=True):
+    """An item of a form as people see it; the attributes are those of `questionnaires.form.Item`."""
+
+    id: str
+    text: str
+    scale: Literal["likert", "analogue", "differential", "number", "choice", "text"]
+    words: tuple[str, ...] = ()
+    low: str = ""
+    high: str = ""
+    minimum: float = 0.0
+    maximum: float = 100.0
+    step: float = 1.0
+    unit: str = ""
+    options: tuple[str, ...] = ()
+    several: bool = False
+    required: bool = True
+    not_applicable: bool = False
+
+
+class FormToFill(msgspec.Struct, frozen=True, tag=True):
+    """Host: have a page of a form filled in.
+
+    Attributes:
+        page: number of the page.
+        title: of the form.
+        instructions: above the items; empty: none.
+        items: of this page, in their order.
+        answers: given or begun before, by the item's id.
+        missing: ids of required items without an answer, to be pointed at.
+        part: number of the page within the form, from 1.
+        parts: pages of the form.
+        button: what leads on.
+        progress: of the person.
+    """
+
+    page: int
+    title: str
+    instructions: str
+    items: tuple[FormItem, ...]
+    answers: dict[str, Answer] = {}
+    missing: tuple[str, ...] = ()
+    part: int = 1
+    parts: int = 1
+    button: str = "Continue"
+    progress: StudyProgress = StudyProgress()
+
+
+class AnswerKept(msgspec.Struct, frozen=True, tag=True):
+    """Host: an answer is in the log."""
+
+    page: int
+    item: str
+    answer: Answer
+
+
+class GamePrepared(msgspec.Struct, frozen=True, tag=True):
+    """Host: a game is being prepared, or ends; `sentence` tells people so."""
+
+    page: int
+    sentence: str
+    progress: StudyProgress = StudyProgress()
+
+
+class GameToJoin(msgspec.Struct, frozen=True, tag=True):
+    """Host: the game waits at this address.
+
+    Attributes:
+        page: number of the page.
+        host: host of its text server.
+        port: port of its text server.
+        token: secret by which the server recognises this participant.
+        practice: True for the practice game.
+        agreed_at: time of day at which the person agreed to take part; empty: nothing was asked.
+    """
+
+    page: int
+    host: str
+    port: int
+    token: str
+    practice: bool
+    agreed_at: str = ""
+
+
+class GameRecorded(msgspec.Struct, frozen=True, tag=True):
+    """Host: the game has ended and is recorded; a window that does not show its end shows this text instead."""
+
+    page: int
+    heading: str
+    text: str
+    progress: StudyProgress = StudyProgress()
+
+
+class CloseKiosk(msgspec.Struct, frozen=True, tag=True):
+    """Host: close; it ends in good order. A window whose host ends without this says so instead."""
+
+
+class WentOn(msgspec.Struct, frozen=True, tag=True):
+    """Window: the person went on from a page."""
+
+    page: int
+
+
+class ConsentReply(msgspec.Struct, frozen=True, tag=True):
+    """Window: the person agrees to take part, or does not."""
+
+    page: int
+    agrees: bool
+    window_ns: int
+
+
+class ItemNews(msgspec.Struct, frozen=True, tag=True):
+    """Window: something happened with an item.
+
+    Attributes:
+        page: number of the page.
+        item: its id.
+        what: it came wholly into sight, was begun, has another answer, was gone on from, or got pasted text.
+        window_ns: monotonic time of the window, nanoseconds.
+        answer: in force; of no meaning for an item that is shown, touched or pasted into.
+        characters: number of those pasted.
+    """
+
+    page: int
+    item: str
+    what: Literal["shown", "touched", "changed", "given", "pasted"]
+    window_ns: int
+    answer: Answer = None
+    characters: int = 0
+
+
+class FocusNews(msgspec.Struct, frozen=True, tag=True):
+    """Window: keys and clicks go elsewhere, or come here again."""
+
+    has_focus: bool
+    window_ns: int
+
+
+class GameSeenOver(msgspec.Struct, frozen=True, tag=True):
+    """Window: it shows the end of the game, and needs the game no more."""
+
+    page: int
+
+
+class StoppedTakingPart(msgspec.Struct, frozen=True, tag=True):
+    """Window: the person wants to stop, and has confirmed that."""
+
+
+class BeginNext(msgspec.Struct, frozen=True, tag=True):
+    """Window: the researcher begins the run of the next person, by their key combination."""
+
+
+class KioskClosed(msgspec.Struct, frozen=True, tag=True):
+    """Window: it was closed on purpose."""
+
+
+ToKiosk: TypeAlias = (
+    TextToRead | ConsentToAsk | FormToFill | AnswerKept | GamePrepared | GameToJoin | GameRecorded | CloseKiosk
+)
+FromKiosk: TypeAlias = (
+    WentOn | ConsentReply | ItemNews | FocusNews | GameSeenOver | StoppedTakingPart | BeginNext | KioskClosed
+)
+
+
+def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
+    """The last page, and in a form the answers that are in the log by now."""
+    if not isinstance(message, AnswerKept):
+        return [message]
+    return [
+        msgspec.structs.replace(page, answers={**page.answers, message.item: message.answer})
+        if isinstance(page, FormToFill) and page.page == message.page
+        else page
+        for page in before
+    ]
+
+
+KIOSK = WindowProtocol(msgspec.json.Decoder(ToKiosk), msgspec.json.Decoder(FromKiosk), KioskClosed(), _kept)
+"""Messages of the window in which people go through a study."""

@@ -1,0 +1,169 @@
+"""Answers to choose from: points of a scale, options, and "not applicable"."""
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
+
+from ui.model.kiosk import Answer, FormItem
+from ui.windows import look
+from ui.windows.kiosk.items.field import AnswerField
+from ui.windows.look import GAP, spaced
+from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace, Weight
+
+_SHORT = 14
+"""Letters of an option that may stand beside others."""
+_BESIDE = 4
+"""Options beside each other, at most."""
+
+
+class OptionButton(ActionButton):
+    """An answer that is chosen or not; Enter chooses it, and once more goes on.
+
+    Args:
+        field: it belongs to.
+        label: of the button.
+        name: for screen readers.
+        key: that chooses it; empty: it is on the label.
+        weight: of the button.
+        alone: True where no other one can be chosen beside it.
+    """
+
+    def __init__(
+        self, field: AnswerField, label: str, name: str, key: str = "", weight: Weight = "plain", *, alone: bool = True
+    ) -> None:
+        super().__init__(weight, hints=len(label) > _SHORT)
+        self._field = field
+        self._alone = alone
+        self.setCheckable(True)
+        self.show_face(ButtonFace(label, key), name)
+        self.setAccessibleDescription(field.item.text)
+        self.pressed.connect(field.touched)
+        self.choose(False)
+
+    def choose(self, chosen: bool) -> None:
+        """Show that it is chosen, or is not. To screen readers one of several alone is a radio button."""
+        self.setAutoExclusive(False)
+        self.setChecked(chosen)
+        self.setAutoExclusive(self._alone)
+
+    def nextCheckState(self) -> None:
+        """Leave it to the field what is chosen."""
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Go on by Enter from what is chosen already."""
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self.isChecked() and not event.isAutoRepeat():
+            self._field.passed.emit()
+        else:
+            super().keyPressEvent(event)
+
+
+class PointsField(AnswerField):
+    """Points of a scale between two words, or each with a word of its own."""
+
+    def __init__(self, item: FormItem) -> None:
+        super().__init__(item)
+        self.buttons: list[OptionButton] = []
+        count, words = len(item.words), item.words
+        has_words = any(words[1:-1])
+        grid = spaced(QGridLayout(self), GAP // 2, 0)
+        ends = f", from 1, {words[0]}, to {count}, {words[-1]}" if not has_words and words[0] and words[-1] else ""
+        for index, word in enumerate(words):
+            number = str(index + 1)
+            button = OptionButton(self, number, f"{number} of {count}{f', {word}' if word else ends}")
+            button.clicked.connect(lambda _=False, value=index + 1.0: self._choose(value))
+            grid.addWidget(button, 0, index)
+            grid.setColumnStretch(index, 1)
+            self.buttons.append(button)
+            if has_words:
+                label = look.label(word, "small", muted=True)
+                label.setAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
+                grid.addWidget(label, 1, index)
+        if not has_words:
+            half = max(count // 2, 1)
+            low, high = look.label(words[0], "small", muted=True), look.label(words[-1], "small", muted=True)
+            high.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop)
+            grid.addWidget(low, 1, 0, 1, half)
+            grid.addWidget(high, 1, count - half, 1, half)
+
+    @property
+    def answer(self) -> Answer:
+        """See `AnswerField`, for all of these."""
+        return next((index + 1.0 for index, button in enumerate(self.buttons) if button.isChecked()), None)
+
+    def show_answer(self, answer: Answer) -> None:
+        """See `AnswerField`."""
+        for index, button in enumerate(self.buttons):
+            button.choose(answer == index + 1.0)
+
+    def take_key(self, text: str) -> bool:
+        """See `AnswerField`."""
+        if not text.isdecimal() or not 1 <= int(text) <= len(self.buttons):
+            return False
+        self.touched.emit()
+        self._choose(float(text))
+        return True
+
+    def focus_target(self) -> QWidget | None:
+        """See `AnswerField`."""
+        return next((button for button in self.buttons if button.isChecked()), None)
+
+    def _choose(self, value: float) -> None:
+        if self.answer != value:
+            self.show_answer(value)
+            self.changed.emit()
+
+
+class ChoiceField(AnswerField):
+    """Options, of which one or several are chosen."""
+
+    def __init__(self, item: FormItem) -> None:
+        super().__init__(item)
+        in_a_row = len(item.options) <= _BESIDE and max(map(len, item.options)) <= _SHORT
+        rows = spaced(QHBoxLayout(self) if in_a_row else QVBoxLayout(self), GAP // 2, 0)
+        self.buttons: list[OptionButton] = []
+        for number, option in enumerate(item.options, start=1):
+            button = OptionButton(self, option, option, str(number) if number < 10 else "", alone=not item.several)
+            button.clicked.connect(lambda _=False, chosen=option: self._choose(chosen))
+            rows.addWidget(button)
+            self.buttons.append(button)
+
+    @property
+    def answer(self) -> Answer:
+        """See `AnswerField`, for all of these."""
+        chosen = self._chosen()
+        if self.item.several:
+            return tuple(chosen) or None
+        return chosen[0] if chosen else None
+
+    def show_answer(self, answer: Answer) -> None:
+        """See `AnswerField`."""
+        chosen = answer if isinstance(answer, tuple) else (answer,)
+        for option, button in zip(self.item.options, self.buttons, strict=True):
+            button.choose(option in chosen)
+
+    def take_key(self, text: str) -> bool:
+        """See `AnswerField`."""
+        if not text.isdecimal() or not 1 <= int(text) <= len(self.buttons):
+            return False
+        self.touched.emit()
+        self._choose(self.item.options[int(text) - 1])
+        return True
+
+    def focus_target(self) -> QWidget | None:
+        """See `AnswerField`."""
+        return next((button for button in self.buttons if button.isChecked()), None)
+
+    def _chosen(self) -> Sequence[str]:
+        return [option for option, button in zip(self.item.options, self.buttons, strict=True) if button.isChecked()]
+
+    def _choose(self, option: str) -> None:
+        before = self.answer
+        if self.item.several:
+            chosen = set(self._chosen()) ^ {option}
+            self.show_answer(tuple(one for one in self.item.options if one in chosen))
+        else:
+            self.show_answer(option)
+        if self.answer != before:
+            self.changed.emit()

@@ -1,0 +1,196 @@
+"""One item of a form: what is asked, its field, "not applicable", and what is missing."""
+
+from typing import Literal
+
+from PySide6.QtCore import QRectF, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent, QPaintEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QVBoxLayout, QWidget
+
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
+from ui.model.kiosk import Answer, FormItem
+from ui.windows import look
+from ui.windows.kiosk.items.field import AnswerField
+from ui.windows.kiosk.items.line import LineField
+from ui.windows.kiosk.items.options import ChoiceField, OptionButton, PointsField
+from ui.windows.kiosk.items.written import NumberField, TextField
+from ui.windows.look import GAP, colours, smooth_painter, spaced
+from ui.windows.participant.widgets.focus import ARROWS, make_region, reachable
+from ui.windows.participant.widgets.painting import ring
+
+PAUSE = 700
+"""Milliseconds without typing after which what was typed so far is told."""
+
+What = Literal["shown", "touched", "changed", "given", "pasted"]
+
+_FIELDS: dict[str, type[AnswerField]] = {
+    "likert": PointsField,
+    "differential": PointsField,
+    "analogue": LineField,
+    "choice": ChoiceField,
+    "number": NumberField,
+    "text": TextField,
+}
+
+
+class ItemPanel(QFrame):
+    """An item.
+
+    Args:
+        item: as people see it.
+        number: of the item on its page, from 1.
+        of: items on the page.
+
+    Attributes:
+        news: something happened with it; what, and how many characters were pasted.
+        passed: the person is done with it, by the keyboard.
+    """
+
+    news = Signal(str, int)
+    passed = Signal()
+
+    def __init__(self, item: FormItem, number: int, of: int) -> None:
+        super().__init__()
+        self.item = item
+        self._number, self._of = number, of
+        self._touched = self._is_shown = self._ungiven = False
+        look.style_as_panel(self)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        rows = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
+        self.question = look.label(item.text or f"{item.low} or {item.high}?", bold=True)
+        rows.addWidget(self.question)
+        self.field = _FIELDS[item.scale](item)
+        rows.addWidget(self.field)
+        foot = spaced(QHBoxLayout(), GAP)
+        rows.addLayout(foot)
+        self.missing = look.label(size="small")
+        self.missing.setProperty("bad", True)
+        foot.addWidget(self.missing, 20)
+        self.not_applicable: OptionButton | None = None
+        if item.not_applicable:
+            words = "Not applicable"
+            self.not_applicable = OptionButton(self.field, words, words, "N", "small", alone=False)
+            self.not_applicable.clicked.connect(self._refuse)
+            foot.addStretch(1)
+            foot.addWidget(self.not_applicable)
+        elif not item.required:
+            foot.addWidget(look.label("You may leave this out.", "small", muted=True))
+        self.missing.setVisible(False)
+        self._pause = QTimer(self, singleShot=True, interval=PAUSE)
+        self._pause.timeout.connect(self._changed)
+        self.field.touched.connect(self._touch)
+        self.field.changed.connect(self._answered)
+        self.field.typed.connect(self._typing)
+        self.field.pasted.connect(lambda characters: self.news.emit("pasted", characters))
+        self.field.passed.connect(self.passed)
+        self._name()
+
+    @property
+    def answer(self) -> Answer:
+        """The answer that is shown."""
+        if self.not_applicable is not None and self.not_applicable.isChecked():
+            return NOT_APPLICABLE
+        return self.field.answer
+
+    @property
+    def lacks(self) -> str:
+        """A sentence about what is missing here; empty where nothing is."""
+        if self.answer is None and self.field.problem:
+            return self.field.problem
+        return "Please answer this." if self.answer is None and self.item.required else ""
+
+    def show_answer(self, answer: Answer) -> None:
+        """Show an answer that was given before."""
+        refused = answer == NOT_APPLICABLE and self.not_applicable is not None
+        if self.not_applicable is not None:
+            self.not_applicable.choose(refused)
+        self.field.show_answer(None if refused else answer)
+        self._name()
+
+    def point_at_missing(self, sentence: str) -> None:
+        """Say what is missing; an empty sentence says nothing."""
+        self.missing.setText(sentence)
+        self.missing.setVisible(bool(sentence))
+        self._name()
+
+    def come_into_sight(self) -> None:
+        """Note that it is wholly in sight, for the first time."""
+        if not self._is_shown:
+            self._is_shown = True
+            self.news.emit("shown", 0)
+
+    def go_on(self) -> None:
+        """Note that the person is somewhere else now: what is here is given."""
+        if self._pause.isActive():
+            self._changed()
+        if self._ungiven:
+            self._ungiven = False
+            self.news.emit("given", 0)
+
+    def focus_target(self) -> QWidget:
+        """Return the widget that gets the focus when the item does; the item itself where nothing is chosen yet."""
+        if self.not_applicable is not None and self.not_applicable.isChecked():
+            return self.not_applicable
+        return self.field.focus_target() or self
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the ring of the focus."""
+        super().paintEvent(event)
+        if self.hasFocus():
+            ring(smooth_painter(self), QRectF(self.rect()).adjusted(-2, -2, 2, 2), colours().accent)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Answer by a digit, or refuse by N, where nothing is typed."""
+        text = event.text().upper()
+        keypad = Qt.KeyboardModifier.KeypadModifier
+        if event.modifiers() & ~keypad or event.isAutoRepeat():
+            super().keyPressEvent(event)
+        elif self.hasFocus() and event.key() in ARROWS:
+            reachable(self.field)[0].setFocus(Qt.FocusReason.OtherFocusReason)
+        elif self.hasFocus() and event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.passed.emit()
+        elif text == "N" and self.not_applicable is not None:
+            self._touch()
+            self._refuse()
+        elif not self.field.take_key(text):
+            super().keyPressEvent(event)
+
+    def _touch(self) -> None:
+        if not self._touched:
+            self._touched = True
+            self.news.emit("touched", 0)
+
+    def _answered(self) -> None:
+        if self.not_applicable is not None:
+            self.not_applicable.choose(False)
+        self._changed()
+
+    def _typing(self) -> None:
+        if self.not_applicable is not None:
+            self.not_applicable.choose(False)
+        self._pause.start()
+        self._name()
+
+    def _refuse(self) -> None:
+        if self.not_applicable is not None and not self.not_applicable.isChecked():
+            self._pause.stop()
+            self.field.show_answer(None)
+            self.not_applicable.choose(True)
+            self._changed()
+
+    def _changed(self) -> None:
+        self._pause.stop()
+        self._ungiven = True
+        if self.answer is not None:
+            self.point_at_missing("")
+        self._name()
+        self.news.emit("changed", 0)
+
+    def _name(self) -> None:
+        answer = self.answer
+        told = (
+            ", ".join(answer) if isinstance(answer, tuple) else f"{answer:g}" if isinstance(answer, float) else answer
+        )
+        state = "Not answered." if answer is None else f"Answered: {told}."
+        lack = "" if self.missing.isHidden() else f" {self.missing.text()}"
+        name = f"Question {self._number} of {self._of}: {self.question.text()} {state}{lack}"
+        make_region(self, name)

@@ -1,0 +1,120 @@
+"""Answers that are typed: numbers and free texts."""
+
+from PySide6.QtCore import QMimeData, Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPlainTextEdit, QVBoxLayout, QWidget
+
+from ui.model.kiosk import Answer, FormItem
+from ui.windows import look
+from ui.windows.kiosk.items.field import AnswerField
+from ui.windows.look import GAP, follow_text, px, spaced
+
+LONGEST = 20_000
+"""Characters of a text, at most."""
+
+
+class NumberField(AnswerField):
+    """A number, with its unit."""
+
+    def __init__(self, item: FormItem) -> None:
+        super().__init__(item)
+        self.line = follow_text(QLineEdit(), lambda it: it.setMaximumWidth(px(160)))
+        self.line.setMaxLength(20)
+        bounds = f"a number from {item.minimum:g} to {item.maximum:g}"
+        self.line.setPlaceholderText(f"{item.minimum:g} to {item.maximum:g}")
+        self.line.setAccessibleName(f"{item.text}, {item.unit + ', ' if item.unit else ''}{bounds}")
+        row = spaced(QHBoxLayout(self), GAP, 0)
+        row.addWidget(self.line)
+        row.addWidget(look.label(item.unit, muted=True), 1)
+        self.line.textEdited.connect(self.touched)
+        self.line.textEdited.connect(self.typed)
+        self.line.returnPressed.connect(self.passed)
+
+    @property
+    def answer(self) -> Answer:
+        """See `AnswerField`, for all of these."""
+        number = self._number()
+        return number if number is not None and self.item.minimum <= number <= self.item.maximum else None
+
+    @property
+    def problem(self) -> str:
+        """See `AnswerField`."""
+        if not self.line.text().strip() or self.answer is not None:
+            return ""
+        return f"Please write a number from {self.item.minimum:g} to {self.item.maximum:g}."
+
+    def show_answer(self, answer: Answer) -> None:
+        """See `AnswerField`."""
+        self.line.setText(f"{answer:g}" if isinstance(answer, float) else "")
+
+    def focus_target(self) -> QWidget:
+        """See `AnswerField`."""
+        return self.line
+
+    def _number(self) -> float | None:
+        text = self.line.text().strip().replace(",", ".")
+        try:
+            return float(text) if text.isascii() and "_" not in text else None
+        except ValueError:
+            return None
+
+
+class FreeText(QPlainTextEdit):
+    """The place for a free text; what is pasted or dropped into it is told.
+
+    Args:
+        field: it belongs to.
+    """
+
+    def __init__(self, field: AnswerField) -> None:
+        super().__init__()
+        self._field = field
+        self.setTabChangesFocus(True)
+        follow_text(self, lambda it: it.setFixedHeight(px(88)))
+
+    def insertFromMimeData(self, source: QMimeData) -> None:
+        """Take what is pasted as text, and tell how much."""
+        before = len(self.toPlainText())
+        super().insertFromMimeData(source)
+        if source.hasText():
+            self._field.pasted.emit(max(len(source.text()), len(self.toPlainText()) - before))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Leave Ctrl+Enter to the page."""
+        with_ctrl = event.modifiers() & Qt.KeyboardModifier.ControlModifier
+        if with_ctrl and event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            event.ignore()
+        else:
+            super().keyPressEvent(event)
+
+
+class TextField(AnswerField):
+    """A free text."""
+
+    def __init__(self, item: FormItem) -> None:
+        super().__init__(item)
+        self.text = FreeText(self)
+        self.text.setAccessibleName(f"{item.text}, free text")
+        self._showing = False
+        spaced(QVBoxLayout(self), 0, 0).addWidget(self.text)
+        self.text.textChanged.connect(self._edited)
+
+    @property
+    def answer(self) -> Answer:
+        """See `AnswerField`, for all of these."""
+        return self.text.toPlainText()[:LONGEST] if self.text.toPlainText().strip() else None
+
+    def show_answer(self, answer: Answer) -> None:
+        """See `AnswerField`."""
+        self._showing = True
+        self.text.setPlainText(answer if isinstance(answer, str) else "")
+        self._showing = False
+
+    def focus_target(self) -> QWidget:
+        """See `AnswerField`."""
+        return self.text
+
+    def _edited(self) -> None:
+        if not self._showing:
+            self.touched.emit()
+            self.typed.emit()

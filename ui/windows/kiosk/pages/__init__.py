@@ -1,0 +1,1 @@
+"""Pages of the kiosk: texts, and forms."""

@@ -1,0 +1,210 @@
+"""A page of a form: its items below one another, and what leads on."""
+
+import time
+from collections.abc import Sequence
+
+from PySide6.QtCore import QEvent, QPoint, QRect, Qt, QTimer, Signal
+from PySide6.QtGui import (
+    QAccessible,
+    QAccessibleAnnouncementEvent,
+    QKeySequence,
+    QResizeEvent,
+    QShortcut,
+    QShowEvent,
+)
+from PySide6.QtWidgets import QApplication, QFrame, QHBoxLayout, QScrollArea, QVBoxLayout, QWidget
+
+from ui.model.kiosk import FormToFill, ItemNews
+from ui.windows import look
+from ui.windows.kiosk.items.panel import ItemPanel
+from ui.windows.look import GAP, follow_text, px, spaced
+from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
+from ui.windows.participant.widgets.focus import make_region
+from ui.windows.participant.widgets.panels import set_text
+
+WIDEST = 860
+"""Width of the column of items at most, `px`: lines and scales that are longer are harder to read."""
+
+
+class FormPage(QWidget):
+    """A page of a form.
+
+    Args:
+        form: the page.
+
+    Attributes:
+        news: an `ItemNews`.
+        went_on: all that is required is answered, and the person goes on.
+    """
+
+    news = Signal(object)
+    went_on = Signal()
+
+    def __init__(self, form: FormToFill) -> None:
+        super().__init__()
+        self._form = form
+        self._active: ItemPanel | None = None
+        make_region(self, form.title)
+        rows = spaced(QVBoxLayout(self), 0, 0)
+        self._area = QScrollArea(widgetResizable=True)
+        self._area.setFrameShape(QFrame.Shape.NoFrame)
+        self._area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self._area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        rows.addWidget(self._area, 1)
+        inside = QWidget()
+        column = _column(inside)
+        column.addWidget(look.label(form.title, "hero", bold=True))
+        if form.instructions:
+            column.addWidget(look.label(form.instructions))
+        self.panels: list[ItemPanel] = []
+        for number, item in enumerate(form.items, start=1):
+            panel = ItemPanel(item, number, len(form.items))
+            if item.id in form.answers:
+                panel.show_answer(form.answers[item.id])
+            panel.news.connect(lambda what, characters, panel=panel: self._tell(panel, what, characters))
+            panel.passed.connect(lambda panel=panel: self._pass(panel))
+            column.addWidget(panel)
+            self.panels.append(panel)
+        column.addStretch(1)
+        self._area.setWidget(inside)
+        inside.setAutoFillBackground(False)
+        self._count = look.label(muted=True)
+        self.go_on = ActionButton("main")
+        self._build_foot(rows)
+        self._looking = QTimer(self, singleShot=True, interval=0)
+        self._looking.timeout.connect(self._look)
+        bar = self._area.verticalScrollBar()
+        bar.valueChanged.connect(lambda _value: self._looking.start())
+        bar.rangeChanged.connect(lambda _least, _most: self._looking.start())
+        QApplication.instance().focusChanged.connect(self._follow)  # type: ignore[union-attr]  # there is one
+        self._tell_count()
+
+    def _build_foot(self, rows: QVBoxLayout) -> None:
+        foot = QWidget()
+        rows.addWidget(foot)
+        row = spaced(QHBoxLayout(), 2 * GAP)
+        column = _column(foot, vertical=GAP)
+        column.addLayout(row)
+        row.addWidget(self._count, 1)
+        self.go_on.show_face(ButtonFace(self._form.button, "Ctrl+Enter"), self._form.button)
+        self.go_on.clicked.connect(self._leave)
+        row.addWidget(self.go_on)
+        for key in ("Ctrl+Return", "Ctrl+Enter"):
+            shortcut = QShortcut(QKeySequence(key), self)
+            shortcut.setAutoRepeat(False)
+            shortcut.activated.connect(self.go_on.click)
+
+    def start(self) -> None:
+        """Give the focus to the first item without an answer, or to what the host found missing."""
+        missing = [panel for panel in self.panels if panel.item.id in self._form.missing]
+        for panel in missing:
+            panel.point_at_missing("Please answer this.")
+        first = next(iter(missing), next((panel for panel in self.panels if panel.answer is None), self.panels[0]))
+        first.focus_target().setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def focusNextPrevChild(self, forward: bool) -> bool:
+        """Go from item to item by Tab, to "not applicable" between them, and to what leads on in the end."""
+        stops: list[QWidget] = []
+        for panel in self.panels:
+            stops.append(panel.focus_target())
+            if panel.not_applicable is not None and panel.not_applicable not in stops:
+                stops.append(panel.not_applicable)
+        stops.append(self.go_on)
+        focused = QApplication.focusWidget()
+        at = stops.index(focused) if focused in stops else self._stop_of(focused, stops)
+        target = stops[(at + (1 if forward else -1)) % len(stops)]
+        target.setFocus(Qt.FocusReason.TabFocusReason if forward else Qt.FocusReason.BacktabFocusReason)
+        return True
+
+    def _stop_of(self, focused: QWidget | None, stops: Sequence[QWidget]) -> int:
+        """Index of the stop of the item in which something else has the focus."""
+        panel = next((panel for panel in self.panels if focused is not None and panel.isAncestorOf(focused)), None)
+        return -1 if panel is None else stops.index(panel.focus_target())
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Look which items are in sight."""
+        super().showEvent(event)
+        self._looking.start()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Look anew."""
+        super().resizeEvent(event)
+        self._looking.start()
+
+    def event(self, event: QEvent) -> bool:
+        """Look anew when something has another size."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self._looking.start()
+        return super().event(event)
+
+    def _look(self) -> None:
+        """Tell of items that are wholly in sight; of one that is higher than the window, its question."""
+        if not self.isVisible():
+            return
+        port = self._area.viewport()
+        for panel in self.panels:
+            place = QRect(panel.mapTo(port, QPoint(0, 0)), panel.size())
+            if place.height() > port.height():
+                place = QRect(panel.question.mapTo(port, QPoint(0, 0)), panel.question.size())
+            if port.rect().adjusted(0, -1, 0, 1).contains(place.adjusted(0, 0, -1, -1)):
+                panel.come_into_sight()
+
+    def _follow(self, _before: QWidget | None, now: QWidget | None) -> None:
+        """Show the item that has the focus, and note that the person is there."""
+        panel = next((panel for panel in self.panels if now is panel or (now and panel.isAncestorOf(now))), None)
+        if panel is not None:
+            self._area.ensureWidgetVisible(panel, 0, 2 * GAP)
+            self._enter(panel)
+
+    def _enter(self, panel: ItemPanel | None) -> None:
+        if self._active is not None and self._active is not panel:
+            self._active.go_on()
+        self._active = panel
+
+    def _tell(self, panel: ItemPanel, what: str, characters: int) -> None:
+        if what in {"touched", "changed"}:
+            self._enter(panel)
+        moment = time.monotonic_ns()
+        answer = panel.answer if what in {"changed", "given"} else None
+        self.news.emit(ItemNews(self._form.page, panel.item.id, what, moment, answer, characters))  # type: ignore[arg-type]
+        if what in {"changed", "given"}:
+            self._tell_count()
+
+    def _pass(self, panel: ItemPanel) -> None:
+        """Go on from an item to the next one."""
+        at = self.panels.index(panel) + 1
+        target = self.panels[at].focus_target() if at < len(self.panels) else self.go_on
+        target.setFocus(Qt.FocusReason.TabFocusReason)
+        if target is self.go_on:
+            self._enter(None)
+
+    def _leave(self) -> None:
+        """Go on, if nothing is missing; else point at all that is, and go to the first of it."""
+        self._enter(None)
+        lacking = [panel for panel in self.panels if panel.lacks]
+        for panel in self.panels:
+            panel.point_at_missing(panel.lacks)
+        if not lacking:
+            self.went_on.emit()
+            return
+        number = "One answer is" if len(lacking) == 1 else f"{len(lacking)} answers are"
+        said = f"{number} missing; {'it is' if len(lacking) == 1 else 'they are'} marked."
+        set_text(self._count, said)
+        QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, said))
+        lacking[0].focus_target().setFocus(Qt.FocusReason.OtherFocusReason)
+        self._area.ensureWidgetVisible(lacking[0], 0, 2 * GAP)
+
+    def _tell_count(self) -> None:
+        answered = sum(panel.answer is not None for panel in self.panels)
+        page = f"Page {self._form.part} of {self._form.parts}. " if self._form.parts > 1 else ""
+        set_text(self._count, f"{page}{answered} of {len(self.panels)} answered.")
+
+
+def _column(inside: QWidget, vertical: int = 2 * GAP) -> QVBoxLayout:
+    """Return a column in the middle of a widget."""
+    outer = spaced(QHBoxLayout(inside), 0, 2 * GAP, vertical, 2 * GAP, vertical)
+    column = follow_text(QWidget(), lambda it: it.setMaximumWidth(px(WIDEST)))
+    outer.addStretch(1)
+    outer.addWidget(column, 40)
+    outer.addStretch(1)
+    return spaced(QVBoxLayout(column), int(1.5 * GAP), 0)

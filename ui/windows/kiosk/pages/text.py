@@ -1,0 +1,114 @@
+"""Pages with a text, and one button that leads on."""
+
+import time
+from collections.abc import Callable
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeySequence, QShortcut, QTextBlockFormat, QTextCursor
+from PySide6.QtWidgets import QFrame, QLineEdit, QTextBrowser, QVBoxLayout, QWidget
+
+from ui.model.kiosk import TextToRead
+from ui.windows import look
+from ui.windows.look import GAP, follow_text, px, spaced
+from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
+from ui.windows.participant.widgets.focus import make_region
+from ui.windows.participant.widgets.panels import page_column
+
+SHORT = 500
+"""Letters of a text that stands in the middle of the page; a longer one is read in a panel that scrolls."""
+READING = 0.4
+"""Seconds for which a page that has just come is not left: a press was meant for the one before."""
+_IN_A_GROUP = 4
+
+
+class ReadingPage(QWidget):
+    """A text to read.
+
+    Args:
+        page: the text.
+        clock: monotonic seconds.
+
+    Attributes:
+        went_on: the person goes on.
+    """
+
+    went_on = Signal()
+
+    def __init__(self, page: TextToRead, clock: Callable[[], float] = time.monotonic) -> None:
+        super().__init__()
+        self._clock, self._came = clock, clock()
+        make_region(self, page.heading or "A text to read")
+        rows = spaced(page_column(self, 760), 2 * GAP, 0)
+        is_short = len(page.text) <= SHORT and not page.markdown
+        if is_short:
+            rows.addStretch(2)
+        if page.heading:
+            rows.addWidget(look.label(page.heading, "hero", bold=True))
+        self.text: QTextBrowser | None = None
+        if is_short:
+            rows.addWidget(look.label(page.text, "title"))
+        else:
+            self.text = _text(page)
+            rows.addWidget(self.text, 1)
+        if page.code:
+            _add_code(rows, page.code)
+        self.go_on: ActionButton | None = None
+        if page.button:
+            self.go_on = ActionButton("main")
+            self.go_on.show_face(ButtonFace(page.button, "Enter"), page.button)
+            self.go_on.setAccessibleDescription(page.text[:SHORT] if is_short else "Key: Enter.")
+            self.go_on.clicked.connect(self._leave)
+            rows.addSpacing(GAP)
+            rows.addWidget(self.go_on, 0, Qt.AlignmentFlag.AlignRight)
+            for key in ("Return", "Enter"):
+                shortcut = QShortcut(QKeySequence(key), self)
+                shortcut.setAutoRepeat(False)
+                shortcut.activated.connect(self.go_on.click)
+        if is_short:
+            rows.addStretch(3)
+
+    def start(self) -> None:
+        """Give the focus to what is read, or to the button."""
+        target = self.text or self.go_on
+        if target is not None:
+            target.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def _leave(self) -> None:
+        if self._clock() - self._came >= READING:
+            self.went_on.emit()
+
+
+def _text(page: TextToRead) -> QTextBrowser:
+    text = QTextBrowser()
+    text.setOpenLinks(False)
+    text.setTabChangesFocus(True)
+    text.setCursorWidth(0)
+    text.setTextInteractionFlags(
+        Qt.TextInteractionFlag.TextSelectableByKeyboard | Qt.TextInteractionFlag.TextSelectableByMouse
+    )
+    if page.markdown:
+        text.setMarkdown(page.text)
+    else:
+        text.setPlainText(page.text)
+    spacing = QTextBlockFormat()
+    spacing.setLineHeight(130.0, QTextBlockFormat.LineHeightTypes.ProportionalHeight.value)
+    cursor = QTextCursor(text.document())
+    cursor.select(QTextCursor.SelectionType.Document)
+    cursor.mergeBlockFormat(spacing)
+    text.document().setDocumentMargin(2 * GAP)
+    text.setFrameShape(QFrame.Shape.NoFrame)
+    text.setAccessibleName(page.heading or "The text")
+    look.style_as_panel(text)
+    return text
+
+
+def _add_code(rows: QVBoxLayout, code: str) -> None:
+    rows.addWidget(look.label("This is your completion code. Please write it down or copy it:", bold=True))
+    groups = " ".join(code[at : at + _IN_A_GROUP] for at in range(0, len(code), _IN_A_GROUP))
+    shown = follow_text(QLineEdit(groups), lambda it: it.setFont(look.font("hero", bold=True)))
+    shown.setReadOnly(True)
+    shown.setAlignment(Qt.AlignmentFlag.AlignCenter)
+    follow_text(shown, lambda it: it.setMaximumWidth(px(420)))
+    shown.setAccessibleName(f"Completion code: {', '.join(code)}")
+    rows.addWidget(shown)
+    rows.addWidget(look.label("The blank in the middle does not belong to it.", "small", muted=True))

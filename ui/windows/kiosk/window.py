@@ -1,0 +1,354 @@
+"""The kiosk's window: shows the page that its host sends, and tells what the person does there."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import QEvent, Qt, QTimer
+from PySide6.QtGui import QCloseEvent, QKeySequence, QResizeEvent, QShortcut
+from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QProgressBar, QStackedWidget, QVBoxLayout, QWidget
+
+from thbridge.roles.view import GiveConsent
+from ui.model.keys import keyed
+from ui.model.kiosk import (
+    KIOSK,
+    AnswerKept,
+    BeginNext,
+    CloseKiosk,
+    ConsentReply,
+    ConsentToAsk,
+    FocusNews,
+    FormToFill,
+    FromKiosk,
+    GamePrepared,
+    GameRecorded,
+    GameSeenOver,
+    GameToJoin,
+    KioskClosed,
+    StoppedTakingPart,
+    StudyProgress,
+    TextToRead,
+    ToKiosk,
+    WentOn,
+)
+from ui.model.screen import AgreeToTakePart, DeclineToTakePart
+from ui.windows import look, pointer
+from ui.windows.application import application
+from ui.windows.host_pipe import HostPipe
+from ui.windows.kiosk.pages.form import FormPage
+from ui.windows.kiosk.pages.text import READING, ReadingPage
+from ui.windows.kiosk.successor import Successor
+from ui.windows.link import ParticipantLink
+from ui.windows.look import GAP, spaced
+from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage
+from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
+from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set_text
+from ui.windows.participant_program import GamePage
+
+END_KEYS = "Ctrl+Alt+Shift+Q"
+"""The researcher's keys that close the window at once."""
+BEGIN_KEYS = "Ctrl+Alt+Shift+N"
+"""The researcher's keys that begin the run of the next person."""
+FRAME = 15
+"""Milliseconds between two polls of a game's link."""
+STOPPED = TextToRead(
+    0,
+    "The program has stopped",
+    "All that you have answered is kept. Please stay here and tell the researcher, who starts it again; you then go on "
+    "where you were.",
+    button="",
+)
+
+
+class ProgressStrip(QWidget):
+    """Progress of a person through the study."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        row = spaced(QHBoxLayout(self), 2 * GAP, 2 * GAP, GAP, 2 * GAP, 0)
+        self._words, self._bar = look.label(size="small", muted=True), QProgressBar()
+        self._words.setWordWrap(False)
+        self._bar.setTextVisible(False)
+        self._bar.setFixedHeight(GAP)
+        row.addWidget(self._words)
+        row.addWidget(self._bar, 1)
+
+    def show_progress(self, way: StudyProgress) -> None:
+        """Show it; nothing where there are no steps."""
+        self.setVisible(way.steps > 0)
+        words = f"Step {way.step} of {way.steps}"
+        set_text(self._words, words)
+        self._bar.setAccessibleName(words)
+        self._bar.setRange(0, max(way.steps, 1))
+        self._bar.setValue(max(way.step - 1, 0))
+
+
+class LeavingPanel(TitledPanel):
+    """The question to whoever closes the window.
+
+    Attributes:
+        stay: goes back to the study.
+        stop: ends the person's part.
+        close_button: closes the window.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("Leave the study?")
+        self.entitle("Leave the study?")
+        self.text = look.label()
+        self.rows.addWidget(self.text, 1)
+        self.stay, self.stop, self.close_button = ActionButton("main"), ActionButton(), ActionButton()
+        self.stay.show_face(ButtonFace("Go on with the study", "Esc"), "Go on with the study")
+        self.stop.show_face(ButtonFace("Stop taking part"), "Stop taking part: the study ends for you")
+        self.close_button.show_face(ButtonFace("Close the window (researcher)"), "Close the window, for the researcher")
+        for button in (self.stay, self.stop, self.close_button):
+            self.rows.addWidget(button)
+
+
+class KioskWindow(QMainWindow):
+    """The window of one laboratory's computer.
+
+    Args:
+        appearance: colours.
+        send: sends to the host.
+        clock: monotonic seconds.
+
+    Attributes:
+        game: the game that is shown; None on other pages.
+    """
+
+    def __init__(
+        self,
+        appearance: look.Appearance,
+        send: Callable[[FromKiosk], None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        super().__init__()
+        self._appearance = appearance
+        self._send = send
+        self._clock = clock
+        self._page = 0
+        self._leaving = self._host_gone = self._has_run = False
+        self._focused: bool | None = None
+        self.game: GamePage | None = None
+        self.setWindowTitle("Study")
+        self.setMinimumSize(800, 480)
+        self._inside = inside = QWidget()
+        rows = spaced(QVBoxLayout(inside), 0, 0)
+        self.progress, self.pages = ProgressStrip(), QStackedWidget()
+        self.progress.hide()
+        rows.addWidget(self.progress)
+        rows.addWidget(self.pages, 1)
+        self.setCentralWidget(inside)
+        self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel()
+        self._build_leaving()
+        for keys, deed in ((END_KEYS, self._end), (BEGIN_KEYS, self._begin_next)):
+            QShortcut(QKeySequence(keys), self).activated.connect(deed)
+        self._pumping = QTimer(self)
+        self._pumping.setTimerType(Qt.TimerType.PreciseTimer)
+        self._pumping.timeout.connect(self._pump)
+        self._pumping.start(FRAME)
+
+    def _build_leaving(self) -> None:
+        panel = self.leaving_panel
+        panel.stay.clicked.connect(self._stay)
+        panel.stop.clicked.connect(self._stop_taking_part)
+        panel.close_button.clicked.connect(self._end)
+        self._staying = QShortcut(QKeySequence("Esc"), panel)
+        self._staying.activated.connect(self._stay)
+
+    # The host's messages
+
+    def receive(self, message: ToKiosk) -> None:
+        """Act on a message of the host."""
+        match message:
+            case TextToRead(page=page):
+                self._show_text(page, message)
+            case ConsentToAsk(page=page):
+                self._show(page, self._consent(page, message.text), message.progress)
+            case FormToFill(page=page):
+                form = FormPage(message)
+                form.news.connect(self._send)
+                form.went_on.connect(partial(self._go_on, page))
+                self._show(page, form, message.progress)
+                form.start()
+            case GamePrepared(page=page, sentence=sentence):
+                waiting = ConnectingPage()
+                waiting.show_waiting(sentence)
+                self._show(page, waiting, message.progress)
+            case GameToJoin():
+                self._join(message)
+            case GameRecorded(page=page) if self.game is not None and self.game.is_over and page == self._page:
+                self.game.disconnect_from_game()
+            case GameRecorded(page=page, heading=heading, text=text):
+                self._show_text(page, TextToRead(page, heading, text, progress=message.progress))
+            case CloseKiosk():
+                self._leaving = True
+                self.close()
+            case AnswerKept():
+                pass
+
+    def leave(self) -> None:
+        """Say that the host is gone, and stay until another window opens, or the researcher closes this one."""
+        if self._leaving:
+            return
+        self._host_gone = True
+        self._show_text(0, STOPPED)
+
+    def give_way(self) -> None:
+        """Close if nobody needs this window any more: another one has opened."""
+        if self._host_gone:
+            self._end()
+
+    # Pages
+
+    def _show_text(self, page: int, text: TextToRead) -> None:
+        shown = ReadingPage(text, self._clock)
+        shown.went_on.connect(partial(self._go_on, page))
+        self._show(page, shown, text.progress)
+        shown.start()
+
+    def _consent(self, page: int, text: str) -> ConsentPage:
+        shown, came = ConsentPage(), self._clock()
+
+        def answer(act: object) -> None:
+            if self._page == page and self._clock() - came >= READING:
+                self._page = -1
+                agrees = isinstance(act, AgreeToTakePart)
+                self._send(ConsentReply(page, agrees, time.monotonic_ns()))
+
+        shown.show_consent(
+            text,
+            keyed(AgreeToTakePart(), "I agree", hint="You take part in the study."),
+            keyed(DeclineToTakePart(), "I do not take part", hint="The study ends here for you."),
+        )
+        shown.requested.connect(answer)
+        for button in (shown.agree, shown.decline):
+            QShortcut(QKeySequence(button.face.key if button.face else ""), shown).activated.connect(button.click)
+        return shown
+
+    def _join(self, game: GameToJoin) -> None:
+        consent = GiveConsent(game.agreed_at) if game.agreed_at else None
+        link = ParticipantLink(game.host, game.port, game.token, consent)
+        on = partial(self._go_on, game.page)
+        back = on if game.practice else None
+        shown = GamePage(link, self._appearance, game.practice, back, self._clock, "Go on with the study", once=True)
+        shown.window_of_game.went_on.connect(on)
+        shown.window_of_game.declined.connect(shown.decline)
+        shown.seen_over.connect(lambda: self._send(GameSeenOver(game.page)))
+        self._show(game.page, shown, StudyProgress())
+        self.game = shown
+
+    def _go_on(self, page: int) -> None:
+        """Tell that the person goes on, once."""
+        if page == self._page:
+            self._page = -1
+            self._send(WentOn(page))
+
+    def _show(self, number: int, page: QWidget, way: StudyProgress) -> None:
+        self._leave_game()
+        self._page = number
+        self._has_run = way.steps > 0 or isinstance(page, GamePage)
+        pointer.note_rest(self)
+        self.progress.show_progress(way)
+        before = self.pages.currentWidget()
+        self.pages.addWidget(page)
+        self.pages.setCurrentWidget(page)
+        if before is not None:
+            self.pages.removeWidget(before)
+            before.deleteLater()
+        if not self.overlay.isVisible():
+            page.setFocus()
+
+    def _leave_game(self) -> None:
+        if self.game is not None:
+            self.game.leave()
+            self.game = None
+
+    def _pump(self) -> None:
+        if self.game is not None:
+            self.game.pump()
+
+    # Leaving
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask first: only the researcher closes the window."""
+        if not self._leaving:
+            event.ignore()
+            self._ask_to_leave()
+            return
+        self._pumping.stop()
+        self._leave_game()
+        self._send(KioskClosed())
+        event.accept()
+        QApplication.quit()
+
+    def _ask_to_leave(self) -> None:
+        panel = self.leaving_panel
+        who = "You can stop at any time and need not say why. " if self._has_run else ""
+        set_text(panel.text, f"{who}The window itself is closed by the researcher; what was done is kept.")
+        panel.stop.setVisible(self._has_run and not self._host_gone)
+        self.overlay.show_panel(panel)
+        panel.stay.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def _stay(self) -> None:
+        self.overlay.show_panel(None)
+        page = self.pages.currentWidget()
+        if isinstance(page, ReadingPage | FormPage):
+            page.start()
+        elif page is not None:
+            page.setFocus()
+
+    def _stop_taking_part(self) -> None:
+        self.overlay.show_panel(None)
+        self._send(StoppedTakingPart())
+
+    def _end(self) -> None:
+        """Close without asking."""
+        self._leaving = True
+        self.close()
+
+    def _begin_next(self) -> None:
+        self._send(BeginNext())
+
+    # The window itself
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Tell when keys and clicks go elsewhere, and when they come back."""
+        super().changeEvent(event)
+        if event.type() != QEvent.Type.ActivationChange:
+            return
+        has_focus = self.isActiveWindow()
+        if self._focused is not None and has_focus != self._focused:
+            self._send(FocusNews(has_focus, time.monotonic_ns()))
+        if has_focus or self._focused is not None:
+            self._focused = has_focus
+
+    def focusNextPrevChild(self, forward: bool) -> bool:
+        """Keep Tab from what lies behind the overlay."""
+        return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Let the overlay cover all."""
+        super().resizeEvent(event)
+        self.overlay.setGeometry(self._inside.rect())
+
+
+def open_kiosk(choice: look.Choice, *, windowed: bool) -> int:
+    """Open the window for the host at standard input and output; returns when it is closed."""
+    app = application()
+    pipe = HostPipe(KIOSK)
+    appearance, text_size = look.Appearance(app, choice), look.TextSize(app, look.user_settings())
+    window = KioskWindow(appearance, pipe.send)
+    text_size.add_keys(window)
+    successor = Successor(window.give_way)
+    successor.setParent(window)
+    pipe.listen(window)
+    if windowed:
+        look.open_within_screen(window)
+        window.show()
+    else:
+        # Where no window manager runs, nobody else makes it as large as the screen.
+        window.setGeometry(window.screen().geometry())
+        window.showFullScreen()
+    return app.exec()
