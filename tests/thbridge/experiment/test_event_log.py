@@ -202,3 +202,15 @@ def test_a_follower_tells_of_damage_once(log: Path) -> None:
         follower.poll()
     assert not follower.poll()
     assert follower.entries == known
+
+
+def test_what_is_on_the_disk_is_told_with_its_clocks(tmp_path: Path) -> None:
+    told: list[LoggedEvent] = []
+    stamped = NewEvent("note", "experimenter", Clocks("2026-01-02T12:00:00Z", 5, None, 46808.25), data={})
+    with ExperimentLog(tmp_path / "log") as log:
+        log.appended = told.extend
+        log.append([stamped, answer("P-AAAA", "later")])
+        log.delete([2], NOON)
+    assert [entry.sequence for entry in told] == [1, 2, 3]
+    assert read_log(tmp_path / "log") == [told[0], Tombstone(2), told[2]]
+    assert told[0].event == stamped

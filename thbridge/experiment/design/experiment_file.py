@@ -76,6 +76,9 @@ class ExperimentFile:
     begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who begins the run of the next person")
     recruiting: RecruitingSection = param(RecruitingSection(), "what people from a recruiting service are asked")
     recruitment: str = param("", "sentence on how people were found and paid, for the methods text")
+    markers: bool = param(
+        default=False, help="whether each event of the log goes to other recorders (Lab Streaming Layer)"
+    )
     steps: tuple[StepEntry, ...] = param((), "what a person goes through, in this order")
 
 

@@ -19,11 +19,13 @@ class Clocks:
         wall: date and time of day, ISO 8601 in UTC.
         monotonic_ns: nanoseconds of the clock of the process that saw it.
         simulated: seconds of simulated time; None outside of a trial.
+        lsl: seconds of the Lab Streaming Layer's `local_clock()`; None where no markers are sent.
     """
 
     wall: str
     monotonic_ns: int
     simulated: float | None = None
+    lsl: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

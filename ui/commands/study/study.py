@@ -49,6 +49,7 @@ def study_check(
     if file.is_dir():
         from thbridge.experiment.design.experiment_file import notices_of
         from thbridge.experiment.folder import ExperimentFolder
+        from thbridge.experiment.markers import why_no_markers
 
         with bad_input():
             design = ExperimentFolder(file).read()
@@ -56,6 +57,8 @@ def study_check(
         say(f"{file}: no faults; {design.allocation.size} people, {each}")
         for notice in notices_of(design):
             note(notice)
+        if design.file.markers and (reason := why_no_markers()):
+            note(reason)
         return
     setting_of(study_of(file, {}), file)
     say(f"{file}: no faults")
