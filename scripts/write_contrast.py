@@ -133,7 +133,7 @@ PAIRS = (
     Pair("researcher/docks/playback.py", "marks", "muted robots", "window panel", "sign"),
     Pair("researcher/docks/log.py", "who", "robots", "panel"),
     Pair("researcher/docks/log.py", "rows still to come, times", "muted", "panel"),
-    Pair("researcher/docks/arguments.py", "times of moves", "muted", "panel"),
+    Pair("tables.py", "times", "muted", "panel"),
     Pair("researcher/docks/attack_graph.py", "number and tick of an argument", "text", "panel"),
     Pair("researcher/docks/attack_graph.py", "edges of arguments, attacks", "text line good", "window panel", "sign"),
     Pair("researcher/docks/team.py", "robot in trouble", "bad", "panel"),

@@ -13,7 +13,7 @@ from thbridge.experiment.design.steps import ResumeRule, StepKind
 from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, resumes
 from thbridge.experiment.questionnaires.form import Form
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Actor, Clocks, JsonValue, LoggedEvent, NewEvent
+from thbridge.experiment.store.events import Actor, Clocks, JsonValue, LogEntry, LoggedEvent, NewEvent
 
 LETTERS = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
 """Letters and digits of ids and codes: none that looks like another."""
@@ -131,7 +131,9 @@ class Conductor:
             and (entry.event.participant == participant or participant in repr(entry.event.data))
         ]
         self._log.delete(sequences, self._clocks())
-        self.progress = Progress(self._design).after(read_log(self._log.path))
+        entries = read_log(self._log.path)
+        self.progress = Progress(self._design).after(entries)
+        self._tell(entries[-1])
 
     def form(self, step: PlannedStep) -> Form:
         """Return the form of a step that has one."""
@@ -166,9 +168,12 @@ class Conductor:
         progress = self.progress.after([LoggedEvent(self.progress.sequence + 1, event)])
         (logged,) = self._log.append([event])
         self.progress = progress
-        for listener in self.listeners:
-            listener(logged)
+        self._tell(logged)
         return logged
+
+    def _tell(self, logged: LogEntry) -> None:
+        for listener in self.listeners if isinstance(logged, LoggedEvent) else ():
+            listener(logged)
 
     def _new_id(self) -> str:
         while (drawn := f"P-{self._word(5)}") in self.progress.runs:

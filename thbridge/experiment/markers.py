@@ -11,7 +11,7 @@ a trouble.
 import json
 import socket
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from queue import SimpleQueue
 
@@ -76,17 +76,16 @@ class MarkerStream:
 
         return stamped
 
-    def push(self, events: Sequence[LoggedEvent]) -> None:
-        """Send the markers of events that are in the log; returns at once, and raises nothing."""
-        for logged in events:
-            if self._clock is None or (self._trouble and self._lost):
-                self._lost += 1
-            elif self._waiting.qsize() >= MOST_WAITING:
-                self._lost += 1
-                self._trouble = "Markers: liblsl takes none any more. Begin the study's program anew."
-            else:
-                stamp = logged.event.clocks.lsl
-                self._waiting.put((_sample(logged), self._clock() if stamp is None else stamp))
+    def push(self, logged: LoggedEvent) -> None:
+        """Send the marker of an event that is in the log; returns at once, and raises nothing."""
+        if self._clock is None or self._trouble:
+            self._lost += 1
+        elif self._waiting.qsize() >= MOST_WAITING:
+            self._lost += 1
+            self._trouble = "Markers: liblsl takes none any more. Begin the study's program anew."
+        else:
+            stamp = logged.event.clocks.lsl
+            self._waiting.put((_sample(logged), self._clock() if stamp is None else stamp))
 
     def close(self, timeout: float = 2.0) -> None:
         """Send what waits, and end the stream; what takes longer than some seconds is given up."""

@@ -51,9 +51,9 @@ def test_a_recorder_hears_each_event_with_the_times_of_the_log(tmp_path: Path) -
     try:
         assert json.loads(recorder.stdout.readline()) == ["Markers", 1, 0.0, pylsl.cf_string, title]
         with ExperimentLog(tmp_path / "log") as log:
-            log.appended = stream.push
             clocks = stream.stamping(lambda: Clocks("2026-01-02T12:00:00Z", next(ticks)))
             conductor = Conductor(design, log, clocks, lambda most: next(ticks) % most)
+            conductor.listeners.append(stream.push)
             run = conductor.admit()
             conductor.end(run.participant, conductor.begin(run.participant))
             conductor.note("the last one")

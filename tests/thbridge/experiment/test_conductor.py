@@ -152,3 +152,15 @@ def test_nothing_is_left_of_somebody_who_withdraws(design: ExperimentDesign, tmp
     laboratory.crash()
     assert stays in laboratory.conductor.progress.runs
     laboratory.log.close()
+
+
+def test_listeners_hear_each_event_of_the_log_withdrawals_included(design: ExperimentDesign, tmp_path: Path) -> None:
+    laboratory = Laboratory(design, tmp_path / "log", 6)
+    heard: list[LoggedEvent] = []
+    laboratory.conductor.listeners.append(heard.append)
+    gone = laboratory.conductor.admit().participant
+    laboratory.conductor.begin(gone)
+    laboratory.conductor.withdraw(gone)
+    assert [logged.sequence for logged in heard] == [1, 2, 3]
+    assert heard[-1] == read_log(tmp_path / "log")[-1]
+    laboratory.log.close()

@@ -12,8 +12,9 @@ from thbridge.experiment.store.events import Clocks, LoggedEvent, NewEvent
 NOON = Clocks("2026-01-02T12:00:00Z", 5_000_000_000, 12.5)
 
 
-def events(count: int) -> list[LoggedEvent]:
-    return [LoggedEvent(number, NewEvent("item-shown", "program", NOON)) for number in range(1, count + 1)]
+def push(stream: MarkerStream, count: int) -> None:
+    for number in range(1, count + 1):
+        stream.push(LoggedEvent(number, NewEvent("item-shown", "program", NOON)))
 
 
 def faulty_lsl(monkeypatch: pytest.MonkeyPatch, push) -> None:
@@ -44,7 +45,7 @@ def faulty_lsl(monkeypatch: pytest.MonkeyPatch, push) -> None:
 def test_without_pylsl_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pylsl", None)
     stream = MarkerStream("x")
-    stream.push(events(3))
+    push(stream, 3)
     assert stream.troubles == (
         "Markers: pylsl is not installed. Install it: pip install 'thbridge[markers]'. 3 markers did not go out.",
     )
@@ -72,9 +73,9 @@ def test_an_outlet_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     faulty_lsl(monkeypatch, fail)
     stream = MarkerStream("x")
     assert stream.troubles == ()
-    stream.push(events(1))
+    push(stream, 1)
     stream.close(60.0)
-    stream.push(events(2))
+    push(stream, 2)
     assert stream.troubles == (
         "Markers: the network is gone. Begin the study's program anew. 3 markers did not go out.",
     )
@@ -84,7 +85,7 @@ def test_an_outlet_that_hangs_holds_nobody_up(monkeypatch: pytest.MonkeyPatch) -
     hangs = threading.Event()
     faulty_lsl(monkeypatch, lambda _sample, _stamp: hangs.wait())
     stream = MarkerStream("x")
-    stream.push(events(MOST_WAITING + 50))
+    push(stream, MOST_WAITING + 50)
     assert stream.troubles[0].startswith("Markers: liblsl takes none any more.")
     assert "markers did not go out" in stream.troubles[0]
     stream.close(0.0)
@@ -97,7 +98,7 @@ def test_samples_have_the_clocks_of_their_events(monkeypatch: pytest.MonkeyPatch
     stream = MarkerStream("x")
     stamped = stream.stamping(lambda: NOON)()
     assert stamped.lsl == 7.0
-    stream.push([LoggedEvent(4, NewEvent("step-begun", "program", stamped, "P-AAAA", 2, "supervisor"))])
+    stream.push(LoggedEvent(4, NewEvent("step-begun", "program", stamped, "P-AAAA", 2, "supervisor")))
     stream.close(60.0)
     assert sent == [
         (

@@ -64,17 +64,12 @@ class ExperimentLog:
         path: the database; made where there is none. The head lies beside it.
         salts: source of the rows' salts.
 
-    Attributes:
-        path: the database.
-        appended: is called with events once they are on the disk.
-
     Raises:
         BadFile: it cannot be opened or written, or `read_log` would refuse it.
     """
 
     def __init__(self, path: Path, salts: Salts = os.urandom) -> None:
         self.path = path
-        self.appended: Callable[[Sequence[LoggedEvent]], None] = lambda _: None
         self._salts = salts
         new = not path.exists()
         entries: list[LogEntry] = []
@@ -138,7 +133,6 @@ class ExperimentLog:
             raise BadFile(self.path, f"cannot be written ({error})", "make room on the disk") from None
         self._length, self._chain = self._length + len(rows), chain
         self._write_head()
-        self.appended(logged)
         return logged
 
     def delete(self, sequences: Sequence[int], clocks: Clocks) -> None:
@@ -155,15 +149,13 @@ class ExperimentLog:
                 self._database.executemany(
                     "UPDATE events SET salt = NULL, content = NULL WHERE sequence = ?", [(one,) for one in sequences]
                 )
-                withdrawal = _withdrawal(sequences, clocks)
-                content, salt = _encoded(withdrawal), self._salts(_SALT)
+                content, salt = _encoded(_withdrawal(sequences, clocks)), self._salts(_SALT)
                 digest = _digest(salt, content)
                 row = (self._length + 1, salt, content, digest, _chained(self._chain, digest))
                 self._database.execute("INSERT INTO events VALUES (?, ?, ?, ?, ?)", row)
             self._length, self._chain = self._length + 1, row[-1]
             self._write_head()
             self._wipe()
-            self.appended([LoggedEvent(self._length, withdrawal)])
         except sqlite3.Error as error:
             raise BadFile(self.path, f"cannot be written ({error})", "make room on the disk") from None
 
