@@ -172,8 +172,9 @@ class Conductor:
         return logged
 
     def _tell(self, logged: LogEntry) -> None:
-        for listener in self.listeners if isinstance(logged, LoggedEvent) else ():
-            listener(logged)
+        if isinstance(logged, LoggedEvent):
+            for listener in self.listeners:
+                listener(logged)
 
     def _new_id(self) -> str:
         while (drawn := f"P-{self._word(5)}") in self.progress.runs:
