@@ -37,7 +37,7 @@ TEXTS = (100, 150)
 SIZED = (
     *("start", "consent", "practice", "begin", "talk", "treasure", "picture", "verdict-wrong", "playing", "queue"),
     *("help", "over", "six-robots", "recording", "live-wizard", "study-section", "study-noise"),
-    *("properties", "argue-questions", "argue-found", "argue-adviser", "arena", "templates-treasures"),
+    *("properties", "argue-questions", "argue-found", "argue-adviser", "arena", "templates-treasures", "desk"),
 )
 """The pictures that are drawn at all sizes."""
 ABOUT = (

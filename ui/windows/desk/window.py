@@ -8,7 +8,6 @@ from PySide6.QtGui import (
     QAccessible,
     QAccessibleAnnouncementEvent,
     QCloseEvent,
-    QFontMetrics,
     QKeySequence,
     QResizeEvent,
     QShortcut,
@@ -54,7 +53,7 @@ from ui.windows.controls import CheckBox
 from ui.windows.desk.questions import ReasonBox
 from ui.windows.flow import FlowLayout
 from ui.windows.key_sheet import KeyLines, KeySheet
-from ui.windows.look import GAP, follow_text, font, label, open_within_screen, px, spaced, style_as_panel
+from ui.windows.look import GAP, follow_text, label, open_within_screen, px, spaced, style_as_panel
 from ui.windows.tables import GrowingModel, row_table
 
 KEYS: tuple[tuple[str, KeyLines], ...] = (
@@ -63,7 +62,7 @@ KEYS: tuple[tuple[str, KeyLines], ...] = (
         (
             ("Ctrl+N", "let the next participant begin; asks first"),
             ("Ctrl+E", "end the run selected; asks for the reason"),
-            ("Ctrl+D", "exclude the run selected, so that it does not count; asks for the reason"),
+            ("Ctrl+D", "exclude the run selected; asks for the reason"),
         ),
     ),
     (
@@ -343,7 +342,7 @@ class DeskWindow(QMainWindow):
             self.cells.horizontalHeader().height()
             + min(self.cell_model.rowCount(), 6) * self.cells.verticalHeader().defaultSectionSize()
             + 2 * self.cells.frameWidth()
-            + QFontMetrics(font()).height() // 2
+            + self.cells.horizontalScrollBar().sizeHint().height()
         )
 
     def _next_part(self, step: int) -> None:

@@ -1,0 +1,111 @@
+"""A study with people: at the experimenter's desk, and as a form."""
+
+import itertools
+import os
+import random
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from pictured.shot import Shot, Story
+from pictured.study import shot
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.folder import EXAMPLE, ExperimentFolder
+from thbridge.experiment.progress import EventKind, Progress
+from thbridge.experiment.rehearsal import Rehearsal, Rehearsed
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
+from thbridge.experiment.store.events import Clocks, LoggedEvent
+from ui.model.desk.state import ToldToDesk, desk_state
+from ui.windows.desk.questions import ReasonBox
+from ui.windows.desk.window import DeskWindow
+from ui.windows.study import study_window
+
+SIZE = (1240, 860)
+SECONDS = 4
+"""Between two events of the rehearsal."""
+
+
+def at_the_desk() -> Iterator[Shot]:
+    """A rehearsed study while somebody fills in a form, and the question before a run is excluded."""
+    os.environ["TZ"] = "UTC"
+    time.tzset()
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = _rehearsed(Path(scratch) / "arguing")
+        design, entries = folder.read(), [e for e in read_log(folder.log) if isinstance(e, LoggedEvent)]
+    shown = max(e.sequence for e in entries if e.event.kind == EventKind.ITEM_SHOWN)
+    entries = entries[:shown]
+    progress, last = Progress(design).after(entries), entries[-1].event
+    window = DeskWindow()
+    window.resize(*SIZE)
+    window.show()
+    form = f"{last.participant}: {progress.runs[last.participant].plan[last.step - 1].name}, page 1 of 1"
+    troubles = ("At the kiosk, keys and clicks go to another window.",)
+    told = ToldToDesk(last.clocks.wall, ("texts/welcome.txt was changed",), form, troubles, last.participant)
+    window.receive(desk_state(design, progress, entries, told))
+    yield Shot("desk", window)
+    words = f"Exclude the run of {last.participant}? What was recorded stays, but it does not count any more, and "
+    box = ReasonBox(window, "Exclude a run", f"{words}its place opens again.", f"Exclude {last.participant}")
+    box.reason.setText("knew the study")
+    box.open()
+    yield Shot("desk-reason", window, over=box)
+    box.close()
+    window.leave()
+
+
+def as_a_form() -> Iterator[Shot]:
+    """The example in the editor: its factors, and its steps."""
+    # The window tells the folder, so it is always the same one.
+    folder = Path(tempfile.gettempdir()) / "arguing"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(EXAMPLE, folder)
+    window = study_window(folder / "experiment.yaml")
+    window.resize(*SIZE)
+    window.show()
+    window.open_section("within")
+    yield shot("experiment-factors", window)
+    window.open_section("steps")
+    window.fields.finish()
+    yield shot("experiment-steps", window)
+    window.close()
+    shutil.rmtree(folder)
+
+
+def _rehearsed(root: Path) -> ExperimentFolder:
+    shutil.copytree(EXAMPLE, root)
+    folder = ExperimentFolder(root)
+    text = folder.file.read_text(encoding="utf-8")
+    folder.file.write_text(
+        text.replace("quota: 24", "quota: 6").replace("between: {}", "between: {noise.preset: [none, bad wheels]}"),
+        encoding="utf-8",
+    )
+    design, seconds = folder.read(), itertools.count(0, SECONDS)
+    folder.log.parent.mkdir()
+
+    def now() -> Clocks:
+        at = next(seconds)
+        return Clocks(f"2026-11-{2 + at // 28800:02}T{9 + at // 3600 % 8:02}:{at // 60 % 60:02}:{at % 60:02}Z", at)
+
+    with ExperimentLog(folder.log) as log:
+        conductor = Conductor(design, log, now, random.Random(1).randrange)
+        conductor.note("The heating is off; people keep their coats on.")
+        Rehearsal(design, Rehearsed(plays=False), 1, folder.bag, root).run(conductor)
+    return folder
+
+
+STORIES = (
+    Story(
+        "The experimenter: a study with people",
+        {
+            "desk": "Who is where, what is missing, and what has to be looked at",
+            "desk-reason": "A run is excluded only with a reason",
+        },
+        at_the_desk,
+    ),
+    Story(
+        "The experimenter: its file",
+        {"experiment-factors": "Factors of a study with people", "experiment-steps": "Its steps, in their order"},
+        as_a_form,
+    ),
+)
