@@ -68,6 +68,7 @@ class Desk:
         study: what it is about; its `changed` is set here.
         folder: of the study, whose log is shown.
         arguments: of the window's command line.
+        troubles: sentences about what else somebody has to look at, such as those of markers.
         command: opens the window; None: the desk's own.
 
     Raises:
@@ -79,9 +80,11 @@ class Desk:
         study: StudyUnderWay,
         folder: ExperimentFolder,
         arguments: tuple[str, ...] = (),
+        troubles: Callable[[], tuple[str, ...]] = tuple,
         command: tuple[str, ...] | None = None,
     ) -> None:
         self._study = study
+        self._troubles = troubles
         self._source = ExperimentSource(folder, utc_now)
         watch = (*THBRIDGE, "study", "watch", str(folder.root), "--hosted", *arguments)
         self._window: WindowProcess[DeskState, FromDesk] = WindowProcess(command or watch, DESK)
@@ -113,7 +116,7 @@ class Desk:
 
     def _state(self) -> DeskState:
         self._source.poll()
-        troubles = (*self._study.troubles, *((self._refused,) if self._refused else ()))
+        troubles = (*self._study.troubles, *self._troubles(), *((self._refused,) if self._refused else ()))
         return self._source.state(self._shown, self._study.kiosk, troubles)
 
     async def _ask(self) -> None:

@@ -63,11 +63,11 @@ hear(lambda state: state["notes"][-1]["text"] == "it rains")
 say("ExcludeRun", participant=person, reason="knew the study")
 hear(lambda state: state["runs"][-1]["state"] == "excluded")
 say("NextParticipant")
-state = hear(lambda state: len(state["troubles"]) == 2)
-assert state["troubles"] == ["somebody came in", "There is no place."], state["troubles"]
+state = hear(lambda state: len(state["troubles"]) == 3)
+assert state["troubles"] == ["somebody came in", "no markers", "There is no place."], state["troubles"]
 assert state["kiosk"] == "the first page"
 say("EndRun", participant=person, reason="it is over already")
-hear(lambda state: len(state["troubles"]) == 1)
+hear(lambda state: len(state["troubles"]) == 2)
 say("DeskClosed")
 """
 
@@ -84,7 +84,7 @@ def test_what_the_desk_asks_is_done_and_told(study: Study, tmp_path: Path) -> No
     script.write_text(SCRIPT)
 
     async def program() -> None:
-        desk = Desk(running, study.folder, command=(sys.executable, str(script)))
+        desk = Desk(running, study.folder, troubles=lambda: ("no markers",), command=(sys.executable, str(script)))
         await asyncio.wait_for(desk.run(), 60)
 
     with ExperimentLog(study.folder.log) as log:

@@ -141,6 +141,7 @@ class DeskWindow(QMainWindow):
             ("Shift+F6", lambda: self._next_part(-1)),
         ):
             QShortcut(QKeySequence(key), self).activated.connect(do)
+        follow_text(self, lambda it: it._fit_cells())
         self._show_buttons()
 
     # What is shown
@@ -339,7 +340,7 @@ class DeskWindow(QMainWindow):
     def _fit_cells(self) -> None:
         """Give the table of cells the height of its rows, or of six of them."""
         self.cells.setFixedHeight(
-            self.cells.horizontalHeader().height()
+            self.cells.horizontalHeader().sizeHint().height()
             + min(self.cell_model.rowCount(), 6) * self.cells.verticalHeader().defaultSectionSize()
             + 2 * self.cells.frameWidth()
             + self.cells.horizontalScrollBar().sizeHint().height()
