@@ -106,7 +106,6 @@ class DeskWindow(QMainWindow):
         self._counts, self._frozen, self._kiosk = label(), label("", "small"), label()
         self._why = label("", "small", muted=True)
         self.troubles = label("", bold=True)
-        self.troubles.setAccessibleName("Troubles")
         style_as_panel(self.troubles)
         self.troubles.setProperty("bad", True)
         self.troubles.setMargin(GAP)
@@ -123,7 +122,6 @@ class DeskWindow(QMainWindow):
             table.horizontalHeader().setStretchLastSection(True)
         self.runs.selectionModel().currentRowChanged.connect(self._row_chosen)
         self.details = label("No run is selected.")
-        self.details.setAccessibleName("The run selected")
         self.note = QLineEdit(placeholderText="A note for the log; Enter takes it down")
         self.note.setAccessibleName("Note")
         self.note.returnPressed.connect(self._write_note)
@@ -231,7 +229,7 @@ class DeskWindow(QMainWindow):
     def _ask_next(self) -> None:
         now = "" if self.state is None or not self.state.kiosk else f" The kiosk now: {self.state.kiosk}."
         words = f"Let the next participant begin at the kiosk? They take the next open place.{now}"
-        box = QMessageBox(QMessageBox.Icon.Question, self.windowTitle(), words, parent=self)
+        box = QMessageBox(QMessageBox.Icon.Question, "Next participant", words, parent=self)
         self._do_if(box, "Begin", NextParticipant())
 
     def _ask_end(self) -> None:
@@ -274,7 +272,7 @@ class DeskWindow(QMainWindow):
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask first where that is wanted, and tell the host."""
         if self._closing:
-            box = QMessageBox(QMessageBox.Icon.Question, self.windowTitle(), self._closing, parent=self)
+            box = QMessageBox(QMessageBox.Icon.Question, "Close the desk", self._closing, parent=self)
             box.setObjectName("question")
             agree = box.addButton("Close", QMessageBox.ButtonRole.AcceptRole)
             box.setDefaultButton(box.addButton(QMessageBox.StandardButton.Cancel))
