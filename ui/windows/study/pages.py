@@ -1,6 +1,6 @@
 """Pages of the study window: a section, results of a search, the whole text, the changes to be written."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
@@ -8,7 +8,6 @@ from PySide6.QtCore import QElapsedTimer, QSignalBlocker, Qt, QTimer, Signal, Si
 from PySide6.QtGui import QColor, QPalette, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import (
     QHBoxLayout,
-    QLabel,
     QPlainTextEdit,
     QPushButton,
     QScrollArea,
@@ -63,7 +62,7 @@ class FieldsPage(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.rows: dict[str, FieldRow] = {}
         self._clearing: dict[str, QPushButton] = {}
-        self._names: dict[str, list[QLabel | QPushButton]] = {}
+        self._naming: dict[str, list[Callable[[str], object]]] = {}
         self._moving: dict[tuple[str, int], QPushButton] = {}
         self._wanted: tuple[str, int] | str = ""
         """The button or the row that gets the focus once the page is made anew."""
@@ -78,7 +77,7 @@ class FieldsPage(QScrollArea):
         shape = tuple(part for group in groups for part in _shape_of(group))
         self._draft = draft
         if shape == self._shape:
-            self._refresh(draft)
+            self._refresh(draft, groups)
             return
         if not self._wanted:
             self._wanted = next((key for key, row in self.rows.items() if row.editor.hasFocus()), "")
@@ -109,7 +108,7 @@ class FieldsPage(QScrollArea):
         )
         self.show_groups(draft, (group,))
 
-    def _refresh(self, draft: StudyDraft) -> None:
+    def _refresh(self, draft: StudyDraft, shown: tuple[FormGroup, ...]) -> None:
         self._draft = draft
         fields = draft.fields()
         for key, row in self.rows.items():
@@ -118,9 +117,14 @@ class FieldsPage(QScrollArea):
         groups = draft.groups()
         for key, button in self._clearing.items():
             button.setEnabled(key in groups and groups[key].written() > 0)
-        for key, named in self._names.items():
-            for part in named if key in groups else ():
-                part.setText(groups[key].label + (" ›" if isinstance(part, QPushButton) else ""))
+        for key, name in ((each.key, each.label) for group in shown for each in (group, *group.groups)):
+            for show in self._naming.get(key, ()):
+                show(name)
+
+    def _name(self, group: FormGroup, show: Callable[[str], object]) -> None:
+        """Have something show a section's name now, and each time it changes."""
+        self._naming.setdefault(group.key, []).append(show)
+        show(group.label)
 
     def _refresh_row(self, row: FieldRow) -> None:
         draft = self._draft
@@ -134,7 +138,7 @@ class FieldsPage(QScrollArea):
         column = spaced(QVBoxLayout(inside), 2 * GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
         column.addStretch(1)
         self.setWidget(inside)
-        self._clearing, self._names, self._moving = {}, {}, {}
+        self._clearing, self._naming, self._moving = {}, {}, {}
         for index, group in enumerate(groups):
             column.insertLayout(column.count() - 1, self._head(group, first=index == 0, whole=groups[0]))
             if group.fields:
@@ -177,21 +181,21 @@ class FieldsPage(QScrollArea):
         head = spaced(QVBoxLayout(), GAP // 2)
         row = QHBoxLayout()
         name = label(group.label, "title" if first else "body", bold=True)
-        self._names.setdefault(group.key, []).append(name)
+        self._name(group, name.setText)
         row.addWidget(name, 1)
         if not first and whole.repeats is RepeatKind.STEPS:
             places = [item.key for item in whole.groups]
             for words, by, end in (("Up", -1, places[0]), ("Down", 1, places[-1])):
                 button = QPushButton(words)
-                button.setAccessibleName(f"Move {group.label} {words.lower()}")
+                self._name(group, partial(_say, button, "Move {} " + words.lower()))
                 button.setEnabled(group.key != end)
                 button.clicked.connect(partial(self._move, group.key, by))
                 self._moving[group.key, by] = button
                 row.addWidget(button)
         if not first and whole.repeats in {RepeatKind.ITEMS, RepeatKind.STEPS}:
-            row.addWidget(self._button("Remove", f"Remove {group.label}", self.removed, group.key))
+            row.addWidget(self._button("Remove", group, self.removed))
         elif first and group.key not in {"", _FOUND} and group.repeats is None:
-            clear = self._button("Reset all", f"Reset all of {group.label}", self.cleared, group.key)
+            clear = self._button("Reset all", group, self.cleared)
             clear.setEnabled(group.written() > 0)
             self._clearing[group.key] = clear
             row.addWidget(clear)
@@ -200,10 +204,10 @@ class FieldsPage(QScrollArea):
             head.addWidget(label(group.help[:1].upper() + group.help[1:] + ".", muted=True))
         return head
 
-    def _button(self, words: str, name: str, signal: SignalInstance, key: str) -> QPushButton:
+    def _button(self, words: str, group: FormGroup, signal: SignalInstance) -> QPushButton:
         button = QPushButton(words)
-        button.setAccessibleName(name)
-        button.clicked.connect(lambda: signal.emit(key))
+        self._name(group, partial(_say, button, words + (" of {}" if words == "Reset all" else " {}")))
+        button.clicked.connect(lambda: signal.emit(group.key))
         return button
 
     def _fill_card(self, card: QWidget, fields: tuple[FormField, ...], *, narrow: bool) -> Iterator[None]:
@@ -234,15 +238,15 @@ class FieldsPage(QScrollArea):
         row.addStretch(1)
 
     def _fill_link(self, row: QHBoxLayout, group: FormGroup, *, removable: bool) -> None:
-        open_it = QPushButton(f"{group.label} ›")
-        self._names.setdefault(group.key, []).append(open_it)
+        open_it = QPushButton()
+        self._name(group, lambda name: open_it.setText(f"{name} ›"))
         open_it.setAccessibleDescription(group.help)
         open_it.clicked.connect(lambda: self.opened.emit(group.key))
         row.addWidget(open_it)
         if group.help and not removable:
             row.addWidget(label(group.help, "small", muted=True), 1)
         if removable:
-            row.addWidget(self._button("Remove", f"Remove {group.label}", self.removed, group.key))
+            row.addWidget(self._button("Remove", group, self.removed))
         row.addStretch(1 if removable else 0)
 
 
@@ -254,6 +258,11 @@ def _row(column: QVBoxLayout) -> QHBoxLayout:
     row = QHBoxLayout()
     column.insertLayout(column.count() - 1, row)
     return row
+
+
+def _say(button: QPushButton, words: str, name: str) -> None:
+    """Tell assistive technology what a button does with the section of this name."""
+    button.setAccessibleName(words.format(name))
 
 
 def _rule() -> QWidget:

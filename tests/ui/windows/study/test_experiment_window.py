@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QComboBox, QInputDialog, QLineEdit, QPushButton
+from PySide6.QtWidgets import QApplication, QComboBox, QInputDialog, QLabel, QLineEdit, QPushButton
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.fitting import SIZES, misfits, settle
@@ -69,6 +69,21 @@ def test_typing_a_steps_name_keeps_the_focus(window: StudyWindow, qtbot: QtBot) 
     assert window.focusWidget() is line
     assert line.text() == "game"
     assert labels(window)[4] == "5: trial (game)"
+    window.open_section("steps")
+    settled(window, qtbot)
+    button(window, "Remove 5: trial (game)")
+    line = window.fields.rows["steps[4].name"].findChild(QLineEdit)
+    line.setText("hunt")
+    settled(window, qtbot)
+    button(window, "Remove 5: trial (hunt)")
+    button(window, "Move 5: trial (hunt) down")
+
+
+def test_the_heading_of_a_search_follows_its_words(window: StudyWindow) -> None:
+    for words in ("quot", "quota"):
+        window.search.setText(words)
+        window.found.finish()
+        assert next(each.text() for each in window.found.findChildren(QLabel)) == f"“{words}”: 1 found"
 
 
 def test_another_kind_of_step_has_other_keys(window: StudyWindow, qtbot: QtBot) -> None:
