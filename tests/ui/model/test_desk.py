@@ -3,6 +3,7 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec import structs
 
 from tests.ui.model.rehearsed import Study, clocks, rehearse
 from thbridge.experiment.progress import EventKind, Progress, RunState
@@ -71,13 +72,15 @@ def test_a_run_that_is_excluded_later_took_no_longer_for_it(study: Study) -> Non
 
 def test_sentences(study: Study) -> None:
     state, _ = seen(study, len(study.entries))
-    assert count_words(state).startswith(f"{state.counted} of 8 runs count")
+    counted = f"{state.counted} of 8 runs count"
+    assert count_words(state).startswith(f"A rehearsal by simulated people. {counted}")
+    assert count_words(structs.replace(state, rehearsal=False)).startswith(counted)
     assert freeze_words(state) == "Frozen, and as it was."
     assert [row[1] for row in note_rows(state.notes)] == ["the study", state.runs[0].participant]
 
 
 def test_kinds_of_events_that_nobody_knows_yet_are_told(study: Study) -> None:
-    person = study.entries[1].event.participant
+    person = next(entry.event.participant for entry in study.entries if entry.event.kind == EventKind.RUN_BEGUN)
     later = LoggedEvent(len(study.entries) + 1, NewEvent("chair-moved", "robot", clocks(1), person))
     entries = (*study.entries, later)
     progress = Progress(study.design).after(entries)

@@ -106,6 +106,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
         shown: id of the person whose events are told; empty: nobody's.
         events: of that person, in their order.
         no_next: why nobody can begin now; empty: somebody can.
+        rehearsal: True when the people are simulated.
         read_only: why nothing can be asked from here; empty: it can.
     """
 
@@ -121,6 +122,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
     shown: str = ""
     events: tuple[DeskEvent, ...] = ()
     no_next: str = ""
+    rehearsal: bool = False
     read_only: str = ""
 
 

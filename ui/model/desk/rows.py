@@ -62,7 +62,8 @@ def count_words(state: DeskState) -> str:
     under_way = sum(run.state == "under way" for run in state.runs)
     missing = state.planned - state.counted
     left = "none is missing" if missing <= 0 else f"{missing} missing"
-    return f"{state.counted} of {state.planned} runs count, {left}; {under_way} under way."
+    rehearsal = "A rehearsal by simulated people. " if state.rehearsal else ""
+    return f"{rehearsal}{state.counted} of {state.planned} runs count, {left}; {under_way} under way."
 
 
 def freeze_words(state: DeskState) -> str:

@@ -77,6 +77,7 @@ def desk_state(
         shown=shown,
         events=tuple(_told_event(progress, entry) for entry in own[shown]) if shown else (),
         no_next=NO_PLACE[place] if isinstance(place, NoPlace) else "",
+        rehearsal=any(entry.event.kind == EventKind.REHEARSED for entry in own[""]),
         read_only=told.read_only,
     )
 
