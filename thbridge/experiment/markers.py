@@ -14,6 +14,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 from queue import SimpleQueue
+from typing import Self
 
 from thbridge.experiment.store.events import Clocks, LoggedEvent
 
@@ -42,25 +43,33 @@ class MarkerStream:
 
     Args:
         study: title of the study.
+        wanted: False for a study without markers; nothing is sent then, and nothing is loaded.
 
     Attributes:
         source: the stream's source id, by which recorders find it again when the program began anew.
     """
 
-    def __init__(self, study: str) -> None:
+    def __init__(self, study: str, *, wanted: bool = True) -> None:
         self._study = study
         self.source = f"{STREAM} {study} {socket.gethostname()}"
-        self._trouble = why_no_markers()
+        self._wanted = wanted
+        self._trouble = why_no_markers() if wanted else ""
         self._lost = 0
         self._clock: Callable[[], float] | None = None
         self._waiting: SimpleQueue[tuple[str, float] | None] = SimpleQueue()
-        if self._trouble:
+        if self._trouble or not wanted:
             return
         import pylsl  # noqa: PLC0415
 
         self._clock = pylsl.local_clock
         self._thread = threading.Thread(target=self._hand_over, name="markers", daemon=True)
         self._thread.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     @property
     def troubles(self) -> tuple[str, ...]:
@@ -79,7 +88,7 @@ class MarkerStream:
     def push(self, logged: LoggedEvent) -> None:
         """Send the marker of an event that is in the log; returns at once, and raises nothing."""
         if self._clock is None or self._trouble:
-            self._lost += 1
+            self._lost += self._wanted
         elif self._waiting.qsize() >= MOST_WAITING:
             self._lost += 1
             self._trouble = "Markers: liblsl takes none any more. Begin the study's program anew."

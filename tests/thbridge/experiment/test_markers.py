@@ -53,6 +53,14 @@ def test_without_pylsl_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatc
     stream.close()
 
 
+def test_a_study_without_markers_loads_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pylsl", None)
+    with MarkerStream("x", wanted=False) as stream:
+        push(stream, 3)
+        assert stream.stamping(lambda: NOON)() == NOON
+    assert stream.troubles == ()
+
+
 def test_without_liblsl_it_is_told_how_to_name_it(monkeypatch: pytest.MonkeyPatch) -> None:
     class NoLibrary:
         def find_spec(self, name, _path=None, _target=None):
