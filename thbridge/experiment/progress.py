@@ -102,6 +102,7 @@ class Run:
         given: the answers given in the step under way, by the item's id.
         drafts: answers that were begun or changed there, and not given since.
         game: what the log keeps of the game of that step; None: it has no recording yet.
+        agrees: the answer to the consent of that step; None: not yet.
         last_outcome: of the step that ended last; None: none has.
         code: completion code; empty before the run is complete.
         recruiting_code: the one told by the person; None: not yet.
@@ -123,6 +124,7 @@ class Run:
     given: Mapping[str, JsonValue] = field(default_factory=dict)
     drafts: Mapping[str, JsonValue] = field(default_factory=dict)
     game: Mapping[str, JsonValue] | None = None
+    agrees: bool | None = None
     last_outcome: StepOutcome | None = None
     code: str = ""
     recruiting_code: str | None = None
@@ -218,7 +220,7 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             if event.step != run.step or run.under_way:
                 raise BadHistory(f"{run.participant} begins step {event.step} where {run.step} is next")
             begun = {**run.begun, event.step: run.begun.get(event.step, 0) + 1}
-            return dataclasses.replace(run, under_way=True, begun=begun, given={}, drafts={}, game=None)
+            return dataclasses.replace(run, under_way=True, begun=begun, given={}, drafts={}, game=None, agrees=None)
         case EventKind.STEP_RESUMED if data.get("from") == ResumeRule.BEGINNING:
             return dataclasses.replace(run, given={}, drafts={})
         case EventKind.ITEM_CHANGED if run.under_way and "answer" in data:
@@ -238,8 +240,9 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             return dataclasses.replace(run, state=state, reason=reason, code=str(data.get("code", "")))
         case EventKind.RECRUITING_CODE:
             return dataclasses.replace(run, recruiting_code=str(data["code"]))
-        case EventKind.CONSENT_ANSWERED if data["agrees"]:
-            return dataclasses.replace(run, agreed_at=event.clocks.wall)
+        case EventKind.CONSENT_ANSWERED:
+            agreed_at = event.clocks.wall if data["agrees"] else run.agreed_at
+            return dataclasses.replace(run, agreed_at=agreed_at, agrees=bool(data["agrees"]))
         case _:
             return run
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog
+from ui.hosting.desk import Desk
 from ui.hosting.kiosk.games import StudyGames
 from ui.hosting.kiosk.host import KioskHost, StudyClock
 from ui.hosting.window_process import THBRIDGE, WindowProcess
@@ -14,23 +15,39 @@ from ui.model.kiosk import KIOSK
 from ui.terminal import FAILED, bad_input, command, fail, note
 
 
-def run_study(folder: Path, window_options: tuple[str, ...]) -> None:
+def run_study(folder: Path, look: str, *, windowed: bool, desk: bool) -> None:
     """Take people through a study until the window is closed, or the program stopped.
 
     Args:
         folder: of the study.
-        window_options: options of the window's command line.
+        look: colours of the windows.
+        windowed: True for a window that leaves the rest of the screen free.
+        desk: True to open the researcher's desk, too.
     """
     with bad_input():
         place, clock = ExperimentFolder(folder), StudyClock()
         design = place.read()
         place.log.parent.mkdir(exist_ok=True)
         log = ExperimentLog(place.log)
-    window = WindowProcess((*THBRIDGE, "study", "run", ".", "--hosted", *window_options), KIOSK)
+    options = ("--hosted", "--look", look, *(["--windowed"] if windowed else []))
+    window = WindowProcess((*THBRIDGE, "study", "run", str(folder), *options), KIOSK)
     with log, bad_input(FAILED):
         conductor = Conductor(design, log, clock, secrets.randbelow)
         host = KioskHost(design, conductor, window, StudyGames(place, design), clock)
-        asyncio.run(host.run())
+        asyncio.run(_run(host, Desk(host, place, ("--look", look)) if desk else None))
     if window.given_up:
         fail(FAILED, "The window crashes whenever it is opened. What was answered is kept.")
     note(f"The study goes on by `{command('study', 'run', folder)}`.")
+
+
+async def _run(host: KioskHost, desk: Desk | None) -> None:
+    """Run the kiosk to its end, whatever becomes of the desk."""
+    if desk is None:
+        await host.run()
+        return
+    beside = asyncio.create_task(desk.run())
+    try:
+        await host.run()
+    finally:
+        beside.cancel()
+        await asyncio.gather(beside, return_exceptions=True)

@@ -88,6 +88,9 @@ def study_watch(
 def study_run(
     folder: FolderOfExperiment,
     windowed: Annotated[bool, typer.Option("--windowed", help="In a window, not on the full screen.")] = False,
+    desk: Annotated[
+        bool, typer.Option("--desk/--no-desk", help="Open the researcher's window, too, for another screen.")
+    ] = False,
     look: LookOption = ColourScheme.SYSTEM,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
@@ -101,7 +104,7 @@ def study_run(
     why = why_no_window()
     if why is not None:
         fail(BAD_INPUT, why)
-    run_study(folder, ("--look", look.value, *(["--windowed"] if windowed else [])))
+    run_study(folder, look.value, windowed=windowed, desk=desk)
 
 
 def study_freeze(folder: FolderOfExperiment) -> None:

@@ -118,7 +118,7 @@ class KioskHost:
         clock: of its events.
 
     Attributes:
-        changed: called after each event of the log.
+        changed: called after each event of the log, and when another page is shown.
     """
 
     def __init__(
@@ -139,10 +139,11 @@ class KioskHost:
         self._heard: asyncio.Queue[FromKiosk | _Woken] = asyncio.Queue()
         self._person = ""
         self._page = 0
-        self._admits = False
+        self._admits = self._looks_away = False
+        self._shown = ""
         conductor.listeners.append(lambda _event: self.changed())
 
-    # For the researcher's window
+    # For the researcher's desk: see `StudyUnderWay`
 
     @property
     def progress(self) -> Progress:
@@ -150,31 +151,46 @@ class KioskHost:
         return self._conductor.progress
 
     @property
-    def participant(self) -> str:
-        """Id of the person at the window; empty: none."""
-        return self._person
+    def kiosk(self) -> str:
+        """The page that is shown, in words."""
+        return f"{self._person}: {self._shown}" if self._person else self._shown
 
-    def admit_next(self) -> bool:
-        """Begin the run of the next person; False: somebody is at the window, or there is no place."""
-        if unfinished(self.progress) or isinstance(self.progress.next_place(), NoPlace):
-            return False
+    @property
+    def troubles(self) -> tuple[str, ...]:
+        """Sentences about what somebody has to look at."""
+        return ("At the kiosk, keys and clicks go to another window.",) if self._looks_away else ()
+
+    def admit_next(self) -> str | None:
+        """Begin the run of the next person; else return why that cannot be."""
+        if under_way := unfinished(self.progress):
+            return f"{under_way[0].participant} is still under way."
+        if isinstance(place := self.progress.next_place(), NoPlace):
+            return words.NO_PLACES[place][0] + "."
         self._admits = True
         self._wake()
-        return True
+        return None
 
-    def note(self, text: str, participant: str = "") -> None:
+    def note(self, text: str, participant: str) -> str | None:
         """Take down words of the researcher."""
         self._conductor.note(text, participant)
+        return None
 
-    def exclude(self, participant: str, reason: str) -> None:
+    def exclude(self, participant: str, reason: str) -> str | None:
         """Decide that a run does not count; whoever is in it is told that it ends."""
+        if participant not in self.progress.runs:
+            return f"Nobody is called {participant}."
         self._conductor.exclude(participant, reason)
         self._wake()
+        return None
 
-    def end_run(self, participant: str, reason: str) -> None:
+    def end_run(self, participant: str, reason: str) -> str | None:
         """End a run: the person went, or cannot go on."""
+        run = self.progress.runs.get(participant)
+        if run is None or run.state is not RunState.UNDER_WAY:
+            return f"{participant} is not under way."
         self._conductor.leave(participant, reason, actor="experimenter")
         self._wake()
+        return None
 
     def _wake(self) -> None:
         self._heard.put_nowait(_Woken())
@@ -289,11 +305,14 @@ class KioskHost:
     # Pages
 
     async def _show(self, page: _Page) -> None:
-        """Show a page; it gets the next number, and the person's progress."""
+        """Show a page."""
         await self._window.send(self._numbered(page))
 
     def _numbered(self, page: _Page) -> _Page:
+        """Return a page with the next number, and the person's progress."""
         self._page += 1
+        self._shown = words.page(page)
+        self.changed()
         shown = structs.replace(page, page=self._page)
         return shown if isinstance(shown, GameToJoin) else structs.replace(shown, progress=self._way)
 
@@ -333,6 +352,7 @@ class KioskHost:
             case KioskClosed():
                 raise KioskStopped
             case FocusNews(has_focus, window_ns):
+                self._looks_away = not has_focus
                 if self._person:
                     kind = EventKind.FOCUS_REGAINED if has_focus else EventKind.FOCUS_LOST
                     self._tell(kind, {"window_ns": window_ns})
@@ -392,15 +412,16 @@ class KioskHost:
         await self._read(TextToRead(0, heading, text, markdown=markdown))
 
     async def _consent(self, step: PlannedStep) -> None:
-        content = _bytes_of(self._design.path.parent / (step.entry.text or Path()))
-        await self._show(ConsentToAsk(0, content.decode(errors="replace")))
-        message: FromKiosk | _Woken | None = None
-        while not isinstance(message, ConsentReply):
-            message = await self._next_of_run()
-        version = hashlib.sha256(content).hexdigest()
-        data: dict[str, JsonValue] = {"agrees": message.agrees, "version": version, "window_ns": message.window_ns}
-        self._tell(EventKind.CONSENT_ANSWERED, data)
-        if not message.agrees:
+        if self._run.agrees is None:
+            content = _bytes_of(self._design.path.parent / (step.entry.text or Path()))
+            await self._show(ConsentToAsk(0, content.decode(errors="replace")))
+            message: FromKiosk | _Woken | None = None
+            while not isinstance(message, ConsentReply):
+                message = await self._next_of_run()
+            version = hashlib.sha256(content).hexdigest()
+            data: dict[str, JsonValue] = {"agrees": message.agrees, "version": version, "window_ns": message.window_ns}
+            self._tell(EventKind.CONSENT_ANSWERED, data)
+        if not self._run.agrees:
             self._conductor.leave(self._person, "did not agree", declined=True)
             raise _RunOver
 

@@ -6,6 +6,7 @@ from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.progress import Run, RunState, StepOutcome
 from thbridge.experiment.store.events import JsonValue
+from ui.model.kiosk import ConsentToAsk, FormToFill, GamePrepared, GameRecorded, GameToJoin, TextToRead, ToKiosk
 
 CALL = "Please tell the researcher."
 
@@ -79,6 +80,23 @@ def result(game: Mapping[str, JsonValue] | None) -> str:
         return "Go on when you are ready."
     why = "" if game.get("over") else "Its time was over. "
     return f"{why}Your score: {game['score']}. It is recorded.\n\nGo on when you are ready."
+
+
+def page(shown: ToKiosk) -> str:
+    """Return what a researcher is told of a page."""
+    match shown:
+        case TextToRead(heading=heading) | GameRecorded(heading=heading):
+            return heading or "a text"
+        case ConsentToAsk():
+            return "consent"
+        case FormToFill(title=title, part=part, parts=parts):
+            return f"{title}, page {part} of {parts}" if parts > 1 else title
+        case GamePrepared(sentence=sentence):
+            return sentence
+        case GameToJoin(practice=practice):
+            return "practice game" if practice else "game"
+        case _:
+            return ""
 
 
 def farewell(run: Run) -> tuple[str, str]:

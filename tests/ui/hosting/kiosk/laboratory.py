@@ -1,0 +1,276 @@
+"""A laboratory without a screen: a window that speaks the kiosk's messages, a person at it, games that are over at once.
+
+Programs die in it at any event that is asked for.
+"""
+
+import asyncio
+import itertools
+import random
+from collections.abc import AsyncIterator, Callable, Iterable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.design.experiment_file import read_experiment
+from thbridge.experiment.progress import Progress, Run
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
+from thbridge.experiment.store.events import LoggedEvent, NewEvent
+from thbridge.sockets.addresses import ListeningAddress
+from ui.hosting.kiosk import words
+from ui.hosting.kiosk.host import KioskHost, StudyClock
+from ui.model.kiosk import (
+    KIOSK,
+    Answer,
+    CloseKiosk,
+    ConsentReply,
+    ConsentToAsk,
+    FormItem,
+    FormToFill,
+    FromKiosk,
+    GameRecorded,
+    ItemNews,
+    KioskClosed,
+    TextToRead,
+    ToKiosk,
+    WentOn,
+)
+
+STUDY = """\
+title: A small study
+seed: 5
+quota: 2
+steps:
+  - {step: consent, text: consent.txt}
+  - {step: practice, name: practice}
+  - {step: check, form: understood.yaml, attempts: 2, repeat: practice}
+  - {step: trial, name: first}
+  - {step: form, form: feelings.yaml, name: feelings}
+  - {step: trial, name: second}
+  - {step: form, form: final.yaml, name: final}
+  - {step: debrief, text: debrief.txt}
+"""
+FILES = {
+    "consent.txt": "We record what you do.\n",
+    "debrief.txt": "It was about robots.\n",
+    "understood.yaml": """\
+title: Before we begin
+items:
+  - {id: who, text: Who decides?, scale: choice, options: [you, they], correct: you}
+  - {id: played, text: Have you played before?, scale: choice, options: ['yes', 'no']}
+""",
+    "feelings.yaml": """\
+title: How you feel
+shuffle: true
+page: 2
+like: {scale: likert, points: 7, low: not at all, high: very much, not_applicable: true}
+items:
+  - {id: calm, text: I feel calm.}
+  - {id: quick, text: I was quick.}
+  - {id: sure, text: I felt sure.}
+""",
+    "final.yaml": """\
+title: The end
+items:
+  - {id: line, text: How hard was it?, scale: analogue, low: easy, high: hard, step: 5}
+  - {id: age, text: How old are you?, scale: number, minimum: 18, maximum: 99}
+  - {id: why, text: Anything else?, scale: text, required: false}
+""",
+}
+
+
+class KilledError(BaseException):
+    """The program dies."""
+
+
+class MortalLog(ExperimentLog):
+    """A log whose program dies with one of its events: when it is just written, or when it was about to be.
+
+    Args:
+        path: of the log.
+        dies: so many events are appended before; None: it lives.
+        written: True where that event is still written.
+    """
+
+    def __init__(self, path: Path, dies: int | None, written: bool) -> None:
+        super().__init__(path)
+        self._left, self._written = dies, written
+
+    def append(self, events: list[NewEvent]) -> list[LoggedEvent]:
+        if self._left == 0:
+            if self._written:
+                super().append(events)
+            raise KilledError
+        self._left = None if self._left is None else self._left - 1
+        return super().append(events)
+
+
+@dataclass
+class Person:
+    """Somebody at the window.
+
+    Attributes:
+        answers: to items, by their ids; else something that fits.
+        learns: they answer a check rightly once they were told to try again.
+        agrees: to take part.
+        does: what they do on a page instead, or nothing.
+        seen: pages that they were shown.
+    """
+
+    answers: dict[str, Answer] = field(default_factory=dict)
+    learns: bool = False
+    agrees: bool = True
+    does: Callable[[ToKiosk], Iterable[FromKiosk] | None] = lambda _page: None
+    seen: list[ToKiosk] = field(default_factory=list)
+
+    def answer(self, item: FormItem) -> Answer:
+        if item.id in self.answers:
+            return self.answers[item.id]
+        if self.learns and item.id == "who":
+            return "you" if words.ONCE_MORE in headings(self) else "they"
+        match item.scale:
+            case "choice":
+                return item.options[0]
+            case "text":
+                return "words"
+            case "number":
+                return item.maximum
+            case "analogue":
+                return 35.0
+        return 3.0
+
+    def react(self, shown: ToKiosk) -> Iterable[FromKiosk]:
+        self.seen.append(shown)
+        instead = self.does(shown)
+        if instead is not None:
+            yield from instead
+            return
+        match shown:
+            case ConsentToAsk(page=page):
+                yield ConsentReply(page, self.agrees, 1)
+            case FormToFill(page=page, items=items, answers=given):
+                for item in items:
+                    if item.id in given:
+                        continue
+                    yield ItemNews(page, item.id, "shown", 1)
+                    yield ItemNews(page, item.id, "touched", 2)
+                    answer = self.answer(item)
+                    yield ItemNews(page, item.id, "changed", 3, answer)
+                    yield ItemNews(page, item.id, "given", 4, answer)
+                yield WentOn(page)
+            case TextToRead(page=page, button=button) if button:
+                yield WentOn(page)
+            case GameRecorded(page=page):
+                yield WentOn(page)
+
+
+class ShownWindow:
+    """A window at which a person sits; when the welcome comes again, it is closed.
+
+    Args:
+        person: at it.
+        people: so many go through the study.
+    """
+
+    def __init__(self, person: Person, people: int = 1) -> None:
+        self._person = person
+        self._left = people
+        self._said: asyncio.Queue[FromKiosk] = asyncio.Queue()
+
+    @asynccontextmanager
+    async def opened(self) -> AsyncIterator[None]:
+        yield
+
+    async def send(self, message: ToKiosk) -> None:
+        message = KIOSK.decode_from_host(KIOSK.encode(message))
+        if isinstance(message, CloseKiosk):
+            return
+        waits = isinstance(message, TextToRead) and message.heading in {
+            words.WELCOME,
+            *(heading for heading, _ in words.NO_PLACES.values()),
+        }
+        self._left -= waits
+        if waits and (self._left < 0 or not message.button):
+            self._person.seen.append(message)
+            reactions = self._person.does(message) or [KioskClosed()]
+        else:
+            reactions = list(self._person.react(message))
+        for each in reactions:
+            self._said.put_nowait(KIOSK.decode_from_window(KIOSK.encode(each)))
+
+    async def next_request(self) -> FromKiosk:
+        return await self._said.get()
+
+
+class InstantGames:
+    """Games that are over at once.
+
+    Attributes:
+        played: names of the steps in which one was, and whether it went on.
+        during: done in a game.
+    """
+
+    def __init__(self) -> None:
+        self.played: list[tuple[str, bool]] = []
+        self.during: Callable[[], None] = lambda: None
+
+    async def practise(self, run, step, watcher) -> None:
+        self.played.append((step.name, False))
+        await self._at(watcher)
+
+    async def play(self, run, step, watcher, *, goes_on: bool):
+        self.played.append((step.name, goes_on))
+        await self._at(watcher)
+        return None if watcher.has_left() else {"bag": f"{step.name}.bag", "score": 10, "over": "all visited"}
+
+    async def _at(self, watcher) -> None:
+        watcher.ready(ListeningAddress("0.0.0.0", 4711))
+        watcher.passed(12.5)
+        self.during()
+        await asyncio.sleep(0)
+
+
+class Laboratory:
+    """A study in a folder, and programs that take people through it.
+
+    Args:
+        folder: of the study.
+        text: its file.
+    """
+
+    def __init__(self, folder: Path, text: str = STUDY) -> None:
+        for name, content in {**FILES, "experiment.yaml": text}.items():
+            (folder / name).write_text(content)
+        self._log = folder / "log"
+        self.design = read_experiment(folder / "experiment.yaml")
+        self.games = InstantGames()
+        self.host: KioskHost | None = None
+        self._chance = random.Random(1)
+
+    def run(self, person: Person, people: int = 1, dies: int | None = None, *, written: bool = True) -> None:
+        """Run the program until the window is closed, or it dies; raises KilledError."""
+        clock = StudyClock()
+        with MortalLog(self._log, dies, written) as log:
+            conductor = Conductor(self.design, log, clock, self._chance.randrange)
+            self.host = KioskHost(self.design, conductor, ShownWindow(person, people), self.games, clock)
+            asyncio.run(asyncio.wait_for(self.host.run(), 60))
+
+    @property
+    def events(self) -> list[NewEvent]:
+        return [entry.event for entry in read_log(self._log) if isinstance(entry, LoggedEvent)]
+
+    def kinds(self) -> list[str]:
+        return [event.kind for event in self.events]
+
+    @property
+    def people(self) -> list[Run]:
+        return list(Progress(self.design).after(read_log(self._log)).runs.values())
+
+    def data(self, kind: str) -> list[dict]:
+        return [dict(event.data or {}) for event in self.events if event.kind == kind]
+
+
+def headings(person: Person) -> list[str]:
+    """Headings of the pages that somebody was shown."""
+    found = (getattr(page, "heading", "") or getattr(page, "title", "") for page in person.seen)
+    return [heading for heading, _ in itertools.groupby(filter(None, found))]
