@@ -2,10 +2,12 @@
 
 import asyncio
 import secrets
+from contextlib import suppress
 from pathlib import Path
 
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog
 from ui.hosting.desk import Desk
 from ui.hosting.kiosk.games import StudyGames
@@ -31,10 +33,15 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool) -> None:
         log = ExperimentLog(place.log)
     options = ("--hosted", "--look", look, *(["--windowed"] if windowed else []))
     window = WindowProcess((*THBRIDGE, "study", "run", str(folder), *options), KIOSK)
-    with log, bad_input(FAILED):
-        conductor = Conductor(design, log, clock, secrets.randbelow)
+    with log, MarkerStream(design.file.title, wanted=design.file.markers) as markers, bad_input(FAILED):
+        conductor = Conductor(design, log, markers.stamping(clock), secrets.randbelow)
+        conductor.listeners.append(markers.push)
+        for trouble in markers.troubles:
+            note(trouble)
         host = KioskHost(design, conductor, window, StudyGames(place, design), clock)
-        asyncio.run(_run(host, Desk(host, place, ("--look", look)) if desk else None))
+        beside = Desk(host, place, ("--look", look), lambda: markers.troubles) if desk else None
+        with suppress(KeyboardInterrupt):
+            asyncio.run(_run(host, beside))
     if window.given_up:
         fail(FAILED, "The window crashes whenever it is opened. What was answered is kept.")
     note(f"The study goes on by `{command('study', 'run', folder)}`.")

@@ -209,3 +209,9 @@ def test_the_clock_of_other_recorders_is_kept(tmp_path: Path) -> None:
     with ExperimentLog(tmp_path / "log") as log:
         log.append([stamped, answer("P-AAAA", "later")])
     assert [entry.event.clocks.lsl for entry in read_log(tmp_path / "log")] == [46808.25, None]
+
+
+def test_a_log_is_open_in_one_program_at_a_time(tmp_path: Path) -> None:
+    with ExperimentLog(tmp_path / "log"), pytest.raises(BadFile, match="another program runs this study"):
+        ExperimentLog(tmp_path / "log")
+    ExperimentLog(tmp_path / "log").close()

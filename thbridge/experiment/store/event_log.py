@@ -12,13 +12,14 @@ Each append is on the disk before it returns (SQLite's write-ahead log, synchron
 """
 
 import contextlib
+import fcntl
 import hashlib
 import json
 import os
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Self, cast
+from typing import IO, Self, cast
 
 from thbridge.experiment.store.events import (
     Actor,
@@ -58,19 +59,20 @@ Salts = Callable[[int], bytes]
 class ExperimentLog:
     """The log of one experiment, open for appending.
 
-    Only one program may have it open so. Close it, or use it in `with`.
+    Only one program can have it open so. Close it, or use it in `with`.
 
     Args:
         path: the database; made where there is none. The head lies beside it.
         salts: source of the rows' salts.
 
     Raises:
-        BadFile: it cannot be opened or written, or `read_log` would refuse it.
+        BadFile: it cannot be opened or written, another program has it open, or `read_log` would refuse it.
     """
 
     def __init__(self, path: Path, salts: Salts = os.urandom) -> None:
         self.path = path
         self._salts = salts
+        self._lock = _locked(path)
         new = not path.exists()
         entries: list[LogEntry] = []
         if not new:
@@ -110,6 +112,7 @@ class ExperimentLog:
     def close(self) -> None:
         """Write all of it into the one file, and close it."""
         self._database.close()
+        self._lock.close()
 
     def append(self, events: Sequence[NewEvent]) -> list[LoggedEvent]:
         """Append events, all or none of them; they are on the disk when this returns.
@@ -316,6 +319,20 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
 
 def _opened(path: Path, mode: str) -> sqlite3.Connection:
     return sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, isolation_level=None)
+
+
+def _locked(path: Path) -> IO[bytes]:
+    """Return the open file that keeps other programs from the log; the system lets go of it when this one dies."""
+    try:
+        file = path.with_name(path.name + "-lock").open("ab")
+    except OSError as error:
+        raise BadFile(path, f"cannot be opened ({error})", "look at the folder's rights") from None
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        file.close()
+        raise BadFile(path, "another program runs this study", "End that one first") from None
+    return file
 
 
 def _last_chain(database: sqlite3.Connection, sequence: int = 2**62) -> bytes:

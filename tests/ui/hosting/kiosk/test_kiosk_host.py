@@ -2,17 +2,17 @@
 
 import hashlib
 import itertools
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
 
-from tests.ui.hosting.kiosk.laboratory import STUDY, KilledError, Laboratory, Person, headings
+from tests.ui.hosting.kiosk.laboratory import KilledError, Laboratory, Person, headings
 from thbridge.experiment.progress import EventKind, RunState
 from ui.hosting.kiosk import words
 from ui.model.kiosk import (
-    AnswerKept,
     BeginNext,
+    ConsentToAsk,
     FocusNews,
     FormToFill,
     FromKiosk,
@@ -104,3 +104,182 @@ def test_a_program_that_dies_at_any_event_loses_and_doubles_nothing(tmp_path: Pa
         (run,) = laboratory.people
         assert run.state is RunState.COMPLETE, dies
         assert set(pages_of_items(person)) == set(pages_of_items(first)), "the same items in the same order"
+
+
+ONE_FORM = "title: x\nquota: 1\nsteps:\n  - {step: form, form: final.yaml, name: final}\n"
+
+
+def doing(kind: type, *deeds: Callable[[int], FromKiosk]) -> Callable[[ToKiosk], Iterable[FromKiosk] | None]:
+    """Do these on the first page of a kind, and nothing else there."""
+    done = []
+
+    def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
+        if not isinstance(page, kind) or done:
+            return None
+        done.append(page)
+        return [deed(page.page) for deed in deeds]
+
+    return does
+
+
+def test_a_no_is_final_even_if_the_program_dies_with_it(laboratory: Laboratory) -> None:
+    with pytest.raises(KilledError):
+        laboratory.run(Person(agrees=False), dies=2)
+    assert laboratory.kinds()[-1] == EventKind.CONSENT_ANSWERED
+    person = Person()
+    laboratory.run(person, people=0)
+    (run,) = laboratory.people
+    assert run.state is RunState.DECLINED
+    assert not any(isinstance(page, ConsentToAsk) for page in person.seen)
+    assert words.farewell(run)[1] in [page.text for page in person.seen if isinstance(page, TextToRead)]
+
+
+def test_a_check_that_is_failed_for_good_ends_the_run_kindly_or_marks_it(tmp_path: Path) -> None:
+    for name, told in (("exclude", RunState.EXCLUDED), ("go on", RunState.COMPLETE)):
+        (tmp_path / name).mkdir()
+        steps = f"  - {{step: check, form: understood.yaml, attempts: 2, failed: {name}}}\n  - {{step: pause}}\n"
+        laboratory, person = Laboratory(tmp_path / name, "title: x\nquota: 1\nsteps:\n" + steps), Person()
+        person.answers = {"who": "they"}
+        laboratory.run(person)
+        (run,) = laboratory.people
+        assert run.state is told
+        assert headings(person).count(words.ONCE_MORE) == 1
+        last = [page for page in person.seen if isinstance(page, TextToRead)][-2]
+        assert ("You have done nothing wrong" in last.text) == (told is RunState.EXCLUDED)
+
+
+def test_what_was_begun_is_shown_again_after_a_crash_and_what_is_missing_is_pointed_at(tmp_path: Path) -> None:
+    laboratory = Laboratory(tmp_path, ONE_FORM)
+    begun = doing(
+        FormToFill,
+        lambda page: ItemNews(page, "why", "changed", 1, "half a sen"),
+        lambda page: ItemNews(page, "age", "changed", 2, 17.0),
+        lambda page: ItemNews(page, "age", "given", 3, 30.0),
+        lambda page: ItemNews(page + 1, "line", "given", 4, 5.0),
+        WentOn,
+        lambda _page: KioskClosed(),
+    )
+    first = Person(does=begun)
+    laboratory.run(first)
+    assert [data["answer"] for data in laboratory.data(EventKind.ITEM_CHANGED)] == ["half a sen"], "17 is too young"
+    missing = [page.missing for page in first.seen if isinstance(page, FormToFill)]
+    assert missing == [(), ("line",)]
+    second = Person()
+    laboratory.run(second, people=0)
+    page = next(page for page in second.seen if isinstance(page, FormToFill))
+    assert page.answers == {"age": 30.0, "why": "half a sen"}
+    assert laboratory.people[0].answers == {"final.age": 30.0, "final.why": "half a sen", "final.line": 35.0}
+
+
+@pytest.mark.parametrize("rule", ["beginning", "never"])
+def test_a_step_begins_anew_or_ends_the_run_as_its_rule_says(tmp_path: Path, rule: str) -> None:
+    laboratory = Laboratory(tmp_path, ONE_FORM.replace("name: final", f"name: final, resume: {rule}"))
+    given = doing(FormToFill, lambda page: ItemNews(page, "age", "given", 1, 30.0), lambda _page: KioskClosed())
+    laboratory.run(Person(does=given))
+    person = Person()
+    laboratory.run(person, people=0)
+    (run,) = laboratory.people
+    forms = [page for page in person.seen if isinstance(page, FormToFill)]
+    if rule == "never":
+        assert (run.state, forms) == (RunState.EXCLUDED, [])
+        assert "not your fault" in words.farewell(run)[1]
+    else:
+        assert (run.state, forms[0].answers) == (RunState.COMPLETE, {})
+        assert run.answers["final.age"] == 99.0
+
+
+def test_games_go_on_after_a_crash_and_are_never_played_twice(laboratory: Laboratory) -> None:
+    def die() -> None:
+        raise KilledError
+
+    laboratory.games.during = lambda: die() if laboratory.games.played[-1][0] == "first" else None
+    with pytest.raises(KilledError):
+        laboratory.run(Person(learns=True))
+    laboratory.games.during = lambda: None
+    leaves = doing(GameRecorded, lambda _page: KioskClosed())
+    laboratory.run(Person(does=leaves), people=0)
+    laboratory.run(Person(), people=0)
+    played = [name for name in laboratory.games.played if name[0] != "practice"]
+    assert played == [("first", False), ("first", True), ("second", False)]
+    assert len(laboratory.data(EventKind.GAME_PLAYED)) == 2
+
+
+def test_a_person_who_stops_is_let_go(tmp_path: Path) -> None:
+    laboratory = Laboratory(tmp_path, ONE_FORM)
+    person = Person(does=doing(FormToFill, lambda _page: StoppedTakingPart()))
+    laboratory.run(person)
+    (run,) = laboratory.people
+    assert (run.state, run.reason) == (RunState.LEFT, "stopped taking part")
+    assert "Thank you" in headings(person)
+
+
+def test_pastes_and_looks_elsewhere_are_events_with_the_windows_time(tmp_path: Path) -> None:
+    laboratory = Laboratory(tmp_path, ONE_FORM)
+    deeds = doing(
+        FormToFill,
+        lambda page: ItemNews(page, "why", "pasted", 7, None, 120),
+        lambda _page: FocusNews(False, 8),
+        lambda _page: FocusNews(True, 9),
+        lambda _page: KioskClosed(),
+    )
+    laboratory.run(Person(does=deeds))
+    assert laboratory.data(EventKind.TEXT_PASTED) == [{"item": "why", "window_ns": 7, "characters": 120}]
+    assert laboratory.data(EventKind.FOCUS_LOST) == [{"window_ns": 8}]
+    assert laboratory.data(EventKind.FOCUS_REGAINED) == [{"window_ns": 9}]
+
+
+def test_the_code_of_a_recruiting_service_is_an_event_and_no_id(tmp_path: Path) -> None:
+    text = ONE_FORM.replace("quota: 1", "quota: 1\nrecruiting: {ask: 'Your code?'}")
+    laboratory, person = Laboratory(tmp_path, text), Person(answers={"code": " SVC-1 "})
+    laboratory.run(person)
+    assert laboratory.data(EventKind.RECRUITING_CODE) == [{"code": "SVC-1"}]
+    assert "SVC-1" not in laboratory.people[0].participant
+    assert "external_id" not in laboratory.data(EventKind.RUN_BEGUN)[0]
+
+
+def test_whoever_comes_when_there_is_no_place_is_told_so(tmp_path: Path) -> None:
+    laboratory, person = Laboratory(tmp_path, ONE_FORM), Person()
+    laboratory.run(person, people=5)
+    assert len(laboratory.people) == 1
+    assert headings(person)[-1] == "The study is complete"
+
+
+def test_the_researcher_begins_ends_and_excludes_runs(tmp_path: Path) -> None:
+    text = ONE_FORM.replace("quota: 1", "quota: 3\nbegins: researcher")
+    laboratory = Laboratory(tmp_path, text)
+    told: list[str | None] = []
+
+    def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
+        host = laboratory.host
+        assert host is not None
+        runs = list(host.progress.runs)
+        if isinstance(page, TextToRead) and page.heading == words.WELCOME:
+            assert page.button == ""
+            if len(runs) == 3:
+                return [KioskClosed()]
+            if len(runs) == 2:
+                return [BeginNext()]
+            told.append(host.admit_next())
+            return [FocusNews(True, 1)]
+        if isinstance(page, FormToFill) and len(runs) < 3:
+            told.append(host.admit_next())
+            end = host.end_run if len(runs) == 1 else host.exclude
+            told.append(end(runs[-1], "fire drill"))
+            return [FocusNews(True, 1)]
+        return None
+
+    laboratory.run(Person(does=does))
+    states = [(run.state, run.reason) for run in laboratory.people]
+    assert states == [(RunState.LEFT, "fire drill"), (RunState.EXCLUDED, "fire drill"), (RunState.COMPLETE, "")]
+    first, second = (run.participant for run in laboratory.people[:2])
+    assert told == [None, f"{first} is still under way.", None, None, f"{second} is still under way.", None]
+    by = [event.actor for event in laboratory.events if event.kind == EventKind.RUN_ENDED]
+    assert by == ["experimenter", "program"]
+
+
+def test_events_in_a_game_have_its_simulated_time(laboratory: Laboratory) -> None:
+    deeds = doing(GameToJoin, lambda _page: FocusNews(False, 1))
+    laboratory.run(Person(learns=True, does=lambda page: deeds(page) if not getattr(page, "practice", True) else None))
+    (lost,) = [event for event in laboratory.events if event.kind == EventKind.FOCUS_LOST]
+    assert (lost.clocks.simulated, lost.step) == (12.5, 4)
+    assert all(event.clocks.simulated is None for event in laboratory.events if event is not lost and event.step != 4)
