@@ -316,7 +316,7 @@ class KioskWindow(QMainWindow):
     def changeEvent(self, event: QEvent) -> None:
         """Tell when keys and clicks go elsewhere, and when they come back."""
         super().changeEvent(event)
-        if event.type() != QEvent.Type.ActivationChange:
+        if event.type() != QEvent.Type.ActivationChange or self._leaving:
             return
         has_focus = self.isActiveWindow()
         if self._focused is not None and has_focus != self._focused:

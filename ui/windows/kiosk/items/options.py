@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
 from ui.model.kiosk import Answer, FormItem
@@ -47,6 +47,12 @@ class OptionButton(ActionButton):
         self.setAutoExclusive(False)
         self.setChecked(chosen)
         self.setAutoExclusive(self._alone)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Keep the others in reach of arrows: Qt would leave only one radio button of a group."""
+        super().focusInEvent(event)
+        for other in self._field.findChildren(OptionButton):
+            other.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     def nextCheckState(self) -> None:
         """Leave it to the field what is chosen."""

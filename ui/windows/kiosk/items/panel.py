@@ -157,6 +157,7 @@ class ItemPanel(QFrame):
     def _touch(self) -> None:
         if not self._touched:
             self._touched = True
+            self.come_into_sight()
             self.news.emit("touched", 0)
 
     def _answered(self) -> None:

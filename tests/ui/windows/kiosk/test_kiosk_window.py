@@ -1,0 +1,290 @@
+"""The kiosk's window page by page, by mouse and by keyboard; it tells all that happens with an item at once."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import pytest
+from PySide6.QtCore import QMimeData, Qt
+from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QWidget
+from pytestqt.qtbot import QtBot
+
+from tests.ui.windows.fitting import misfits, settle
+from tests.ui.windows.walking import nameless
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
+from ui.model.kiosk import (
+    Answer,
+    BeginNext,
+    CloseKiosk,
+    ConsentReply,
+    ConsentToAsk,
+    FormItem,
+    FormToFill,
+    FromKiosk,
+    GamePrepared,
+    GameRecorded,
+    ItemNews,
+    KioskClosed,
+    StoppedTakingPart,
+    StudyProgress,
+    TextToRead,
+    WentOn,
+)
+from ui.windows import look
+from ui.windows.kiosk.items.panel import ItemPanel
+from ui.windows.kiosk.pages.form import FormPage
+from ui.windows.kiosk.window import BEGIN_KEYS, KioskWindow
+
+SEVEN = ("not at all", "", "", "", "", "", "completely")
+ITEMS = (
+    FormItem("agree", "The robots did what I wanted.", "likert", SEVEN, not_applicable=True),
+    FormItem("often", "How often did you look?", "likert", ("never", "seldom", "often")),
+    FormItem("line", "How hard was it?", "analogue", low="easy", high="hard", step=5.0),
+    FormItem("warm", "", "differential", ("cold", "", "", "", "warm"), "cold", "warm"),
+    FormItem("age", "How old are you?", "number", minimum=18.0, maximum=99.0, unit="years"),
+    FormItem("hand", "Which hand do you use?", "choice", options=("left", "right", "both")),
+    FormItem("used", "Which have you used?", "choice", options=("a robot that cleans", "a drone"), several=True),
+    FormItem("why", "What else?", "text", required=False),
+)
+WAY = StudyProgress(3, 8)
+
+
+@dataclass
+class Opened:
+    """The window, its clock, and what it told its host."""
+
+    window: KioskWindow
+    told: list[FromKiosk] = field(default_factory=list)
+    now: float = 10.0
+
+    def form(self, *ids: str, answers: dict[str, Answer] | None = None) -> FormPage:
+        items = tuple(item for item in ITEMS if item.id in ids or not ids)
+        self.window.receive(FormToFill(7, "Some questions", "Answer.", items, answers or {}, progress=WAY))
+        return self.page(FormPage)
+
+    def page(self, kind: type) -> QWidget:
+        page = self.window.pages.currentWidget()
+        assert isinstance(page, kind)
+        return page
+
+    def news(self, item: str) -> list[tuple[str, Answer]]:
+        return [(one.what, one.answer) for one in self.told if isinstance(one, ItemNews) and one.item == item]
+
+
+@pytest.fixture
+def opened(qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
+    monkeypatch.setattr(QApplication, "quit", lambda: None)
+    told: list[FromKiosk] = []
+    made = Opened(KioskWindow(look.Appearance(qapp, "light"), told.append, lambda: made.now), told)
+    qtbot.addWidget(made.window, before_close_func=lambda it: it.receive(CloseKiosk()))
+    made.window.resize(1024, 600)
+    made.window.show()
+    made.window.activateWindow()
+    qtbot.waitUntil(made.window.isActiveWindow)
+    yield made
+
+
+def panel(form: FormPage, item: str) -> ItemPanel:
+    return next(one for one in form.panels if one.item.id == item)
+
+
+def keys(qtbot: QtBot, *pressed: Qt.Key | str) -> None:
+    for key in pressed:
+        focused = QApplication.focusWidget()
+        if isinstance(key, str):
+            qtbot.keyClicks(focused, key)
+        else:
+            qtbot.keyClick(focused, key)
+
+
+def test_a_text_is_left_once_and_not_before_it_can_have_been_seen(opened: Opened, qtbot: QtBot) -> None:
+    opened.window.receive(TextToRead(4, "Welcome", "Please begin.", "Begin"))
+    qtbot.keyClick(opened.window, Qt.Key.Key_Return)
+    assert opened.told == []
+    opened.now += 1.0
+    qtbot.keyClick(opened.window, Qt.Key.Key_Return)
+    qtbot.keyClick(opened.window, Qt.Key.Key_Return)
+    assert opened.told == [WentOn(4)]
+
+
+def test_a_completion_code_is_in_groups_and_spelled_for_screen_readers(opened: Opened) -> None:
+    opened.window.receive(TextToRead(9, "Thank you", "You may go.", "Finish", code="AB23CD45"))
+    (line,) = opened.window.findChildren(QLineEdit)
+    assert line.text() == "AB23 CD45"
+    assert line.accessibleName() == "Completion code: A, B, 2, 3, C, D, 4, 5"
+
+
+@pytest.mark.parametrize(("key", "agrees"), [(Qt.Key.Key_A, True), (Qt.Key.Key_N, False)])
+def test_consent_is_answered_by_its_keys_and_by_nothing_else(
+    opened: Opened, qtbot: QtBot, key: Qt.Key, agrees: bool
+) -> None:
+    opened.window.receive(ConsentToAsk(5, "We record you."))
+    opened.now += 1.0
+    qtbot.keyClick(opened.window, Qt.Key.Key_Return)
+    qtbot.keyClick(opened.window, key)
+    qtbot.keyClick(opened.window, key)
+    (reply,) = opened.told
+    assert isinstance(reply, ConsentReply)
+    assert (reply.page, reply.agrees) == (5, agrees)
+
+
+def test_a_form_by_keyboard_alone(opened: Opened, qtbot: QtBot) -> None:
+    form = opened.form()
+    keys(qtbot, "6", Qt.Key.Key_Tab, Qt.Key.Key_Tab)
+    keys(qtbot, "2", Qt.Key.Key_Return)
+    keys(qtbot, Qt.Key.Key_Right, Qt.Key.Key_Right, Qt.Key.Key_Return)
+    keys(qtbot, Qt.Key.Key_Right, Qt.Key.Key_Right, Qt.Key.Key_Space, Qt.Key.Key_Return)
+    keys(qtbot, "41", Qt.Key.Key_Return)
+    keys(qtbot, "3", Qt.Key.Key_Tab)
+    keys(qtbot, "1", "2", Qt.Key.Key_Tab)
+    keys(qtbot, "No.")
+    qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_Return, Qt.KeyboardModifier.ControlModifier)
+    assert {one.item.id: one.answer for one in form.panels} == {
+        "agree": 6.0,
+        "often": 2.0,
+        "line": 55.0,
+        "warm": 2.0,
+        "age": 41.0,
+        "hand": "both",
+        "used": ("a robot that cleans", "a drone"),
+        "why": "No.",
+    }
+    assert opened.told[-1] == WentOn(7)
+    given = [one.item for one in opened.told if isinstance(one, ItemNews) and one.what == "given"]
+    assert given == [item.id for item in ITEMS], "each before the next is asked"
+    assert opened.news("why") == [("shown", None), ("touched", None), ("changed", "No."), ("given", "No.")]
+
+
+def test_a_form_by_mouse(opened: Opened, qtbot: QtBot) -> None:
+    form = opened.form("agree", "line", "hand")
+    settle()
+    for button in (panel(form, "agree").field.buttons[3], panel(form, "hand").field.buttons[0]):
+        qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    line = panel(form, "line").field.line
+    qtbot.mouseClick(line, Qt.MouseButton.LeftButton, pos=line.rect().center())
+    qtbot.mouseClick(form.go_on, Qt.MouseButton.LeftButton)
+    assert opened.news("agree") == [("shown", None), ("touched", None), ("changed", 4.0), ("given", 4.0)]
+    assert opened.news("line")[-1] == ("given", 50.0)
+    assert opened.told[-1] == WentOn(7)
+
+
+def test_nothing_looks_like_an_answer_before_there_is_one(opened: Opened) -> None:
+    form = opened.form()
+    assert all(one.answer is None for one in form.panels)
+    assert QApplication.focusWidget() is form.panels[0]
+    assert not panel(form, "line").field.line.marked
+
+
+def test_what_is_missing_is_pointed_at_and_what_is_there_stays(opened: Opened, qtbot: QtBot) -> None:
+    form = opened.form("often", "age", "why")
+    keys(qtbot, "1", Qt.Key.Key_Tab, "17")
+    qtbot.mouseClick(form.go_on, Qt.MouseButton.LeftButton)
+    assert not any(isinstance(one, WentOn) for one in opened.told)
+    assert panel(form, "often").missing.isHidden()
+    assert panel(form, "age").missing.text() == "Please write a number from 18 to 99."
+    assert "Please write a number" in panel(form, "age").accessibleName()
+    assert QApplication.focusWidget() is panel(form, "age").field.line
+    assert panel(form, "why").missing.isHidden(), "it may be left out"
+
+
+def test_not_applicable_is_an_answer_of_its_own(opened: Opened, qtbot: QtBot) -> None:
+    form = opened.form("agree")
+    keys(qtbot, "5", "n")
+    assert panel(form, "agree").answer == NOT_APPLICABLE
+    keys(qtbot, "2")
+    assert panel(form, "agree").answer == 2.0
+    answers = [answer for what, answer in opened.news("agree") if what == "changed"]
+    assert answers == [5.0, NOT_APPLICABLE, 2.0]
+
+
+def test_answers_given_before_are_shown_as_given(opened: Opened) -> None:
+    answers: dict[str, Answer] = {
+        "agree": NOT_APPLICABLE, "often": 3.0, "line": 20.0, "warm": 1.0, "age": 30.0, "hand": "left",
+        "used": ("a drone",), "why": "Because.",
+    }  # fmt: skip
+    form = opened.form(answers=answers)
+    assert {one.item.id: one.answer for one in form.panels} == answers
+    assert [one for one in opened.told if isinstance(one, ItemNews) and one.what != "shown"] == []
+
+
+def test_typing_is_told_at_each_pause_and_pastes_are(opened: Opened, qtbot: QtBot) -> None:
+    form = opened.form("why")
+    keys(qtbot, "So far")
+    qtbot.waitUntil(lambda: ("changed", "So far") in opened.news("why"))
+    assert ("given", "So far") not in opened.news("why")
+    pasted = QMimeData()
+    pasted.setText(" and more")
+    panel(form, "why").field.text.insertFromMimeData(pasted)
+    (paste,) = [one for one in opened.told if isinstance(one, ItemNews) and one.what == "pasted"]
+    assert paste.characters == len(" and more")
+
+
+def test_items_are_shown_when_they_are_in_sight(opened: Opened, qtbot: QtBot) -> None:
+    form = opened.form()
+    qtbot.waitUntil(lambda: ("shown", None) in opened.news("often"))
+    assert opened.news("why") == []
+    panel(form, "why").focus_target().setFocus()
+    qtbot.waitUntil(lambda: ("shown", None) in opened.news("why"))
+
+
+def test_closing_asks_and_only_the_researcher_closes(opened: Opened, qtbot: QtBot) -> None:
+    window = opened.window
+    opened.form("often")
+    window.close()
+    assert window.isVisible() and window.leaving_panel.isVisible()
+    keys(qtbot, Qt.Key.Key_Escape)
+    assert not window.overlay.isVisible()
+    window.close()
+    qtbot.mouseClick(window.leaving_panel.stop, Qt.MouseButton.LeftButton)
+    assert opened.told[-1] == StoppedTakingPart()
+    window.receive(TextToRead(8, "Welcome", "Please begin.", "Begin"))
+    window.close()
+    assert not window.leaving_panel.stop.isVisible(), "nobody takes part there"
+    qtbot.mouseClick(window.leaving_panel.close_button, Qt.MouseButton.LeftButton)
+    assert opened.told[-1] == KioskClosed()
+    assert not window.isVisible()
+
+
+def test_the_researchers_keys(opened: Opened, qtbot: QtBot) -> None:
+    held = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier | Qt.KeyboardModifier.ShiftModifier
+    assert BEGIN_KEYS == "Ctrl+Alt+Shift+N"
+    qtbot.keyClick(opened.window, Qt.Key.Key_N, held)
+    assert opened.told == [BeginNext()]
+    qtbot.keyClick(opened.window, Qt.Key.Key_Q, held)
+    assert opened.told[-1] == KioskClosed()
+
+
+def test_a_window_whose_host_died_stays_and_says_so_until_another_one_comes(opened: Opened) -> None:
+    opened.window.leave()
+    words = [label.text() for label in opened.window.findChildren(QLabel) if label.isVisible()]
+    assert "The program has stopped" in words
+    opened.window.give_way()
+    assert not opened.window.isVisible()
+
+
+def pages() -> dict[str, Callable[[Opened], object]]:
+    """Each page of the kiosk, by its name."""
+    return {
+        "welcome": lambda it: it.window.receive(TextToRead(1, "Welcome", "Please begin. " * 20, "Begin")),
+        "text": lambda it: it.window.receive(TextToRead(1, "Please read", "Read all of this. " * 200, progress=WAY)),
+        "consent": lambda it: it.window.receive(ConsentToAsk(1, "We record you.", WAY)),
+        "form": lambda it: it.form(),
+        "waiting": lambda it: it.window.receive(GamePrepared(1, "The game is made ready.", WAY)),
+        "result": lambda it: it.window.receive(GameRecorded(1, "The game has ended", "Your score: 3.", WAY)),
+        "code": lambda it: it.window.receive(TextToRead(1, "Thank you", "You may go.", "Finish", code="AB23CD45")),
+        "leaving": lambda it: (it.form("often"), it.window.close()),
+    }
+
+
+@pytest.mark.parametrize("factor", [1.0, pytest.param(2.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", pages())
+def test_pages_fit_and_speak(opened: Opened, qapp: QApplication, name: str, factor: float) -> None:
+    look.apply_text_size(qapp, factor)
+    try:
+        pages()[name](opened)
+        for size in ((1024, 600), (1920, 1080)):
+            opened.window.resize(*size)
+            settle()
+            assert misfits(opened.window) == [], size
+        assert nameless(opened.window) == []
+    finally:
+        look.apply_text_size(qapp, 1.0)
