@@ -35,6 +35,7 @@ from thbridge.roles.view import (
     SendRobot,
     SenseTreasure,
 )
+from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.screen import (
     AgreeToTakePart,
@@ -48,6 +49,7 @@ from ui.model.screen import (
     FitMap,
     FollowRobot,
     GiveAnswer,
+    GoOnFromGame,
     LeaveTreasure,
     Phase,
     PickName,
@@ -502,6 +504,16 @@ def test_the_end_says_why_and_what_came_of_it():
     model.do(AnotherGame(), 0.0)
     assert model.requests() == (PlayAgain(1),)
     assert model.screen(0.0).ending.again.pending
+
+
+def test_where_one_game_is_played_its_end_leads_on_and_to_no_other_game():
+    model = Participant(once=True)
+    model.connected(0.0)
+    model.receive(structs.replace(FOUND, over="given-up"), 0.0)
+    screen = model.screen(0.0)
+    assert (screen.ending.again.act, screen.ending.again.label) == (GoOnFromGame(), "Continue")
+    assert act_for("Enter", screen) == GoOnFromGame()
+    assert act_for("A", screen) is None
 
 
 def test_the_end_tells_what_was_in_the_rooms_and_what_was_possible_where_the_study_tells():

@@ -100,14 +100,19 @@ class StudyGames:
         if attempt > 1:
             # The log names the recording of the time before.
             bag = bag.with_stem(f"{bag.stem}-attempt-{attempt}")
+        log = _inputs_of(bag)
         try:
-            self._make_room(bag, watcher, goes_on=goes_on)
+            bag.parent.mkdir(parents=True, exist_ok=True)
+            earlier = make_room(bag)
+            if not goes_on or (earlier is not None and not log.exists()):
+                _break_off(log, earlier, watcher)
             options = self._options(step, setting.study.rate, bag)
             try:
                 measures = await self._play(setting, options, watcher)
             except GameDiffers:
                 # Of another release, or its study was changed: it cannot be the same game.
-                self._make_room(bag, watcher, goes_on=False)
+                make_room(bag)
+                _break_off(log, earlier, watcher)
                 measures = await self._play(setting, options, watcher)
         except OSError as error:
             raise BadFile(bag, f"cannot be recorded ({reason_of(error)})", "Make room on the disk") from None
@@ -119,15 +124,6 @@ class StudyGames:
     def _options(self, step: PlannedStep, rate: float | None, bag: Path | None) -> PlayOptions:
         log = None if bag is None else _inputs_of(bag)
         return PlayOptions(rate or 1.0, bag, frozenset(), "", step.entry.max_seconds, inputs=log)
-
-    def _make_room(self, bag: Path, watcher: GameWatcher, *, goes_on: bool) -> None:
-        """Move what an earlier program has recorded out of the way; without its log of inputs a game begins anew."""
-        bag.parent.mkdir(parents=True, exist_ok=True)
-        moved, log = make_room(bag), _inputs_of(bag)
-        if log.exists() and not goes_on:
-            log.rename(_inputs_of(moved or bag.with_stem(f"{bag.stem}-0")))
-        if moved is not None and not log.exists():
-            watcher.broken_off(moved)
 
     async def _play(
         self, setting: StudySetting, options: PlayOptions, watcher: GameWatcher
@@ -170,3 +166,18 @@ class StudyGames:
 def _inputs_of(bag: Path) -> Path:
     """Path of the log of inputs by which a game goes on."""
     return bag.with_suffix(".inputs")
+
+
+def _break_off(log: Path, earlier: Path | None, watcher: GameWatcher) -> None:
+    """Keep what there is of a game that is not gone on with; nothing where there is nothing.
+
+    Args:
+        log: of its inputs.
+        earlier: its recording, moved out of the way; None: there is none.
+        watcher: is told.
+    """
+    if log.exists():
+        log.rename(_inputs_of(earlier or log.with_stem(f"{log.stem}-0")))
+    elif earlier is None:
+        return
+    watcher.broken_off(earlier)
