@@ -9,12 +9,13 @@ from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog
+from ui.display import why_no_window
 from ui.hosting.desk import Desk
 from ui.hosting.kiosk.games import StudyGames
 from ui.hosting.kiosk.host import KioskHost, StudyClock
 from ui.hosting.window_process import THBRIDGE, WindowProcess
 from ui.model.kiosk import KIOSK
-from ui.terminal import FAILED, bad_input, command, fail, note
+from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
 
 
 def run_study(folder: Path, look: str, *, windowed: bool, desk: bool) -> None:
@@ -29,6 +30,9 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool) -> None:
     with bad_input():
         place, clock = ExperimentFolder(folder), StudyClock()
         design = place.read()
+        why = why_no_window()
+        if why is not None:
+            fail(BAD_INPUT, why)
         place.log.parent.mkdir(exist_ok=True)
         log = ExperimentLog(place.log)
     options = ("--hosted", "--look", look, *(["--windowed"] if windowed else []))

@@ -101,9 +101,6 @@ def study_run(
         raise typer.Exit(open_kiosk(look.value, windowed=windowed))
     from ui.actions.study_run import run_study
 
-    why = why_no_window()
-    if why is not None:
-        fail(BAD_INPUT, why)
     run_study(folder, look.value, windowed=windowed, desk=desk)
 
 

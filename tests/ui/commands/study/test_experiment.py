@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from thbridge.experiment.store.event_log import ExperimentLog
 from ui.cli import app
 
 runner = CliRunner()
@@ -70,6 +71,7 @@ def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path)
         (("freeze",), "there is no experiment.yaml"),
         (("rehearse", "--to", "x"), "there is no experiment.yaml"),
         (("export", "--to", "x"), "there is no experiment.yaml"),
+        (("run",), "there is no experiment.yaml"),
     ],
 )
 def test_a_folder_that_is_no_experiment(tmp_path: Path, arguments: tuple[str, ...], problem: str) -> None:
@@ -84,3 +86,16 @@ def test_somebody_who_never_took_part_cannot_withdraw(folder: Path, tmp_path: Pa
     done = runner.invoke(app, ["study", "withdraw", str(tmp_path / "rehearsal"), "P-NOBODY"])
     assert done.exit_code == 2
     assert "nobody of this id" in done.output
+
+
+def test_a_study_is_not_run_without_a_display_or_twice(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
+    done = runner.invoke(app, ["study", "run", str(folder)])
+    assert done.exit_code == 2
+    assert "keeps windows from being shown" in done.output
+    monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
+    (folder / "store").mkdir()
+    with ExperimentLog(folder / "store" / "log"):
+        done = runner.invoke(app, ["study", "run", str(folder)])
+    assert done.exit_code == 2
+    assert "another program runs this study" in done.output
