@@ -158,7 +158,8 @@ class KioskHost:
     @property
     def troubles(self) -> tuple[str, ...]:
         """Sentences about what somebody has to look at."""
-        return ("At the kiosk, keys and clicks go to another window.",) if self._looks_away else ()
+        looks_away = self._looks_away and self._person != ""
+        return ("At the kiosk, keys and clicks go to another window.",) if looks_away else ()
 
     def admit_next(self) -> str | None:
         """Begin the run of the next person; else return why that cannot be."""
