@@ -14,7 +14,9 @@ from pictured.study import shot
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import EXAMPLE, ExperimentFolder
 from thbridge.experiment.progress import EventKind, Progress
-from thbridge.experiment.rehearsal import Rehearsal, Rehearsed
+from thbridge.experiment.rehearsal.clock import RehearsalClock
+from thbridge.experiment.rehearsal.people import SimulatedPeople
+from thbridge.experiment.rehearsal.rehearsal import Rehearsal
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, LoggedEvent
 from ui.model.desk.state import ToldToDesk, desk_state
@@ -90,7 +92,7 @@ def _rehearsed(root: Path) -> ExperimentFolder:
     with ExperimentLog(folder.log) as log:
         conductor = Conductor(design, log, now, random.Random(1).randrange)
         conductor.note("The heating is off; people keep their coats on.")
-        Rehearsal(design, Rehearsed(plays=False), 1, folder.bag, root).run(conductor)
+        Rehearsal(design, SimulatedPeople(plays=False), 1, RehearsalClock(), folder.bag, root).run(conductor)
     return folder
 
 

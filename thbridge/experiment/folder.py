@@ -24,6 +24,11 @@ class ExperimentFolder:
         return self.root / EXPERIMENT
 
     @property
+    def people(self) -> Path:
+        """The file of what simulated people are like in rehearsals; it need not be there."""
+        return self.root / "rehearsal.yaml"
+
+    @property
     def log(self) -> Path:
         """The log of all that happened."""
         return self.root / STORE / "log"

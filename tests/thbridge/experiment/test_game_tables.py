@@ -17,7 +17,7 @@ from thbridge.experiment.export.families.game_recording import (
 )
 from thbridge.experiment.export.tables import game_tables, records_of
 from thbridge.experiment.progress import EventKind
-from thbridge.experiment.rehearsal import Rehearsed
+from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.store.event_log import read_log
 from thbridge.hunt import game
 from thbridge.hunt.costs import CostMatrix
@@ -204,7 +204,7 @@ steps:
 
 
 def test_tables_of_recorded_games_and_recordings_that_are_gone_or_changed(tmp_path: Path) -> None:
-    folder = rehearse(tmp_path, Rehearsed(drop_out=0.0, not_applicable=0.0), 1, TEXT)
+    folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.0, not_applicable=0.0), 1, TEXT)
     entries = read_log(folder.log)
     pieces = [*game_tables(records_of(folder.read(), entries, folder.root))]
     frames = {

@@ -1,8 +1,6 @@
 """Rehearsals: a whole experiment without people, that finds the effect which was put in, and none where none was."""
 
 import hashlib
-import itertools
-import random
 from pathlib import Path
 
 import pandas as pd
@@ -10,29 +8,22 @@ import pytest
 
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.allocation.places import NoPlace
-from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import EventKind, Progress, RunState
-from thbridge.experiment.rehearsal import Rehearsal, Rehearsed
-from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Clocks
+from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople, read_people
+from thbridge.experiment.rehearsal.rehearsal import rehearse as play_through
+from thbridge.experiment.store.event_log import read_log
+from thbridge.files.errors import BadFile, BadFiles
 from thbridge.recording.bag.reading.reader import info
 
-COLLABORATOR = "dialogue.condition=collaborator"
+COLLABORATOR = {"dialogue.condition": "collaborator"}
 
 
-def rehearse(root: Path, people: Rehearsed, seed: int, text: str | None = None) -> ExperimentFolder:
+def rehearse(root: Path, people: SimulatedPeople, seed: int, text: str | None = None) -> ExperimentFolder:
     folder = ExperimentFolder(root)
     write(root, *([] if text is None else [text]))
-    folder.log.parent.mkdir()
-    chance, ticks = random.Random(seed), itertools.count()
-    design = folder.read()
-    with ExperimentLog(folder.log, chance.randbytes) as log:
-        conductor = Conductor(
-            design, log, lambda: Clocks("2026-01-02T12:00:00Z", next(ticks) * 10**9), chance.randrange
-        )
-        assert Rehearsal(design, people, seed, folder.bag, root).run(conductor) is NoPlace.FULL
+    assert play_through(folder, people, seed) is NoPlace.FULL
     return folder
 
 
@@ -50,7 +41,7 @@ def difference(folder: ExperimentFolder, subscale: str) -> tuple[float, float]:
 
 
 def test_an_effect_that_was_put_in_is_found_and_none_where_none_was(tmp_path: Path) -> None:
-    people = Rehearsed(effects={("workload", COLLABORATOR): 0.2}, plays=False)
+    people = SimulatedPeople(effects=(PutInEffect("workload", 0.2, COLLABORATOR),), plays=False)
     folder = rehearse(tmp_path, people, 3)
     mean, error = difference(folder, "workload")
     assert mean > 3.0 * error
@@ -64,7 +55,7 @@ def test_a_rehearsal_with_games_links_each_trial_to_its_recording(tmp_path: Path
         "title: x\nbase: {map: arena8, game.energy: 10, participant.strategy: nearest}\n"
         "within: {robots: [1, 2]}\nquota: 2\nsteps:\n  - {step: trial, each_condition: true, max_seconds: 20}\n"
     )
-    folder = rehearse(tmp_path, Rehearsed(drop_out=0.0), 1, text)
+    folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.0), 1, text)
     played = [e.event for e in read_log(folder.log) if e.event.kind == EventKind.GAME_PLAYED]
     assert len(played) == 4
     for event in played:
@@ -78,14 +69,74 @@ def test_the_same_seed_rehearses_the_same(tmp_path: Path) -> None:
     def logged(name: str, seed: int) -> list[object]:
         (tmp_path / name).mkdir()
         text = "title: x\nquota: 2\nsteps:\n  - {step: form, form: workload}\n  - {step: trial}\n"
-        return read_log(rehearse(tmp_path / name, Rehearsed(plays=False), seed, text).log)
+        return read_log(rehearse(tmp_path / name, SimulatedPeople(plays=False), seed, text).log)
 
     assert logged("a", 1) == logged("b", 1) != logged("c", 2)
 
 
 def test_people_who_drop_out_are_replaced(tmp_path: Path) -> None:
     text = "title: x\nquota: 8\nsteps:\n  - {step: check, form: understood.yaml}\n  - {step: trial}\n"
-    folder = rehearse(tmp_path, Rehearsed(drop_out=0.2, plays=False), 2, text)
+    folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.2, plays=False), 2, text)
     runs = Progress(folder.read()).after(read_log(folder.log)).runs.values()
     assert sum(run.state is RunState.COMPLETE for run in runs) == 8
     assert any(run.state is RunState.LEFT for run in runs)
+
+
+def test_a_rehearsal_whose_program_dies_again_and_again_loses_and_doubles_nothing(tmp_path: Path) -> None:
+    text = (
+        "title: x\nwithin: {robots: [1, 2]}\nbetween: {noise.preset: [none, bad wheels]}\nquota: 4\nsteps:\n"
+        "  - {step: consent, text: hello.txt}\n  - {step: check, form: understood.yaml, attempts: 3}\n"
+        "  - {step: trial, each_condition: true}\n  - {step: form, form: workload, each_condition: true}\n"
+    )
+    (tmp_path / "hello.txt").write_text("Welcome to the study of robots.")
+    folder = rehearse(tmp_path, SimulatedPeople(crashes=0.1, plays=False), 4, text)
+    design, events = folder.read(), [entry.event for entry in read_log(folder.log)]
+    assert sum(event.kind == EventKind.STEP_RESUMED for event in events) > 20
+    progress = Progress(design).after(read_log(folder.log))
+    whole = [run for run in progress.runs.values() if run.state is RunState.COMPLETE]
+    assert sorted(run.place.number for run in whole) == list(range(8))
+    for run in whole:
+        mine = [event for event in events if event.participant == run.participant]
+        begun = [event.step for event in mine if event.kind == EventKind.STEP_BEGUN]
+        ended = [event.step for event in mine if event.kind == EventKind.STEP_ENDED]
+        # The check may be tried again; all else is begun and ended once, in order.
+        checks = {step.number for step in run.plan if step.name == "understood"}
+        assert [step for step in begun if step not in checks] == [
+            step.number for step in run.plan if step.number not in checks
+        ]
+        assert begun == ended
+        given = [(e.step, e.data["item"]) for e in mine if e.kind == EventKind.ITEM_GIVEN and e.step not in checks]
+        assert len(given) == len(set(given)) == 12
+
+
+def test_effects_name_what_the_experiment_has(tmp_path: Path) -> None:
+    write(tmp_path)
+    file = tmp_path / "rehearsal.yaml"
+    file.write_text(
+        "effects:\n  - {score: wrkload}\n  - {score: trust, where: {dialogue: supervisor}}\n"
+        "  - {score: trust, where: {dialogue.condition: superviser}}\nspread: 2\n"
+    )
+    with pytest.raises(BadFile, match="spread"):
+        read_people(file, ExperimentFolder(tmp_path).read())
+    file.write_text(file.read_text().replace("spread: 2\n", ""))
+    with pytest.raises(BadFiles) as told:
+        read_people(file, ExperimentFolder(tmp_path).read())
+    problems = [str(fault) for fault in told.value.faults]
+    assert "line 2, effects[0].score: no form has a score wrkload" in problems[0]
+    assert "dialogue is no factor. Write one of dialogue.condition" in problems[1]
+    assert "dialogue.condition has no level superviser" in problems[2]
+
+
+def test_time_passes_as_people_need_it(tmp_path: Path) -> None:
+    text = "title: x\nquota: 2\nsteps:\n  - {step: form, form: workload}\n  - {step: trial}\n"
+    (tmp_path / "slow").mkdir()
+    (tmp_path / "fast").mkdir()
+
+    def seconds(name: str, answering: float) -> float:
+        people = SimulatedPeople(answering=answering, hesitation=0.0, plays=False, drop_out=0.0)
+        folder = rehearse(tmp_path / name, people, 1, text)
+        times = [e.event.clocks.monotonic_ns for e in read_log(folder.log) if e.event.participant]
+        assert times == sorted(times)
+        return times[-1] / 1e9
+
+    assert seconds("slow", 10.0) - seconds("fast", 2.0) == pytest.approx(2 * 6 * 8.0)

@@ -9,7 +9,9 @@ from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.rehearsal import Rehearsal, Rehearsed
+from thbridge.experiment.rehearsal.clock import RehearsalClock
+from thbridge.experiment.rehearsal.people import SimulatedPeople
+from thbridge.experiment.rehearsal.rehearsal import Rehearsal
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, LogEntry
 
@@ -35,7 +37,7 @@ def rehearse(root: Path) -> Study:
     with ExperimentLog(folder.log) as log:
         conductor = Conductor(design, log, lambda: clocks(next(ticks)), random.Random(3).randrange)
         conductor.note("the heating was off")
-        Rehearsal(design, Rehearsed(plays=False), 1, folder.bag, root).run(conductor)
+        Rehearsal(design, SimulatedPeople(plays=False), 1, RehearsalClock(), folder.bag, root).run(conductor)
         someone = next(iter(conductor.progress.runs))
         conductor.note("knows the study", someone)
         conductor.exclude(someone, "knows the study")

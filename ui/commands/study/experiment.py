@@ -3,6 +3,7 @@
 import secrets
 import shutil
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -172,26 +173,18 @@ def study_rehearse(
     seed: Annotated[int, typer.Option(help="All that simulated people do follows from it.", min=0, max=2**31 - 1)] = 1,
     games: Annotated[bool, typer.Option("--games/--no-games", help="Whether games are played and recorded.")] = True,
 ) -> None:
-    """Have simulated people go through the whole experiment."""
-    import random
-
-    from thbridge.experiment.conductor import Conductor
+    """Have simulated people go through the whole experiment; what they are like stands in its `rehearsal.yaml`."""
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import data_of
-    from thbridge.experiment.rehearsal import Rehearsal, Rehearsed
-    from thbridge.experiment.store.event_log import ExperimentLog
-    from thbridge.experiment.store.events import Clocks
+    from thbridge.experiment.rehearsal.people import read_people
+    from thbridge.experiment.rehearsal.rehearsal import rehearse
 
     with bad_input():
-        ExperimentFolder(folder).read()
+        place = ExperimentFolder(folder)
+        people = read_people(place.people, place.read())
         if to.exists():
             fail(BAD_INPUT, f"{to}: there is such a folder already. Choose another by --to.")
         shutil.copytree(folder, to, ignore=data_of)
-        place, chance = ExperimentFolder(to), random.Random(seed)  # of people that do not exist
-        design = place.read()
-        place.log.parent.mkdir()
-        with ExperimentLog(place.log) as log:
-            conductor = Conductor(design, log, lambda: Clocks(utc_now(), time.monotonic_ns()), chance.randrange)
-            Rehearsal(design, Rehearsed(plays=games), seed, place.bag, place.root).run(conductor)
+        rehearse(ExperimentFolder(to), replace(people, plays=people.plays and games), seed)
     study_status(to)
     note(f"Export it with `{command('study', 'export', to, '--to', to / 'exports' / 'first')}`.")

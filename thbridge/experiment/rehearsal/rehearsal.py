@@ -1,12 +1,15 @@
 """Rehearsals: simulated people go through a whole experiment, with answers, errors and drop-outs drawn from a seed."""
 
+import math
+import random
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from sim.numerics import noise
+from sim.numerics import elementary, noise
 from thbridge.app.compose.recording import build_writer
 from thbridge.batch.hunt import play_hunt
 from thbridge.batch.settings import SettingCache
@@ -15,32 +18,44 @@ from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import EventKind, Run
 from thbridge.experiment.questionnaires.form import MEASURED, Item, Scale
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
+from thbridge.experiment.rehearsal.clock import RehearsalClock
+from thbridge.experiment.rehearsal.people import SimulatedPeople
+from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import JsonValue
 from thbridge.experiment.trials import played, setting_of_trial
 
+BETWEEN_PEOPLE, PRACTICE, PAUSE = 300.0, 120.0, 60.0
+"""Seconds from one person to the next, of a practice game, and of a pause."""
 
-@dataclass(frozen=True, slots=True)
-class Rehearsed:
-    """Character of simulated people.
 
-    Attributes:
-        drop_out: probability that a person leaves in a step.
-        wrong: probability of a wrong answer in a check.
-        not_applicable: probability of answering so, where an item allows it.
-        spread: standard deviation of answers, as a share of their scale.
-        effects: shift of scores, as a share of their scale, by the names of subscale and condition.
-        plays: True when games are played; else trials end at once.
+class ProgramCrashed(Exception):  # noqa: N818 - what happens, in the words of people
+    """The program of a rehearsal dies here, as the file of its people says; whoever started it starts it again."""
+
+
+def rehearse(folder: ExperimentFolder, people: SimulatedPeople, seed: int) -> NoPlace:
+    """Rehearse an experiment in its folder, over as many starts of the program as its crashes take.
+
+    Args:
+        folder: the folder, without a log.
+        people: what they are like.
+        seed: all that they do follows from it, and so do ids, codes and salts of the log.
+
+    Returns:
+        The reason why nobody is admitted any more.
+
+    Raises:
+        BadFile: the experiment is faulty, or the folder cannot be written.
     """
-
-    drop_out: float = 0.02
-    wrong: float = 0.15
-    not_applicable: float = 0.02
-    spread: float = 0.15
-    effects: Mapping[tuple[str, str], float] = field(default_factory=dict)
-    plays: bool = True
+    design, clock, chance = folder.read(), RehearsalClock(), random.Random(seed)
+    folder.log.parent.mkdir(parents=True, exist_ok=True)
+    rehearsal = Rehearsal(design, people, seed, clock, folder.bag, folder.root)
+    while True:
+        with ExperimentLog(folder.log, chance.randbytes) as log, suppress(ProgramCrashed):
+            return rehearsal.run(Conductor(design, log, clock, chance.randrange))
 
 
 class Rehearsal:
@@ -50,6 +65,7 @@ class Rehearsal:
         design: the experiment.
         people: what they are like.
         seed: all that they do follows from it.
+        clock: advanced by what they take.
         bag_of: place for the recording of a person's step.
         root: the folder that paths of recordings are relative to.
     """
@@ -57,14 +73,16 @@ class Rehearsal:
     def __init__(
         self,
         design: ExperimentDesign,
-        people: Rehearsed,
+        people: SimulatedPeople,
         seed: int,
+        clock: RehearsalClock,
         bag_of: Callable[[str, int], Path],
         root: Path,
     ) -> None:
         self._design = design
         self._people = people
         self._seed = seed
+        self._clock = clock
         self._stream = noise.key(seed, "experiment", "rehearsal")
         self._drawn = 0
         self._bag_of = bag_of
@@ -72,12 +90,18 @@ class Rehearsal:
         self._settings = SettingCache(design.beside)
 
     def run(self, conductor: Conductor) -> NoPlace:
-        """Have people take part until there is no place left; return why there is none."""
+        """Have people take part until there is no place left; return why there is none.
+
+        Raises:
+            ProgramCrashed: now and then, as the people's file says; a new conductor of the same log goes on.
+        """
         conductor.rehearse(self._seed)
+        conductor.listeners.append(self._may_crash)
         while True:
             # Whoever was under way when an earlier program died comes first.
             for run in list(conductor.progress.runs.values()):
                 self.take_part(conductor, run)
+            self._clock.advance(BETWEEN_PEOPLE)
             admitted = conductor.admit()
             if isinstance(admitted, NoPlace):
                 return admitted
@@ -89,26 +113,41 @@ class Rehearsal:
             if self._draw() < self._people.drop_out:
                 conductor.leave(person, "left in a rehearsal")
                 return
-            if step.entry.step in {StepKind.FORM, StepKind.CHECK}:
-                self._fill_in(conductor, person, step)
-            elif step.entry.step in {StepKind.TRIAL, StepKind.PRACTICE} and self._people.plays:
-                self._play(conductor, person, step)
+            match step.entry.step:
+                case StepKind.FORM | StepKind.CHECK:
+                    self._fill_in(conductor, person, step)
+                case StepKind.TRIAL:
+                    self._play(conductor, person, step)
+                case StepKind.PRACTICE:
+                    self._clock.advance(PRACTICE)
+                case StepKind.PAUSE:
+                    self._clock.advance(PAUSE)
+                case _:
+                    self._read(step)
             conductor.end(person, step)
+
+    def _read(self, step: PlannedStep) -> None:
+        text = step.entry.text
+        words = 0 if text is None else len((self._design.path.parent / text).read_text(encoding="utf-8").split())
+        self._clock.advance(60.0 * words / self._people.words_per_minute)
 
     def _fill_in(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
         form = conductor.form(step)
         # People have manners of their own, which they keep from condition to condition.
         manner = _normal(noise.key(self._seed, "experiment", "manner", person, step.name))
+        levels = self._levels(conductor.progress.runs[person], step)
         for item in form.order(self._design.file.seed, person):
             if item.id in conductor.progress.runs[person].given:
                 continue
             named: dict[str, JsonValue] = {"item": item.id}
             conductor.tell(EventKind.ITEM_SHOWN, person, step, named, "program")
+            self._clock.advance(60.0 * len(item.text.split()) / self._people.words_per_minute)
             conductor.tell(EventKind.ITEM_TOUCHED, person, step, named, "participant")
-            answer = self._answer(item, self._condition(step), manner)
+            self._clock.advance(self._people.answering * elementary.exp(self._people.hesitation * self._normal()))
+            answer = self._answer(item, levels, manner)
             conductor.tell(EventKind.ITEM_GIVEN, person, step, {**named, "answer": answer}, "participant")
 
-    def _answer(self, item: Item, condition: str, manner: float) -> JsonValue:
+    def _answer(self, item: Item, levels: Mapping[str, str], manner: float) -> JsonValue:
         people = self._people
         if item.correct is not None and self._draw() >= people.wrong:
             return item.correct
@@ -120,11 +159,8 @@ class Rehearsal:
             case Scale.TEXT:
                 return "an answer of a rehearsal"
         width = item.greatest - item.least
-        shift = people.effects.get((item.subscale, condition), 0.0)
-        # Items within a person differ as much as people do.
-        self._drawn += 1
-        own = _normal(self._stream, self._drawn)
-        share = 0.5 + shift + people.spread * 0.7071 * (manner + own)
+        shift = math.fsum(each.shift for each in people.effects if each.score == item.subscale and each.holds(levels))
+        share = 0.5 + shift + people.spread * manner + people.within * self._normal()
         value = item.least + width * min(1.0, max(0.0, share))
         if item.reverse:
             value = item.least + item.greatest - value
@@ -133,19 +169,36 @@ class Rehearsal:
         return item.least + steps * step if item.scale in MEASURED and step > 0.0 else value
 
     def _play(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
-        setting = setting_of_trial(self._design, self._settings, conductor.progress.runs[person], step)
-        if setting is None:
+        run = conductor.progress.runs[person]
+        setting = setting_of_trial(self._design, self._settings, run, step)
+        if setting is None or not self._people.plays or run.game is not None:
             return
+        if self._people.attitudes:
+            drawn = noise.uniform(noise.key(self._seed, "experiment", "attitude", person), 0, 0)
+            attitude = self._people.attitudes[int(drawn * len(self._people.attitudes))]
+            who = replace(setting.study.participant, attitude=attitude)
+            setting = self._settings.of(replace(setting.study, participant=who))
         bag = self._bag_of(person, step.number)
         bag.parent.mkdir(parents=True, exist_ok=True)
         bag.unlink(missing_ok=True)
         with build_writer(setting, bag) as writer:
             measures = play_hunt(setting, step.entry.max_seconds, [writer])
+        self._clock.advance(measures.sim_seconds)
         data = played(measures, bag, self._root)
         conductor.tell(EventKind.GAME_PLAYED, person, step, data, "program")
 
-    def _condition(self, step: PlannedStep) -> str:
-        return "" if step.condition is None else self._design.conditions[step.condition].name
+    def _levels(self, run: Run, step: PlannedStep) -> Mapping[str, str]:
+        """The levels of all factors that a person meets in a step."""
+        within = {} if step.condition is None else self._design.conditions[step.condition].levels
+        return {**self._design.cells[run.place.cell].levels, **within}
+
+    def _may_crash(self, _event: object) -> None:
+        if self._people.crashes > 0.0 and self._draw() < self._people.crashes:
+            raise ProgramCrashed
+
+    def _normal(self) -> float:
+        self._drawn += 1
+        return _normal(self._stream, self._drawn)
 
     def _draw(self) -> float:
         self._drawn += 1

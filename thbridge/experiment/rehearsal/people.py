@@ -1,0 +1,87 @@
+"""Simulated people of rehearsals: what they are like, as a file says."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from sim.parameters import param
+from thbridge.dialogue.games.strategies import Attitude
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.files.errors import FaultCollection
+from thbridge.files.yaml.load import Loaded, load
+
+
+@dataclass(frozen=True, slots=True)
+class PutInEffect:
+    """An effect on a score that people answer with."""
+
+    score: str = field(metadata={"help": "name of the subscale"})
+    shift: float = param(0.1, "how much higher people answer, as a share of the scale", "", -1, 1)
+    where: Mapping[str, str] = field(
+        default_factory=dict, metadata={"help": "levels of factors at which they do: {FACTOR: LEVEL}; none: everywhere"}
+    )
+
+    def holds(self, levels: Mapping[str, str]) -> bool:
+        """Return True where people meet these levels."""
+        return all(levels.get(factor) == level for factor, level in self.where.items())
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedPeople:
+    """Simulated people as the file `rehearsal.yaml` has them."""
+
+    drop_out: float = param(0.02, "probability that a person leaves in a step", "", 0, 0.9)
+    wrong: float = param(0.15, "probability of a wrong answer in a check", "", 0, 1)
+    not_applicable: float = param(0.02, "probability of answering so, where an item allows it", "", 0, 1)
+    spread: float = param(0.15, "standard deviation of answers between people, as a share of the scale", "", 0, 1)
+    within: float = param(0.15, "standard deviation of a person's answers between items and conditions", "", 0, 1)
+    effects: tuple[PutInEffect, ...] = param((), "effects that are put in")
+    attitudes: tuple[Attitude, ...] = param(
+        (), "attitudes towards what robots say, of which each person has one; none: that of the study"
+    )
+    words_per_minute: float = param(220.0, "how fast people read", "1/min", 10, 2000)
+    answering: float = param(4.0, "median time of answering an item", "s", 0.1, 600)
+    hesitation: float = param(0.6, "spread of that time: standard deviation of its logarithm", "", 0, 3)
+    crashes: float = param(0.0, "probability that the program dies after an event, and is started again", "", 0, 0.5)
+    plays: bool = param(default=True, help="whether games are played and recorded; else trials end at once")
+
+
+def read_people(path: Path, design: ExperimentDesign) -> SimulatedPeople:
+    """Read what simulated people are like; where there is no file, they are as usual.
+
+    Raises:
+        BadFile: it cannot be read, or names a score, factor or level that the experiment does not have.
+    """
+    if not path.exists():
+        return SimulatedPeople()
+    loaded = load(path, SimulatedPeople)
+    check_effects(loaded, design)
+    return loaded.value
+
+
+def check_effects(loaded: Loaded[SimulatedPeople], design: ExperimentDesign) -> None:
+    """Raise BadFile for effects on what the experiment does not have."""
+    scores = {name for form in design.forms.values() for name in form.subscales}
+    levels: dict[str, set[str]] = {}
+    for combination in (*(each.levels for each in design.conditions), *(each.levels for each in design.cells)):
+        for factor, level in combination.items():
+            levels.setdefault(factor, set()).add(level)
+    faults = FaultCollection()
+    for index, effect in enumerate(loaded.value.effects):
+        key = f"effects[{index}]"
+        if effect.score not in scores:
+            remedy = f"Write one of {_listed(scores)}"
+            faults.found.append(loaded.fault(f"{key}.score", f"no form has a score {effect.score}", remedy))
+        for factor, level in effect.where.items():
+            if factor not in levels:
+                remedy = f"Write one of {_listed({*levels})}"
+                faults.found.append(loaded.fault(f"{key}.where", f"{factor} is no factor", remedy))
+            elif level not in levels[factor]:
+                remedy = f"Write one of {_listed(levels[factor])}"
+                faults.found.append(loaded.fault(f"{key}.where", f"{factor} has no level {level}", remedy))
+    if faults.found:
+        raise faults.together()
+
+
+def _listed(names: set[str]) -> str:
+    return ", ".join(sorted(names)) or "nothing: there is none"
