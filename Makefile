@@ -39,7 +39,7 @@ stress: setup ## Play hundreds of random hunts on all cores; more with ARGS="--h
 setup: ## Make .venv from requirements.lock; does nothing when it is up to date.
 	@scripts/set_up.sh
 
-peers: setup ## Install what tests/peers plays against: MAVLink clients, ROS tools, Java (the latter two as root).
+peers: setup ## Install what tests/peers plays against: MAVLink clients, ROS tools, Java, R (the latter three as root).
 	@scripts/install_peers.sh
 
 maps: setup ## Draw the maps that come with the project anew.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the programs of others that tests/peers plays against: MAVLink's clients and evo into .peers, from the hashes in
-# scripts/peers; the real ROS 1 tools, and Java for the clients of 2016, as Debian's packages, which only root can.
-# Tests whose program is missing are skipped and say so; nothing else depends on them. It wants .venv (make setup).
+# scripts/peers; the real ROS 1 tools, Java for the clients of 2016, and R for the scripts of exports (53 MB), as Debian's
+# packages, which only root can. Tests whose program is missing are skipped and say so; nothing else depends on them. It wants .venv (make setup).
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
@@ -27,7 +27,8 @@ done
 packages="ros-core python3-roslaunch python3-rosmaster python3-rosbag python3-rostopic python3-rosnode python3-rosparam
     python3-rosservice python3-rosmsg python3-rosgraph python3-rospy python3-actionlib python3-tf2 python3-tf2-ros
     python3-dynamic-reconfigure python3-genpy rviz default-jdk-headless
-    xvfb imagemagick xdotool libx11-6 dbus-daemon at-spi2-core python3-pyatspi python3-gi gir1.2-atspi-2.0 procps mount"
+    xvfb imagemagick xdotool libx11-6 dbus-daemon at-spi2-core python3-pyatspi python3-gi gir1.2-atspi-2.0 procps mount
+    r-base-core"
 for messages in std-msgs geometry-msgs sensor-msgs nav-msgs actionlib-msgs move-base-msgs tf2-msgs visualization-msgs \
     diagnostic-msgs rosgraph-msgs std-srvs; do
     packages="$packages python3-$messages ros-$messages"
@@ -42,7 +43,7 @@ done
 
 if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then
     if [ -n "$missing" ]; then
-        echo "The tests against the real ROS tools and Java will be skipped. To run them: sudo apt-get install$missing" >&2
+        echo "The tests against the real ROS tools, Java and R will be skipped. To run them: sudo apt-get install$missing" >&2
     fi
     exit 0
 fi

@@ -6,16 +6,19 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from tests.thbridge.experiment.test_conductor import Laboratory
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
 from thbridge.experiment.export.families.described import ExperimentTable
 from thbridge.experiment.export.tables import tables_of
-from thbridge.experiment.progress import EventKind
+from thbridge.experiment.progress import EventKind, RunState
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Clocks
+from thbridge.experiment.store.events import Clocks, LoggedEvent
 from thbridge.files.table_files import TableFiles, TableFormat
 
 
@@ -106,6 +109,55 @@ def test_scores_are_by_the_key(frames: dict[str, pd.DataFrame]) -> None:
     # One item was not applicable, and the form asks for all.
     assert scores[scores.subscale == "trust"].score.isna().all()
     assert scores[scores.subscale == "trust"].answered.tolist() == [11, 11]
+
+
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 10**6), withdrawn=st.booleans())
+def test_tables_of_any_course_of_an_experiment_agree(
+    design: ExperimentDesign, tmp_path_factory: pytest.TempPathFactory, seed: int, withdrawn: bool
+) -> None:
+    """People fail checks, leave, are excluded or withdraw, and programs die."""
+    laboratory = Laboratory(design, tmp_path_factory.mktemp("course") / "log", seed)
+    people = [laboratory.conductor.admit().participant for _ in range(3)]
+    for person in people[:2]:
+        laboratory.run(person)
+    laboratory.conductor.begin(people[2])
+    if seed % 3 == 0:
+        laboratory.conductor.exclude(people[1], "knew the study")
+    if withdrawn:
+        laboratory.conductor.withdraw(people[0])
+    laboratory.log.close()
+    entries = read_log(laboratory.log.path)
+    events = [entry.event for entry in entries if isinstance(entry, LoggedEvent)]
+    runs = laboratory.conductor.progress.runs
+    tables = {table.name: table for table in tables_of(design, entries)}
+    for table in tables.values():
+        for column in table.columns:
+            values = [row[column.name] for row in table.rows if row[column.name] is not None]
+            assert column.least is None or all(value >= column.least for value in values)
+            assert column.greatest is None or all(value <= column.greatest for value in values)
+    whole = {name: pd.DataFrame(table.rows) for name, table in tables.items() if table.rows}
+    assert whole["participants"].participant.tolist() == [*runs]
+    assert people[0] not in runs or not withdrawn
+    assert len(whole["events"]) == len(events)
+    steps = whole["steps"].set_index(["participant", "step", "attempt"]).sort_index()
+    assert steps.index.is_unique
+    assert len(steps) == sum(event.kind == EventKind.STEP_BEGUN for event in events)
+    complete = {person for person, run in runs.items() if run.state is RunState.COMPLETE}
+    is_data = steps.index.get_level_values("participant").isin(complete) & ~steps.kind.isin(["practice", "check"])
+    assert (steps.counts == is_data).all()
+    games = steps[steps.kind.isin(["trial", "practice"]) & (steps.outcome != "passed over")]
+    assert len(whole.get("trials", ())) == len(games)
+    if "answers" in whole:
+        own = ["participant", "step", "attempt"]
+        answers = whole["answers"].set_index([*own, "item"]).sort_index()
+        assert answers.index.is_unique
+        given = {(event.participant, event.step, event.data["item"]) for event in events if "item" in event.data}
+        assert {(person, step, item) for person, step, _, item in answers.index} == given
+        for score in whole.get("scores", pd.DataFrame()).itertuples():
+            keyed = answers.loc[(score.participant, score.step, score.attempt)].keyed.astype(float)
+            assert score.answered == keyed.notna().sum()
+            assert pd.isna(score.score) or score.score == pytest.approx(keyed.mean())
 
 
 def test_every_event_is_there_and_every_column_is_explained(tables, frames) -> None:

@@ -30,7 +30,8 @@ class ColumnDescription:
 
     Attributes:
         name: unique in its table.
-        kind: "string", "float64", "int64" or "bool"; any value may be missing.
+        kind: "string", "time" (a date and time in UTC as ISO 8601), "float64", "int64" or "bool"; any value may be
+            missing.
         unit: "s", or empty.
         meaning: a phrase for people.
         least: least possible value; None: not known.
@@ -51,7 +52,7 @@ class ColumnDescription:
     @property
     def column(self) -> Column:
         """The column as files have it."""
-        return Column(self.name, self.kind, self.unit, self.meaning)
+        return Column(self.name, "string" if self.kind == "time" else self.kind, self.unit, self.meaning)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +66,11 @@ class ValuedColumn(Generic[Subject_contra]):
 def text(name: str, meaning: str, value: Callable[[Subject_contra], str | None]) -> ValuedColumn[Subject_contra]:
     """Return a column of words."""
     return ValuedColumn(ColumnDescription(name, "string", "", meaning), value)
+
+
+def time(name: str, meaning: str, value: Callable[[Subject_contra], str | None]) -> ValuedColumn[Subject_contra]:
+    """Return a column of dates and times."""
+    return ValuedColumn(ColumnDescription(name, "time", "", meaning), value)
 
 
 def flag(name: str, meaning: str, value: Callable[[Subject_contra], bool | None]) -> ValuedColumn[Subject_contra]:
@@ -148,7 +154,7 @@ class TableOf(Generic[Subject_contra]):
 
 
 def _values(kind: str, cells: list[CellValue]) -> Values:
-    if kind == "string":
+    if kind in {"string", "time"}:
         return [None if cell is None else str(cell) for cell in cells]
     known = np.array([cell is not None for cell in cells], dtype=np.bool_)
     return OptionalColumn(np.array([0 if cell is None else cell for cell in cells], dtype=kind), known)

@@ -4,7 +4,16 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from thbridge.experiment.export.families.described import ExperimentTable, TableOf, count, flag, number, text, whole
+from thbridge.experiment.export.families.described import (
+    ExperimentTable,
+    TableOf,
+    count,
+    flag,
+    number,
+    text,
+    time,
+    whole,
+)
 from thbridge.experiment.progress import Progress, RunState
 from thbridge.experiment.store.events import LoggedEvent
 
@@ -41,7 +50,7 @@ def log_events(progress: Progress, events: Sequence[LoggedEvent]) -> ExperimentT
             count(
                 "cause", "sequence of the event that it follows from; 0: from none", lambda row: row.entry.event.cause
             ),
-            text(
+            time(
                 "wall",
                 "date and time, UTC; wall clocks jump, so order by sequence",
                 lambda row: row.entry.event.clocks.wall,

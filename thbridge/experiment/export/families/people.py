@@ -12,7 +12,7 @@ from thbridge.experiment.export.families.attempts import (
     attempt_columns,
     run_columns,
 )
-from thbridge.experiment.export.families.described import ExperimentTable, TableOf, count, flag, seconds, text
+from thbridge.experiment.export.families.described import ExperimentTable, TableOf, count, flag, seconds, text, time
 from thbridge.experiment.progress import Progress, Run, StepOutcome
 
 
@@ -69,15 +69,15 @@ def participants(
                 lambda row: design.cells[row.run.place.cell].name or None,
             ),
             text("order", "conditions in the order in which this person meets them", order),
-            text("began", "date and time, UTC", lambda row: row.attempts[0].began if row.attempts else None),
-            text(
+            time("began", "date and time, UTC", lambda row: row.attempts[0].began if row.attempts else None),
+            time(
                 "ended",
                 "date and time of the last step's end, UTC",
                 lambda row: row.attempts[-1].ended or None if row.attempts else None,
             ),
             seconds("duration_s", "time in all steps, by the program's clock; none where one was resumed", duration),
             flag("agreed", "whether the person agreed to take part; none: not asked", lambda row: row.agreed),
-            text(
+            time(
                 "agreed_at",
                 "date and time of the answer, UTC",
                 lambda row: None if row.consent is None else row.consent.ended,
@@ -104,7 +104,7 @@ def steps(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exper
                 "done, failed, passed over or lost; none while it is under way",
                 lambda row: None if row.attempt.outcome is None else str(row.attempt.outcome),
             ),
-            text("began", "date and time, UTC", lambda row: row.attempt.began),
+            time("began", "date and time, UTC", lambda row: row.attempt.began),
             seconds(
                 "duration_s",
                 "time in the step, by the program's clock: of a text that of reading it; none where it was resumed",

@@ -17,6 +17,7 @@ from thbridge.experiment.export.families.described import (
     number,
     seconds,
     text,
+    time,
     whole,
 )
 from thbridge.experiment.progress import Run, StepOutcome
@@ -125,7 +126,7 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
                 lambda row: told_number(row, "sim_seconds"),
             ),
             number("energy_left", "", "energy left to all robots", lambda row: told_number(row, "energy_left")),
-            text("began", "date and time, UTC", lambda row: row.attempt.began),
+            time("began", "date and time, UTC", lambda row: row.attempt.began),
             seconds(
                 "duration_s",
                 "time in the step, by the program's clock; none where it was resumed",

@@ -1,0 +1,78 @@
+"""Scripts that come with exports: they find the effect that a rehearsal put in, and none where none was.
+
+18 people find a difference of 0.8 of its standard deviation with probability 0.89 (noncentral t); the effect here is
+four times as large.
+"""
+
+import datetime
+import runpy
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from tests.thbridge.experiment.test_rehearsal import rehearse
+from thbridge.experiment.export.folder import export_experiment
+from thbridge.experiment.rehearsal import Rehearsed
+from thbridge.experiment.store.event_log import read_log
+
+TEXT = """\
+title: Three ways
+seed: 5
+within: {dialogue.condition: [supervisor, collaborator, adviser]}
+between: {robots: [1, 2, 3]}
+quota: 6
+steps:
+  - {step: check, form: understood.yaml, attempts: 2}
+  - {step: trial, each_condition: true}
+  - {step: form, form: workload, each_condition: true}
+  - {step: form, form: trust, each_condition: true}
+"""
+
+
+def rehearsed_export(root: Path) -> Path:
+    """Rehearse a mixed design, in which collaborators make more work, without games; return its export."""
+    people = Rehearsed(effects={("workload", "dialogue.condition=collaborator"): 0.2}, plays=False)
+    folder = rehearse(root, people, 3, TEXT)
+    export = root / "exports" / "first"
+    export_experiment(folder, folder.read(), read_log(folder.log), export, {"thbridge": "1.0"}, None)
+    return export
+
+
+@pytest.fixture(scope="module")
+def export(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return rehearsed_export(tmp_path_factory.mktemp("rehearsal"))
+
+
+def test_an_effect_that_was_put_in_is_found_and_none_where_none_was(
+    export: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    runpy.run_path(str(export / "analysis.py"), run_name="__main__")
+    assert "collaborator - supervisor" in capsys.readouterr().out
+    tests = pd.read_csv(export / "results" / "tests-python.csv")
+    within = tests[(tests.outcome == "workload") & (tests.test == "paired t")].set_index("comparison")
+    found = within.loc["dialogue.condition: collaborator - supervisor"]
+    assert found.low < 20.0 < found.high
+    assert found.p_holm < 0.001
+    assert found.effect_size > 2.0
+    assert within.loc["dialogue.condition: adviser - supervisor"].p > 0.05
+    assert (tests[tests.test == "F within"].set_index("outcome").p < 0.001).to_dict() == {
+        "trust": False,
+        "workload": True,
+    }
+    nothing = tests[(tests.outcome == "trust") | tests.test.isin(["F between", "interaction t"])]
+    assert (nothing.p_holm.fillna(nothing.p) > 0.05).all()
+    assert (export / "results" / "workload-python.png").stat().st_size > 1000
+
+
+def test_columns_have_their_types(export: Path) -> None:
+    read = runpy.run_path(str(export / "analysis.py"))["table"]
+    answers, people, steps = read("answers"), read("participants"), read("steps")
+    assert answers["dialogue.condition"].cat.categories.tolist() == ["supervisor", "collaborator", "adviser"]
+    assert answers.counts.all()
+    assert answers.right.dtype == "boolean"
+    assert steps.duration_s.dtype == "float64"
+    assert steps.step.dtype == "int64"
+    assert people.began.iloc[0].tzinfo is datetime.UTC
+    assert (people.ended >= people.began).all()
+    assert set(steps.kind) == {"trial", "form"}
