@@ -27,6 +27,7 @@ from ui.commands.study.experiment import (
     study_export,
     study_freeze,
     study_new,
+    study_power,
     study_rehearse,
     study_run,
     study_status,
@@ -78,6 +79,7 @@ study_app.command("edit")(study_edit)
 study_app.command("new")(study_new)
 study_app.command("run")(study_run)
 study_app.command("rehearse")(study_rehearse)
+study_app.command("power")(study_power)
 study_app.command("status")(study_status)
 study_app.command("watch")(study_watch)
 study_app.command("freeze")(study_freeze)

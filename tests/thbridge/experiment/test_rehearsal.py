@@ -23,7 +23,7 @@ COLLABORATOR = {"dialogue.condition": "collaborator"}
 def rehearse(root: Path, people: SimulatedPeople, seed: int, text: str | None = None) -> ExperimentFolder:
     folder = ExperimentFolder(root)
     write(root, *([] if text is None else [text]))
-    assert play_through(folder, people, seed) is NoPlace.FULL
+    assert play_through(folder, folder.read(), people, seed) is NoPlace.FULL
     return folder
 
 

@@ -1,7 +1,7 @@
 """Simulated people of rehearsals: what they are like, as a file says."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from sim.parameters import param
@@ -44,6 +44,10 @@ class SimulatedPeople:
     hesitation: float = param(0.6, "spread of that time: standard deviation of its logarithm", "", 0, 3)
     crashes: float = param(0.0, "probability that the program dies after an event, and is started again", "", 0, 0.5)
     plays: bool = param(default=True, help="whether games are played and recorded; else trials end at once")
+
+    def without_games(self) -> "SimulatedPeople":
+        """Return people like these whose trials end at once: no answer of theirs depends on games."""
+        return replace(self, plays=False)
 
 
 def read_people(path: Path, design: ExperimentDesign) -> SimulatedPeople:

@@ -36,25 +36,29 @@ class ProgramCrashed(Exception):  # noqa: N818 - what happens, in the words of p
     """The program of a rehearsal dies here, as the file of its people says; whoever started it starts it again."""
 
 
-def rehearse(folder: ExperimentFolder, people: SimulatedPeople, seed: int) -> NoPlace:
+def rehearse(
+    folder: ExperimentFolder, design: ExperimentDesign, people: SimulatedPeople, seed: int, *, synced: bool = True
+) -> NoPlace:
     """Rehearse an experiment in its folder, over as many starts of the program as its crashes take.
 
     Args:
         folder: the folder, without a log.
+        design: the experiment in it.
         people: what they are like.
         seed: all that they do follows from it, and so do ids, codes and salts of the log.
+        synced: False for a log that need not outlive the machine; it is much faster.
 
     Returns:
         The reason why nobody is admitted any more.
 
     Raises:
-        BadFile: the experiment is faulty, or the folder cannot be written.
+        BadFile: the folder cannot be written.
     """
-    design, clock, chance = folder.read(), RehearsalClock(), random.Random(seed)
+    clock, chance = RehearsalClock(), random.Random(seed)
     folder.log.parent.mkdir(parents=True, exist_ok=True)
     rehearsal = Rehearsal(design, people, seed, clock, folder.bag, folder.root)
     while True:
-        with ExperimentLog(folder.log, chance.randbytes) as log, suppress(ProgramCrashed):
+        with ExperimentLog(folder.log, chance.randbytes, synced=synced) as log, suppress(ProgramCrashed):
             return rehearsal.run(Conductor(design, log, clock, chance.randrange))
 
 
@@ -170,8 +174,10 @@ class Rehearsal:
 
     def _play(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
         run = conductor.progress.runs[person]
+        if not self._people.plays or run.game is not None:
+            return
         setting = setting_of_trial(self._design, self._settings, run, step)
-        if setting is None or not self._people.plays or run.game is not None:
+        if setting is None:
             return
         if self._people.attitudes:
             drawn = noise.uniform(noise.key(self._seed, "experiment", "attitude", person), 0, 0)

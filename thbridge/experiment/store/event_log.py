@@ -64,14 +64,16 @@ class ExperimentLog:
     Args:
         path: the database; made where there is none. The head lies beside it.
         salts: source of the rows' salts.
+        synced: False for a log that need not outlive the machine, such as that of a rehearsal.
 
     Raises:
         BadFile: it cannot be opened or written, another program has it open, or `read_log` would refuse it.
     """
 
-    def __init__(self, path: Path, salts: Salts = os.urandom) -> None:
+    def __init__(self, path: Path, salts: Salts = os.urandom, *, synced: bool = True) -> None:
         self.path = path
         self._salts = salts
+        self._synced = synced
         self._lock = _locked(path)
         new = not path.exists()
         entries: list[LogEntry] = []
@@ -84,7 +86,7 @@ class ExperimentLog:
             self._database = _opened(path, "rwc")
             if new:
                 self._create()
-            self._database.execute("PRAGMA synchronous=FULL")
+            self._database.execute(f"PRAGMA synchronous={'FULL' if synced else 'OFF'}")
             self._length, self._chain = len(entries), _last_chain(self._database)
             self._write_head()
             if any(isinstance(entry, Tombstone) for entry in entries):
@@ -192,7 +194,7 @@ class ExperimentLog:
         self._database.execute("COMMIT")
 
     def _write_head(self) -> None:
-        _write_whole(_head_path(self.path), _head(self._length, self._chain))
+        _write_whole(_head_path(self.path), _head(self._length, self._chain), synced=self._synced)
 
 
 def read_log(path: Path) -> list[LogEntry]:
@@ -413,12 +415,14 @@ def _read_head(path: Path) -> tuple[int, bytes]:
     return int(length), bytes.fromhex(chain)
 
 
-def _write_whole(path: Path, content: bytes) -> None:
+def _write_whole(path: Path, content: bytes, *, synced: bool = True) -> None:
     """Write a file completely or leave it as it was; it is on the disk when this returns."""
     new = path.with_name(path.name + ".new")
     with new.open("wb") as file:
         file.write(content)
         file.flush()
-        os.fsync(file.fileno())
+        if synced:
+            os.fsync(file.fileno())
     new.replace(path)
-    sync_folder(path.parent)
+    if synced:
+        sync_folder(path.parent)

@@ -5,14 +5,28 @@ import shutil
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from thbridge.timing.wall_clock import utc_now
 from ui.display import why_no_window
-from ui.options import AsJson, ColourScheme, LookOption
-from ui.terminal import BAD_INPUT, bad_input, command, fail, note, print_json, say
+from ui.options import (
+    AsJson,
+    BatchEngine,
+    ColourScheme,
+    DaskScheduler,
+    EngineKind,
+    LookOption,
+    Processes,
+    SlurmJobs,
+    SlurmOptions,
+)
+from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json, say
+
+if TYPE_CHECKING:
+    from thbridge.batch.engines.engine import Engine
 
 FolderOfExperiment = Annotated[Path, typer.Argument(help="The folder of an experiment.", metavar="FOLDER")]
 
@@ -181,10 +195,62 @@ def study_rehearse(
 
     with bad_input():
         place = ExperimentFolder(folder)
-        people = read_people(place.people, place.read())
+        design = place.read()
+        people = read_people(place.people, design)
         if to.exists():
             fail(BAD_INPUT, f"{to}: there is such a folder already. Choose another by --to.")
         shutil.copytree(folder, to, ignore=data_of)
-        rehearse(ExperimentFolder(to), replace(people, plays=people.plays and games), seed)
+        rehearse(ExperimentFolder(to), design, replace(people, plays=people.plays and games), seed)
     study_status(to)
     note(f"Export it with `{command('study', 'export', to, '--to', to / 'exports' / 'first')}`.")
+
+
+def study_power(
+    folder: FolderOfExperiment,
+    score: Annotated[str, typer.Option(help="The score that is compared: a subscale of a form.")],
+    factor: Annotated[str, typer.Option(help="The factor whose levels are compared.")],
+    people: Annotated[
+        list[int] | None,
+        typer.Option(help="A number of people; may be given several times. By default six up to the quota.", min=2),
+    ] = None,
+    rehearsals: Annotated[int, typer.Option(help="Rehearsals of each kind.", min=10, max=100_000)] = 200,
+    seed: Annotated[int, typer.Option(help="Of the first of them.", min=0, max=2**30)] = 1,
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", help="Folder that keeps the results, so that a stopped run goes on.", metavar="DIR"),
+    ] = None,
+    engine: BatchEngine = EngineKind.PROCESSES,
+    processes: Processes = None,
+    scheduler: DaskScheduler = None,
+    jobs: SlurmJobs = 10,
+    job_options: SlurmOptions = None,
+    as_json: AsJson = False,
+) -> None:
+    """Estimate by rehearsals how many people are needed to find the effects that `rehearsal.yaml` puts in."""
+    from thbridge.batch.engines.engine import EngineFailed
+    from thbridge.experiment.rehearsal.power import WARM, PowerTask
+    from ui.actions.engines import chosen_engine
+    from ui.actions.study_power import estimate_shown, power_tasks, show_estimates
+
+    with TemporaryDirectory(prefix="thbridge-power-") as scratch:
+        root = to or Path(scratch)
+        with bad_input():
+            tasks = power_tasks(folder, score, factor, people or (), rehearsals, seed, root)
+        chosen: Engine[PowerTask] = chosen_engine(
+            engine,
+            WARM,
+            processes=processes,
+            scheduler=scheduler,
+            jobs=jobs,
+            job_options=job_options,
+            log=root / "slurm",
+        )
+        try:
+            with bad_input(FAILED):
+                estimates = estimate_shown(tasks, chosen)
+        except EngineFailed as reason:
+            fail(FAILED, str(reason))
+        except KeyboardInterrupt:
+            kept = "the same command goes on" if to is not None else "name a folder by --to to keep what is done"
+            fail(FAILED, f"stopped; {kept}")
+    show_estimates(estimates, as_json=as_json)

@@ -142,6 +142,8 @@ class KioskWindow(QMainWindow):
         self.setCentralWidget(inside)
         self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel()
         self._build_leaving()
+        # Until it is shown it is nobody's child.
+        self.destroyed.connect(self.leaving_panel.deleteLater)
         for keys, deed in ((END_KEYS, self._end), (BEGIN_KEYS, self._begin_next)):
             QShortcut(QKeySequence(keys), self).activated.connect(deed)
         self._pumping = QTimer(self)

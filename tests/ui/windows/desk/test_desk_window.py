@@ -33,7 +33,10 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 @pytest.fixture
 def state(study: Study) -> DeskState:
     """The study while somebody fills in a form."""
-    length = max(entry.sequence for entry in study.entries if entry.event.kind == EventKind.ITEM_SHOWN)
+    # The first item of a form has just been shown.
+    begun = {entry.sequence for entry in study.entries if entry.event.kind == EventKind.STEP_BEGUN}
+    shown = [entry.sequence for entry in study.entries if entry.event.kind == EventKind.ITEM_SHOWN]
+    length = max(sequence for sequence in shown if sequence - 1 in begun and study.entries[sequence].event.step)
     entries = study.entries[:length]
     progress = Progress(study.design).after(entries)
     someone = entries[-1].event.participant

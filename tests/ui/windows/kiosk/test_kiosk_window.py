@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import pytest
-from PySide6.QtCore import QMimeData, Qt
+from PySide6.QtCore import QEvent, QMimeData, Qt
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QWidget
 from pytestqt.qtbot import QtBot
 
@@ -75,12 +75,14 @@ def opened(qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(QApplication, "quit", lambda: None)
     told: list[FromKiosk] = []
     made = Opened(KioskWindow(look.Appearance(qapp, "light"), told.append, lambda: made.now), told)
-    qtbot.addWidget(made.window, before_close_func=lambda it: it.receive(CloseKiosk()))
     made.window.resize(1024, 600)
     made.window.show()
     made.window.activateWindow()
     qtbot.waitUntil(made.window.isActiveWindow)
     yield made
+    made.window.receive(CloseKiosk())
+    made.window.deleteLater()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
 def panel(form: FormPage, item: str) -> ItemPanel:

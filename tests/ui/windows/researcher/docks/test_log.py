@@ -55,6 +55,7 @@ def test_all_words_of_the_filter_are_wanted_in_any_order_and_case(log: LogView) 
 
 
 def test_what_is_still_to_come_is_dimmed(qapp: QApplication) -> None:
+    apply_palette(qapp, LIGHT)
     model = LogModel(("Who", "What"))
     model.extend(rows(0, 10))
     model.show_time(4.5)

@@ -1,0 +1,265 @@
+"""Power of an experiment: the share of rehearsals in which its main test finds an effect, by the number of people.
+
+Each rehearsal is run twice over, with the effects that its people's file puts in and without those on the score in
+question: the share of the latter that finds something anyway shows whether the test keeps its level.
+"""
+
+import json
+import math
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from shutil import copytree
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from scipy import stats
+
+from sim.numerics.float_array import FloatArray
+from sim.numerics.matrices import covariance_of, solution
+from thbridge.batch.batch_task import TaskOutcome
+from thbridge.batch.engines.engine import Engine, EngineFailed
+from thbridge.batch.whole_files import whole_file
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.freeze import data_of
+from thbridge.experiment.progress import EventKind, Progress, Run, RunState
+from thbridge.experiment.questionnaires.scoring import Answer, scores_of
+from thbridge.experiment.rehearsal.people import SimulatedPeople
+from thbridge.experiment.rehearsal.rehearsal import rehearse
+from thbridge.experiment.store.event_log import read_log
+from thbridge.experiment.store.events import LoggedEvent
+
+LEVEL = 0.05
+"""Probability of an error of the first kind that tests are held to."""
+WARM = ("thbridge.experiment.rehearsal.power",)
+"""Modules that workers import before their first task."""
+MOST_DEATHS = 3
+"""Workers that may die at one rehearsal; then something is wrong with all of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class PowerQuestion:
+    """The question that rehearsals are to answer.
+
+    Attributes:
+        score: name of a subscale.
+        factor: the factor whose levels are compared.
+        people: numbers of people, ascending.
+    """
+
+    score: str
+    factor: str
+    people: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PowerTask:
+    """One rehearsal, without a recording; see `BatchTask`.
+
+    Attributes:
+        folder: of the experiment.
+        results: folder of the results.
+        question: what is asked.
+        simulated: what people are like.
+        seed: of the rehearsal.
+        effects: False to leave out effects on the score in question.
+    """
+
+    folder: Path
+    results: Path
+    question: PowerQuestion
+    simulated: SimulatedPeople
+    seed: int
+    effects: bool
+
+    @property
+    def result(self) -> Path:
+        """The file that is there once it is done."""
+        return self.results / ("with" if self.effects else "without") / f"{self.seed}.json"
+
+    @property
+    def urgent(self) -> bool:
+        """See `BatchTask`."""
+        return False
+
+    def carry_out(self) -> TaskOutcome:
+        """See `BatchTask`."""
+        if not self.result.exists():
+            kept = self.simulated.effects
+            if not self.effects:
+                kept = tuple(effect for effect in kept if effect.score != self.question.score)
+            with TemporaryDirectory(prefix="thbridge-power-") as place:
+                copytree(self.folder, place, ignore=data_of, dirs_exist_ok=True)
+                found = _rehearsed(ExperimentFolder(Path(place)), replace(self.simulated, effects=kept), self)
+            with whole_file(self.result) as file:
+                file.write(json.dumps(found).encode())
+        return TaskOutcome(1, 0, (), 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class PowerEstimate:
+    """Share of rehearsals in which something was found.
+
+    Attributes:
+        people: number of people.
+        rehearsals: number of rehearsals.
+        found: of these, those in which the test found a difference at `LEVEL`.
+    """
+
+    people: int
+    rehearsals: int
+    found: int
+
+    @property
+    def share(self) -> float:
+        """The share."""
+        return self.found / self.rehearsals
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % interval of the share. Source: Wilson, Probable inference (1927)."""
+        low, high = stats.binomtest(self.found, self.rehearsals).proportion_ci(0.95, "wilson")
+        return float(low), float(high)
+
+
+def estimate_power(
+    tasks: Sequence[PowerTask], engine: Engine[PowerTask], progress: Callable[[int], None] = lambda _done: None
+) -> dict[bool, tuple[PowerEstimate, ...]]:
+    """Rehearse on an engine, which is open; return the estimates with the effects (True), and without.
+
+    Args:
+        tasks: of one question.
+        engine: what carries them out.
+        progress: takes the number of rehearsals that are done.
+
+    Raises:
+        BadFile: a folder cannot be read or written.
+        EngineFailed: the engine cannot go on.
+    """
+    deaths: defaultdict[Path, int] = defaultdict(int)
+    for task in tasks:
+        engine.submit(task)
+    done = 0
+    for ended in engine.finished():
+        if ended.outcome is not None:
+            done += 1
+            progress(done)
+            continue
+        deaths[ended.task.result] += 1
+        if deaths[ended.task.result] >= MOST_DEATHS:
+            raise EngineFailed(f"{MOST_DEATHS} workers died at the rehearsal of seed {ended.task.seed}.")
+        engine.submit(ended.task)
+    found: dict[bool, dict[int, list[float | None]]] = {True: defaultdict(list), False: defaultdict(list)}
+    for task in tasks:
+        for people, value in json.loads(task.result.read_text()).items():
+            found[task.effects][int(people)].append(value)
+    return {
+        effects: tuple(
+            PowerEstimate(people, len(values), sum(value is not None and value < LEVEL for value in values))
+            for people, values in sorted(by_people.items())
+        )
+        for effects, by_people in found.items()
+    }
+
+
+def _rehearsed(folder: ExperimentFolder, people: SimulatedPeople, task: PowerTask) -> dict[int, float | None]:
+    """Rehearse with as many people as are asked for at most, and test with the first of them."""
+    design, question = folder.read(), task.question
+    quota = math.ceil(question.people[-1] / len(design.cells))
+    design = replace(design, file=replace(design.file, quota=quota))
+    rehearse(folder, design, people, task.seed, synced=False)
+    entries = [entry for entry in read_log(folder.log) if isinstance(entry, LoggedEvent)]
+    progress = Progress(design).after(entries)
+    scores = _scores(design, progress, entries, question.score)
+    counted = sorted(
+        (run for run in progress.runs.values() if run.state is RunState.COMPLETE), key=lambda run: run.place.number
+    )
+    found = {}
+    for number in question.people:
+        # Places are dealt in their order, so these would have been all people of a smaller experiment.
+        some = [run for run in counted if run.place.number < number]
+        value = _p_value(design, some, scores, question.factor)
+        found[number] = None if math.isnan(value) else value
+    return found
+
+
+def _scores(
+    design: ExperimentDesign, progress: Progress, entries: Sequence[LoggedEvent], score: str
+) -> Mapping[str, list[tuple[int | None, float]]]:
+    """The scores of each person, each with the index of its condition."""
+    given: defaultdict[tuple[str, int], dict[str, Answer]] = defaultdict(dict)
+    for entry in entries:
+        event = entry.event
+        if event.kind == EventKind.ITEM_GIVEN and isinstance(answer := (event.data or {})["answer"], int | float | str):
+            given[event.participant, event.step][str((event.data or {})["item"])] = answer
+    found: defaultdict[str, list[tuple[int | None, float]]] = defaultdict(list)
+    for (person, number), answers in given.items():
+        step = progress.runs[person].plan[number - 1]
+        value = scores_of(design.forms[step.index], answers).get(score, math.nan)
+        if not math.isnan(value):
+            found[person].append((step.condition, value))
+    return found
+
+
+def _p_value(
+    design: ExperimentDesign, runs: Sequence[Run], scores: Mapping[str, list[tuple[int | None, float]]], factor: str
+) -> float:
+    """Return the p-value of the hypothesis that all levels of a factor have the same mean; NaN for too few people."""
+    if factor in design.conditions[0].levels:
+        levels = list(dict.fromkeys(condition.levels[factor] for condition in design.conditions))
+        rows = []
+        for run in runs:
+            of_level: defaultdict[str, list[float]] = defaultdict(list)
+            for condition, value in scores.get(run.participant, []):
+                if condition is not None:
+                    of_level[design.conditions[condition].levels[factor]].append(value)
+            if len(of_level) == len(levels):
+                rows.append([math.fsum(of_level[level]) / len(of_level[level]) for level in levels])
+        return within_p_value(np.array(rows).reshape(-1, len(levels)))
+    groups: defaultdict[str, list[float]] = defaultdict(list)
+    for run in runs:
+        values = [value for _, value in scores.get(run.participant, [])]
+        if values:
+            groups[design.cells[run.place.cell].levels[factor]].append(math.fsum(values) / len(values))
+    return between_p_value([np.array(group) for group in groups.values()])
+
+
+def within_p_value(rows: FloatArray) -> float:
+    """Return the p-value of equal means of the columns of (people, levels) by Hotelling's test of their differences.
+
+    With two levels it is the paired t-test; with more it does not ask for sphericity.
+
+    Source: Hotelling, The generalization of Student's ratio (1931).
+    """
+    people, levels = rows.shape
+    contrasts = levels - 1
+    if people <= contrasts + 1:
+        return math.nan
+    off = rows[:, 1:] - rows[:, :1]
+    mean = off.mean(axis=0)
+    covariance = covariance_of(off) * (people / (people - 1))
+    squared = people * float((mean * solution(covariance, mean[:, np.newaxis])[:, 0]).sum())
+    if math.isnan(squared):
+        return math.nan  # all people differ in the same way
+    ratio = squared * (people - contrasts) / (contrasts * (people - 1))
+    return float(stats.f.sf(ratio, contrasts, people - contrasts))
+
+
+def between_p_value(groups: Sequence[FloatArray]) -> float:
+    """Return the p-value of equal means of groups of people: Welch's test of two, analysis of variance of more.
+
+    Source: Welch, The generalization of Student's problem (1947).
+    """
+    if len(groups) < 2 or any(len(group) < 2 for group in groups):
+        return math.nan
+    variances = [float(group.var(ddof=1)) / len(group) for group in groups]
+    if min(variances) <= 0.0:
+        return math.nan  # a group whose people are all the same has no spread to judge by
+    if len(groups) > 2:
+        return float(stats.f_oneway(*groups).pvalue)
+    one, other = variances
+    freedom = (one + other) * (one + other) / (one * one / (len(groups[0]) - 1) + other * other / (len(groups[1]) - 1))
+    ratio = abs(float(groups[0].mean() - groups[1].mean())) / math.sqrt(one + other)
+    return float(2.0 * stats.t.sf(ratio, freedom))
