@@ -159,11 +159,13 @@ def study_withdraw(
     folder: FolderOfExperiment,
     participant: Annotated[str, typer.Argument(help="Id of the person, such as P-7K3FQ.", metavar="PARTICIPANT")],
 ) -> None:
-    """Delete all that the experiment has of one person: in the log, and their recordings; exports must be made anew."""
+    """Delete all that log and recordings have of one person, and tell which exports hold them still."""
     from thbridge.experiment.conductor import Conductor
+    from thbridge.experiment.export.manifest import exports_with, missing_exports
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.store.event_log import ExperimentLog, read_log
     from thbridge.experiment.store.events import Clocks
+    from thbridge.files.errors import reason_of
 
     with bad_input():
         place = ExperimentFolder(folder)
@@ -174,8 +176,19 @@ def study_withdraw(
             if participant not in conductor.progress.runs:
                 fail(BAD_INPUT, f"{participant}: nobody of this id has taken part. `thbridge study status` lists them.")
             conductor.withdraw(participant)
-    shutil.rmtree(place.bag(participant, 0).parent, ignore_errors=True)
-    note(f"{participant} is deleted from {place.log} and from the recordings. Delete exports made before, and backups.")
+    recordings = place.bag(participant, 0).parent
+    try:
+        if recordings.exists():
+            shutil.rmtree(recordings)
+    except OSError as error:
+        fail(FAILED, f"{recordings}: cannot be deleted ({reason_of(error)}). Delete it yourself; the log is done.")
+    with bad_input():
+        held, gone = exports_with(place, participant), missing_exports(place)
+    note(f"{participant} is deleted from {place.log} and from the recordings. Delete backups of before.")
+    for export in held:
+        note(f"{export}: this export still has data of {participant}, or may have. Delete it and export anew.")
+    for export in gone:
+        note(f"{export}: an export was written here, and is here no more. If it was moved, delete it there.")
 
 
 def study_rehearse(

@@ -63,6 +63,18 @@ def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path)
     assert told["planned"] == 4
 
 
+def test_a_withdrawal_tells_which_exports_hold_the_person_and_which_are_not_found(folder: Path, tmp_path: Path) -> None:
+    study, inside, outside = tmp_path / "rehearsal", tmp_path / "rehearsal" / "exports" / "one", tmp_path / "two"
+    thbridge("study", "rehearse", folder, "--to", study, "--no-games")
+    gone = next(word for word in thbridge("study", "status", study).split() if word.startswith("P-"))
+    for export in (inside, outside):
+        thbridge("study", "export", study, "--to", export)
+    outside.rename(tmp_path / "moved")
+    told = runner.invoke(app, ["study", "withdraw", str(study), gone]).output.replace("\n", "")
+    assert f"{inside}: this export still has data of {gone}" in told
+    assert f"{outside}: an export was written here, and is here no more" in told
+
+
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
