@@ -67,6 +67,12 @@ def log_events(progress: Progress, events: Sequence[LoggedEvent]) -> ExperimentT
                 "simulated time; none outside of games",
                 lambda row: row.entry.event.clocks.simulated,
             ),
+            number(
+                "lsl_s",
+                "s",
+                "clock of the Lab Streaming Layer, for recordings of other devices; none where no markers were sent",
+                lambda row: row.entry.event.clocks.lsl,
+            ),
             text(
                 "data",
                 f"what else there is to say, as JSON; without {' and '.join(sorted(LEFT_OUT))}",
