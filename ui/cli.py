@@ -1,6 +1,8 @@
 """The command line: `thbridge`."""
 
 import logging
+from importlib import metadata
+from typing import Annotated
 
 import typer
 
@@ -51,6 +53,23 @@ app = typer.Typer(
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
 )
+
+
+def _tell_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"thbridge {metadata.version('thbridge')}")
+        raise typer.Exit
+
+
+@app.callback()
+def thbridge(
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Tell the version, and end.")
+    ] = False,
+) -> None:
+    """Take what stands before a command."""
+
+
 for command in (
     play,
     programs.server,

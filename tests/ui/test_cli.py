@@ -5,6 +5,7 @@ import logging
 import os
 import re
 import socket
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -429,3 +430,8 @@ def test_bag_info_tells_the_digest_of_the_messages() -> None:
     assert told == digest_of(Path("a.bag"))
     assert f"hash of the messages: {told}\n" in thbridge("bag", "info", "a.bag", "--hash").output
     assert "hash" not in json_of("bag", "info", "a.bag")
+
+
+def test_the_version_is_that_of_the_project() -> None:
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert thbridge("--version").stdout == f"thbridge {version}\n"
