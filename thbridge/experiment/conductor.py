@@ -12,7 +12,7 @@ from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import ResumeRule, StepKind
 from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, resumes
 from thbridge.experiment.questionnaires.form import Form
-from thbridge.experiment.store.event_log import ExperimentLog, read_log
+from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import Actor, Clocks, JsonValue, LogEntry, LoggedEvent, NewEvent
 
 LETTERS = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
@@ -40,7 +40,7 @@ class Conductor:
         self._log = log
         self._clocks = clocks
         self._draw = draw
-        self.progress = Progress(design).after(read_log(log.path))
+        self.progress = Progress(design).after(log.read())
         """Where everybody is."""
         self.listeners: list[Callable[[LoggedEvent], None]] = []
         """Called with each event once it is in the log, and `progress` knows it."""
@@ -126,12 +126,12 @@ class Conductor:
         """Delete everything that the log has of a person, also where others' events name them."""
         sequences = [
             entry.sequence
-            for entry in read_log(self._log.path)
+            for entry in self._log.read()
             if isinstance(entry, LoggedEvent)
             and (entry.event.participant == participant or participant in repr(entry.event.data))
         ]
         self._log.delete(sequences, self._clocks())
-        entries = read_log(self._log.path)
+        entries = self._log.read()
         self.progress = Progress(self._design).after(entries)
         self._tell(entries[-1])
 

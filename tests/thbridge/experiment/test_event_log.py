@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.experiment.store.event_log import WITHDRAWN, ExperimentLog, LogFollower, read_log
+from thbridge.experiment.store.event_log import BATCH, WITHDRAWN, ExperimentLog, LogFollower, read_log
 from thbridge.experiment.store.events import Clocks, LoggedEvent, NewEvent, Tombstone
 from thbridge.files.errors import BadFile
 
@@ -47,6 +47,19 @@ def test_a_log_goes_on_where_it_ended(log: Path) -> None:
     with ExperimentLog(log) as again:
         assert [logged.sequence for logged in again.append([answer("P-AAAA", "later")])] == [7]
     assert read_log(log)[-1] == LoggedEvent(7, answer("P-AAAA", "later"))
+
+
+def test_a_log_that_is_written_by_the_batch_is_the_same_to_the_byte(tmp_path: Path) -> None:
+    events = [answer("P-AAAA", f"zebra {number}") for number in range(BATCH + 3)]
+    for name, synced in (("synced", True), ("batches", False)):
+        (tmp_path / name).mkdir()
+        with ExperimentLog(tmp_path / name / "log", salts(), synced=synced) as log:
+            for event in events:
+                log.append([event])
+            assert [entry.event for entry in log.read()] == events
+            log.append([answer("P-AAAA", "the last word")])
+    for file in ("log", "log-head"):
+        assert (tmp_path / "synced" / file).read_bytes() == (tmp_path / "batches" / file).read_bytes()
 
 
 def test_what_was_appended_is_there_although_the_program_was_killed(tmp_path: Path) -> None:

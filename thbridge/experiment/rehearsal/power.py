@@ -4,13 +4,13 @@ Each rehearsal is run twice over, with the effects that its people's file puts i
 question: the share of the latter that finds something anyway shows whether the test keeps its level.
 """
 
+import functools
 import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from shutil import copytree
 from tempfile import TemporaryDirectory
 
 import numpy as np
@@ -23,7 +23,6 @@ from thbridge.batch.engines.engine import Engine, EngineFailed
 from thbridge.batch.whole_files import whole_file
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.freeze import data_of
 from thbridge.experiment.progress import EventKind, Progress, Run, RunState
 from thbridge.experiment.questionnaires.scoring import Answer, scores_of
 from thbridge.experiment.rehearsal.people import SimulatedPeople
@@ -60,7 +59,7 @@ class PowerTask:
 
     Attributes:
         folder: of the experiment.
-        results: folder of the results.
+        results: folder of the results of this question about this experiment.
         question: what is asked.
         simulated: what people are like.
         seed: of the rehearsal.
@@ -90,9 +89,7 @@ class PowerTask:
             kept = self.simulated.effects
             if not self.effects:
                 kept = tuple(effect for effect in kept if effect.score != self.question.score)
-            with TemporaryDirectory(prefix="thbridge-power-") as place:
-                copytree(self.folder, place, ignore=data_of, dirs_exist_ok=True)
-                found = _rehearsed(ExperimentFolder(Path(place)), replace(self.simulated, effects=kept), self)
+            found = _rehearsed(replace(self.simulated, effects=kept), self)
             with whole_file(self.result) as file:
                 file.write(json.dumps(found).encode())
         return TaskOutcome(1, 0, (), 0.0)
@@ -164,13 +161,21 @@ def estimate_power(
     }
 
 
-def _rehearsed(folder: ExperimentFolder, people: SimulatedPeople, task: PowerTask) -> dict[int, float | None]:
+@functools.cache
+def _design(folder: Path, _results: Path) -> ExperimentDesign:
+    """The experiment that results are of, read once in a worker: it takes as long as a rehearsal."""
+    return ExperimentFolder(folder).read()
+
+
+def _rehearsed(people: SimulatedPeople, task: PowerTask) -> dict[int, float | None]:
     """Rehearse with as many people as are asked for at most, and test with the first of them."""
-    design, question = folder.read(), task.question
+    design, question = _design(task.folder, task.results), task.question
     quota = math.ceil(question.people[-1] / len(design.cells))
     design = replace(design, file=replace(design.file, quota=quota))
-    rehearse(folder, design, people, task.seed, synced=False)
-    entries = [entry for entry in read_log(folder.log) if isinstance(entry, LoggedEvent)]
+    with TemporaryDirectory(prefix="thbridge-power-") as place:
+        folder = ExperimentFolder(Path(place))
+        rehearse(folder, design, people, task.seed)
+        entries = [entry for entry in read_log(folder.log) if isinstance(entry, LoggedEvent)]
     progress = Progress(design).after(entries)
     scores = _scores(design, progress, entries, question.score)
     counted = sorted(

@@ -5,6 +5,7 @@ import random
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -36,17 +37,14 @@ class ProgramCrashed(Exception):  # noqa: N818 - what happens, in the words of p
     """The program of a rehearsal dies here, as the file of its people says; whoever started it starts it again."""
 
 
-def rehearse(
-    folder: ExperimentFolder, design: ExperimentDesign, people: SimulatedPeople, seed: int, *, synced: bool = True
-) -> NoPlace:
+def rehearse(folder: ExperimentFolder, design: ExperimentDesign, people: SimulatedPeople, seed: int) -> NoPlace:
     """Rehearse an experiment in its folder, over as many starts of the program as its crashes take.
 
     Args:
-        folder: the folder, without a log.
-        design: the experiment in it.
+        folder: the folder for log and recordings, without a log.
+        design: the experiment.
         people: what they are like.
         seed: all that they do follows from it, and so do ids, codes and salts of the log.
-        synced: False for a log that need not outlive the machine; it is much faster.
 
     Returns:
         The reason why nobody is admitted any more.
@@ -58,7 +56,7 @@ def rehearse(
     folder.log.parent.mkdir(parents=True, exist_ok=True)
     rehearsal = Rehearsal(design, people, seed, clock, folder.bag, folder.root)
     while True:
-        with ExperimentLog(folder.log, chance.randbytes, synced=synced) as log, suppress(ProgramCrashed):
+        with ExperimentLog(folder.log, chance.randbytes, synced=False) as log, suppress(ProgramCrashed):
             return rehearsal.run(Conductor(design, log, clock, chance.randrange))
 
 
@@ -213,4 +211,4 @@ class Rehearsal:
 
 def _normal(stream: np.uint64, tick: int = 0) -> float:
     """A number whose mean is 0 and variance 1: the sum of twelve draws, less six (Irwin and Hall)."""
-    return sum(float(noise.uniform(stream, tick, index)) for index in range(12)) - 6.0
+    return sum(chain.from_iterable(noise.uniform_pair(stream, tick, block) for block in range(6))) - 6.0

@@ -8,7 +8,8 @@ chain are written into a second file, the head, and a log that does not reach th
 Deleting an event for somebody who withdraws leaves its digest, from which nothing can be guessed without the salt, and
 the chain over it goes on as it was. A later event of kind WITHDRAWN has to name the rows, or their gaps are damage.
 
-Each append is on the disk before it returns (SQLite's write-ahead log, synchronous=FULL).
+Each append is on the disk before it returns (SQLite's write-ahead log, synchronous=FULL). The log of a rehearsal, which
+nobody has to answer again, is written by the batch instead.
 """
 
 import contextlib
@@ -19,7 +20,7 @@ import os
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import IO, Self, cast
+from typing import IO, Self, TypeAlias, cast
 
 from thbridge.experiment.store.events import (
     Actor,
@@ -35,6 +36,9 @@ from thbridge.recording.append import sync_folder
 
 WITHDRAWN = "withdrawn"
 """Kind of the event by which rows were deleted; its data names them and nobody."""
+
+BATCH = 256
+"""Events of a log that is not synced which are written together."""
 
 APPLICATION = 0x74686578
 """SQLite's application_id of such a log."""
@@ -52,6 +56,8 @@ CREATE TABLE events (
 _START = hashlib.sha256(b"thbridge experiment log 1").digest()
 _SALT = 16
 
+_Row: TypeAlias = tuple[int, bytes, str, bytes, bytes]
+
 Salts = Callable[[int], bytes]
 """Source of so many random bytes."""
 
@@ -64,7 +70,8 @@ class ExperimentLog:
     Args:
         path: the database; made where there is none. The head lies beside it.
         salts: source of the rows' salts.
-        synced: False for a log that need not outlive the machine, such as that of a rehearsal.
+        synced: False for a log that need not outlive its program, such as that of a rehearsal: appended events are
+            written `BATCH` at a time, and when it is closed.
 
     Raises:
         BadFile: it cannot be opened or written, another program has it open, or `read_log` would refuse it.
@@ -74,6 +81,7 @@ class ExperimentLog:
         self.path = path
         self._salts = salts
         self._synced = synced
+        self._unwritten: list[_Row] = []
         self._lock = _locked(path)
         new = not path.exists()
         entries: list[LogEntry] = []
@@ -112,18 +120,25 @@ class ExperimentLog:
         self.close()
 
     def close(self) -> None:
-        """Write all of it into the one file, and close it."""
-        self._database.close()
-        self._lock.close()
+        """Write all of it into the one file, and close it.
+
+        Raises:
+            BadFile: what was not written yet cannot be; never of a log that is synced.
+        """
+        try:
+            self.flush()
+        finally:
+            self._database.close()
+            self._lock.close()
 
     def append(self, events: Sequence[NewEvent]) -> list[LoggedEvent]:
-        """Append events, all or none of them; they are on the disk when this returns.
+        """Append events, all or none of them; they are on the disk when this returns, if the log is synced.
 
         Raises:
             BadFile: the disk is full or gone; nothing was appended.
         """
         logged: list[LoggedEvent] = []
-        rows: list[tuple[int, bytes, str, bytes, bytes]] = []
+        rows: list[_Row] = []
         chain = self._chain
         for event in events:
             content, salt = _encoded(event), self._salts(_SALT)
@@ -131,14 +146,39 @@ class ExperimentLog:
             chain = _chained(chain, digest)
             logged.append(LoggedEvent(self._length + len(logged) + 1, event))
             rows.append((logged[-1].sequence, salt, content, digest, chain))
+        if self._synced:
+            self._write(rows)
+        self._length, self._chain = self._length + len(rows), chain
+        if self._synced:
+            self._write_head()
+        else:
+            self._unwritten += rows
+            if len(self._unwritten) >= BATCH:
+                self.flush()
+        return logged
+
+    def flush(self) -> None:
+        """Write what was appended and is not written yet; of a log that is synced there is nothing.
+
+        Raises:
+            BadFile: the disk is full or gone.
+        """
+        if self._unwritten:
+            self._write(self._unwritten)
+            self._unwritten = []
+            self._write_head()
+
+    def _write(self, rows: Sequence[_Row]) -> None:
         try:
             with self._transaction():
                 self._database.executemany("INSERT INTO events VALUES (?, ?, ?, ?, ?)", rows)
         except sqlite3.Error as error:
             raise BadFile(self.path, f"cannot be written ({error})", "make room on the disk") from None
-        self._length, self._chain = self._length + len(rows), chain
-        self._write_head()
-        return logged
+
+    def read(self) -> list[LogEntry]:
+        """Read all of it, as `read_log` does."""
+        self.flush()
+        return read_log(self.path)
 
     def delete(self, sequences: Sequence[int], clocks: Clocks) -> None:
         """Delete the content of events for good, from the free pages of the file and from its write-ahead log as well.
@@ -148,6 +188,7 @@ class ExperimentLog:
         Raises:
             BadFile: it cannot be written; nothing was deleted.
         """
+        self.flush()
         try:
             self._database.execute("PRAGMA secure_delete=ON")
             with self._transaction():
@@ -175,6 +216,7 @@ class ExperimentLog:
         Raises:
             BadFile: it cannot be written.
         """
+        self.flush()
         try:
             with contextlib.closing(sqlite3.connect(path)) as copy:
                 self._database.backup(copy)
