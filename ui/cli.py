@@ -26,6 +26,7 @@ from ui.commands.report import report
 from ui.commands.ros import ros_app
 from ui.commands.study.edit import study_edit
 from ui.commands.study.experiment import (
+    study_backup,
     study_export,
     study_freeze,
     study_new,
@@ -103,6 +104,7 @@ study_app.command("status")(study_status)
 study_app.command("watch")(study_watch)
 study_app.command("freeze")(study_freeze)
 study_app.command("export")(study_export)
+study_app.command("backup")(study_backup)
 study_app.command("withdraw")(study_withdraw)
 app.add_typer(study_app, name="study")
 app.add_typer(templates.templates_app, name="templates")

@@ -123,12 +123,18 @@ class Conductor:
         self._append(EventKind.NOTE, "experimenter", participant, data={"text": text})
 
     def withdraw(self, participant: str) -> None:
-        """Delete everything that the log has of a person, also where others' events name them."""
+        """Delete everything that the log has of a person, and notes that name them.
+
+        What else others' events say stays: who is excluded, say, must not count because somebody withdraws.
+        """
         sequences = [
             entry.sequence
             for entry in self._log.read()
             if isinstance(entry, LoggedEvent)
-            and (entry.event.participant == participant or participant in repr(entry.event.data))
+            and (
+                entry.event.participant == participant
+                or (entry.event.kind == EventKind.NOTE and participant in repr(entry.event.data))
+            )
         ]
         self._log.delete(sequences, self._clocks())
         entries = self._log.read()

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
+from thbridge.experiment.store.event_log import read_log
+from thbridge.experiment.store.events import LogEntry
+from thbridge.experiment.store.known_folders import KnownFolders
 from thbridge.files.errors import BadFile
 
 EXPERIMENT = "experiment.yaml"
@@ -39,13 +42,23 @@ class ExperimentFolder:
         return self.root / FREEZE
 
     @property
-    def exports_list(self) -> Path:
+    def exports_known(self) -> KnownFolders:
         """The list of where exports were written."""
-        return self.root / STORE / "exports.json"
+        return KnownFolders(self.root / STORE / "exports.json", self.root, "exports")
+
+    @property
+    def backups_known(self) -> KnownFolders:
+        """The list of where backups were written."""
+        return KnownFolders(self.root / STORE / "backups.json", self.root, "backups")
+
+    @property
+    def recordings(self) -> Path:
+        """The folder of recordings; in it, each person has one of their own."""
+        return self.root / RECORDINGS
 
     def bag(self, participant: str, step: int) -> Path:
         """The recording of a trial."""
-        return self.root / RECORDINGS / participant / f"step-{step}.bag"
+        return self.recordings / participant / f"step-{step}.bag"
 
     def export(self, name: str) -> Path:
         """An export."""
@@ -61,3 +74,14 @@ class ExperimentFolder:
             remedy = "Name the folder of an experiment, or begin one: thbridge study new FOLDER"
             raise BadFile(self.root, f"there is no {EXPERIMENT}", remedy)
         return read_experiment(self.file)
+
+    def entries(self) -> list[LogEntry]:
+        """Read the log.
+
+        Raises:
+            BadFile: it is damaged, or there is none.
+        """
+        if not self.log.exists() and not self.log.parent.exists():
+            remedy = f"Begin with `thbridge study run {self.root}`, or rehearse it and name the rehearsal's folder"
+            raise BadFile(self.root, "nobody has taken part in this study yet", remedy)
+        return read_log(self.log)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.experiment.store.event_log import BATCH, WITHDRAWN, ExperimentLog, LogFollower, read_log
+from thbridge.experiment.store.event_log import BATCH, WITHDRAWN, ExperimentLog, LogFollower, copy_log, read_log
 from thbridge.experiment.store.events import Clocks, LoggedEvent, NewEvent, Tombstone
 from thbridge.files.errors import BadFile
 
@@ -167,7 +167,7 @@ def test_somebody_who_withdraws_is_gone_from_all_files_and_the_rest_is_still_pro
 def test_a_backup_taken_while_the_log_is_open_reads_as_the_log(log: Path) -> None:
     with ExperimentLog(log) as open_log:
         open_log.append([answer("P-BBBB", "before the copy")])
-        open_log.back_up(log.with_name("copy"))
+        copy_log(log, log.with_name("copy"))
         open_log.append([answer("P-BBBB", "behind it")])
     assert read_log(log.with_name("copy")) == read_log(log)[:-1]
 

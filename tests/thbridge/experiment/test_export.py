@@ -92,13 +92,13 @@ def test_exports_that_hold_somebody_are_found_and_those_that_are_gone_told(
     root = tmp_path / "study"
     shutil.copytree(experiment.root, root)
     study = ExperimentFolder(root)
-    study.exports_list.unlink(missing_ok=True)
+    (root / "store" / "exports.json").unlink(missing_ok=True)
     design, entries = study.read(), read_log(study.log)
     inside, outside, moved = root / "exports" / "first", tmp_path / "second", tmp_path / "third"
     for to in (inside, outside, moved):
         export_experiment(study, design, entries, to, VERSIONS, None)
     person = next(iter(json.loads((inside / MANIFEST).read_text())["participants"]))
-    assert person not in study.exports_list.read_text()
+    assert person not in (root / "store" / "exports.json").read_text()
     moved.rename(tmp_path / "fourth")
     assert exports_with(study, person) == (inside, outside)
     assert missing_exports(study) == (moved,)

@@ -5,13 +5,15 @@ import dataclasses
 import hashlib
 import io
 import json
-from collections.abc import Mapping, Sequence
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.export.families.described import ExperimentTable
-from thbridge.experiment.export.manifest import MANIFEST, manifest_text, register_export
+from thbridge.experiment.export.manifest import MANIFEST, last_event_of, manifest_text, register_export
 from thbridge.experiment.export.methods import is_rehearsal, methods_text
 from thbridge.experiment.export.psych_ds import dataset_description, file_name, sidecar
 from thbridge.experiment.export.tables import ExperimentRecords, game_tables, log_tables, records_of
@@ -58,34 +60,90 @@ def export_experiment(
         BadFile: there is something in the folder, or it cannot be written.
     """
     records = records_of(design, entries, study.root)
-    try:
-        (folder / "data").mkdir(parents=True, exist_ok=True)
-        (folder / "tables").mkdir(exist_ok=True)
+    with _writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
         if any(path.is_file() for path in folder.rglob("*")):
             raise BadFile(folder, "there is something in this folder", "Choose a new or an empty one by --to")
         register_export(study, folder)
-        last = entries[-1].sequence if entries else 0
-        manifest = manifest_text(design.file.title, records.progress.runs, last)
-        (folder / MANIFEST).write_text(manifest, encoding="utf-8")
-        written, tables = _write_tables(records, folder)
-        registered = _registered(study, changed)
-        texts = {
-            "dataset_description.json": dataset_description(
-                design.file.title, tables, (_medium(records), registered, *written.notes)
-            ),
-            "dictionary.csv": _dictionary(tables),
-            "methods.md": methods_text(records, versions, registered),
-            "README.md": _readme(records, tables, written),
-            "CHANGES.md": "\n".join((registered, *written.notes)) + "\n",
-        }
-        for name, text in texts.items():
-            (folder / name).write_text(text, encoding="utf-8")
-        for script in sorted(SCRIPTS.iterdir()):
-            if script.suffix in {".py", ".R"}:
-                (folder / script.name).write_bytes(script.read_bytes())
-        (folder / "checksums.sha256").write_text(_checksums(folder), encoding="utf-8")
+        return _write_export(study, records, folder, versions, changed)
+
+
+def remake_export(
+    study: ExperimentFolder,
+    design: ExperimentDesign,
+    entries: Sequence[LogEntry],
+    folder: Path,
+    versions: Mapping[str, str],
+    changed: Sequence[str] | None,
+) -> tuple[Path, ...]:
+    """Write an export anew where it is, of the same events of the log without those that were deleted since.
+
+    Its tables and texts, and what its scripts wrote, are replaced or deleted; scripts that were changed stay. When this
+    is interrupted, the old manifest is still there.
+
+    Returns:
+        Files and folders in it that no export has: they are as they were.
+
+    Raises:
+        BadFile: it has no manifest, or cannot be written.
+    """
+    last = last_event_of(folder)
+    if last is None:
+        raise BadFile(folder, f"its {MANIFEST} is missing or damaged", "Delete what is in it of this study yourself")
+    records = records_of(design, [entry for entry in entries if entry.sequence <= last], study.root)
+    new = folder.with_name(f".{folder.name}-new")
+    with _writing(folder):
+        shutil.rmtree(new, ignore_errors=True)
+        new.mkdir()
+        _write_export(study, records, new, versions, changed, scripts=folder)
+        kept = {path.name for path in new.iterdir()}
+        for name in ("results", "data", "tables"):
+            shutil.rmtree(folder / name, ignore_errors=True)
+        # The manifest last: as long as it is the old one, this can be done once more.
+        for path in sorted(new.iterdir(), key=lambda path: path.name == MANIFEST):
+            path.replace(folder / path.name)
+        new.rmdir()
+        return tuple(sorted(path for path in folder.iterdir() if path.name not in kept))
+
+
+@contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "Choose another folder by --to") from None
+
+
+def _write_export(
+    study: ExperimentFolder,
+    records: ExperimentRecords,
+    folder: Path,
+    versions: Mapping[str, str],
+    changed: Sequence[str] | None,
+    scripts: Path | None = None,
+) -> WrittenExport:
+    """Write the files of an export; those of its scripts that lie in `scripts` are taken from there."""
+    for name in ("data", "tables"):
+        (folder / name).mkdir(exist_ok=True)
+    title, entries = records.design.file.title, records.progress.sequence
+    (folder / MANIFEST).write_text(manifest_text(title, records.progress.runs, entries), encoding="utf-8")
+    written, tables = _write_tables(records, folder)
+    registered = _registered(study, changed)
+    texts = {
+        "dataset_description.json": dataset_description(title, tables, (_medium(records), registered, *written.notes)),
+        "dictionary.csv": _dictionary(tables),
+        "methods.md": methods_text(records, versions, registered),
+        "README.md": _readme(records, tables, written),
+        "CHANGES.md": "\n".join((registered, *written.notes)) + "\n",
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    for script in sorted(SCRIPTS.iterdir()):
+        if script.suffix in {".py", ".R"}:
+            changed_one = None if scripts is None else scripts / script.name
+            source = script if changed_one is None or not changed_one.is_file() else changed_one
+            (folder / script.name).write_bytes(source.read_bytes())
+    (folder / "checksums.sha256").write_text(_checksums(folder), encoding="utf-8")
     return written
 
 

@@ -1,28 +1,22 @@
-"""Exports that a study knows of, so that those which hold somebody who withdraws can be found and deleted."""
+"""Exports that a study knows of, and of whom they have data, so that nothing of who withdraws stays in one."""
 
 import json
-import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from thbridge.batch.whole_files import whole_file
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.files.errors import BadFile, reason_of
 
 MANIFEST = "manifest.json"
 """File of an export that says of which people it has data."""
 
 
 def register_export(folder: ExperimentFolder, export: Path) -> None:
-    """Note in a study's folder where an export is about to be written; it names nobody.
+    """Note in a study's folder where an export is about to be written.
 
     Raises:
         BadFile: the list of exports cannot be read or written.
     """
-    known = [*_listed(folder)]
-    if (path := _told(folder, export)) not in known:
-        with whole_file(folder.exports_list) as file:
-            file.write((json.dumps([*known, path], indent=1, ensure_ascii=False) + "\n").encode())
+    folder.exports_known.add(export)
 
 
 def known_exports(folder: ExperimentFolder) -> tuple[Path, ...]:
@@ -31,15 +25,14 @@ def known_exports(folder: ExperimentFolder) -> tuple[Path, ...]:
     Raises:
         BadFile: the list of exports cannot be read.
     """
-    noted = [folder.root / path for path in _listed(folder)]
     found = [path.parent for path in sorted(folder.root.rglob(MANIFEST))]
-    return tuple({path.resolve(): None for path in (*noted, *found)})
+    return tuple({path.resolve(): None for path in (*folder.exports_known.paths(), *found)})
 
 
 def exports_with(folder: ExperimentFolder, participant: str) -> tuple[Path, ...]:
     """Return the folders of exports that are there and have data of a person, or may have.
 
-    One that was not finished, or whose manifest cannot be read, may have data of anybody.
+    One whose manifest is missing or cannot be read may have data of anybody.
 
     Raises:
         BadFile: the list of exports cannot be read.
@@ -68,35 +61,25 @@ def manifest_text(title: str, participants: Iterable[str], events: int) -> str:
     return json.dumps(told, indent=1, ensure_ascii=False) + "\n"
 
 
-def _may_hold(export: Path, participant: str) -> bool:
+def last_event_of(export: Path) -> int | None:
+    """Return the number of the last event of the log that is in an export; None where no manifest says it."""
+    try:
+        last = json.loads((export / MANIFEST).read_text(encoding="utf-8"))["events"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return last if isinstance(last, int) else None
+
+
+def people_of(export: Path) -> frozenset[str] | None:
+    """Return the ids of those of whom an export has data; None where no manifest says it."""
     try:
         people = json.loads((export / MANIFEST).read_text(encoding="utf-8"))["participants"]
-    except FileNotFoundError:
-        # Somebody may have emptied the folder, or begun anew with it.
-        return any(export.iterdir())
     except (OSError, ValueError, KeyError, TypeError):
-        return True
-    return not isinstance(people, list) or participant in people
+        return None
+    return frozenset(map(str, people)) if isinstance(people, list) else None
 
 
-def _listed(folder: ExperimentFolder) -> list[str]:
-    try:
-        told = json.loads(folder.exports_list.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return []
-    except OSError as error:
-        raise BadFile(folder.exports_list, f"cannot be read ({reason_of(error)})", _REMEDY) from None
-    except ValueError:
-        told = None
-    if not isinstance(told, list):
-        raise BadFile(folder.exports_list, "is no list of exports", _REMEDY)
-    return [str(path) for path in told]
-
-
-_REMEDY = "Bring it back from a backup, or find the exports yourself and move this file away"
-
-
-def _told(folder: ExperimentFolder, export: Path) -> str:
-    """Path within the study's folder, which may be moved with all that is in it; else an absolute one."""
-    path, root = export.resolve(), folder.root.resolve()
-    return os.fspath(path.relative_to(root) if path.is_relative_to(root) else path)
+def _may_hold(export: Path, participant: str) -> bool:
+    people = people_of(export)
+    # Somebody may have emptied the folder, or begun anew with it.
+    return any(export.iterdir()) if people is None else participant in people

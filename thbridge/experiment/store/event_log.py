@@ -92,6 +92,8 @@ class ExperimentLog:
             raise BadFile(path, "is missing, though its head is there", "bring it back from a backup")
         try:
             self._database = _opened(path, "rwc")
+            # Of a copy, too, which was not written so.
+            self._database.execute("PRAGMA journal_mode=WAL")
             if new:
                 self._create()
             self._database.execute(f"PRAGMA synchronous={'FULL' if synced else 'OFF'}")
@@ -107,7 +109,6 @@ class ExperimentLog:
         for statement in (
             f"PRAGMA application_id={APPLICATION}",
             f"PRAGMA user_version={VERSION}",
-            "PRAGMA journal_mode=WAL",
             _TABLE,
         ):
             self._database.execute(statement)
@@ -208,22 +209,11 @@ class ExperimentLog:
     def _wipe(self) -> None:
         """Write the file anew, without what pages still hold of deleted rows."""
         self._database.execute("VACUUM")
-        self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-
-    def back_up(self, path: Path) -> None:
-        """Copy the log as it is now, while it is in use; the copy has a head of its own.
-
-        Raises:
-            BadFile: it cannot be written.
-        """
-        self.flush()
-        try:
-            with contextlib.closing(sqlite3.connect(path)) as copy:
-                self._database.backup(copy)
-                copy.execute("PRAGMA journal_mode=DELETE")
-            _write_whole(_head_path(path), _head(self._length, self._chain))
-        except (sqlite3.Error, OSError) as error:
-            raise BadFile(path, f"cannot be written ({error})", "make room on the disk") from None
+        (blocked, *_) = self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
+        if blocked:
+            raise BadFile(
+                self.path, "another program reads it, so it cannot be written anew", "close that, and try again"
+            )
 
     @contextlib.contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -250,6 +240,38 @@ def read_log(path: Path) -> list[LogEntry]:
             return _verified(path, database)
     except (sqlite3.Error, OSError, UnicodeDecodeError) as error:
         raise BadFile(path, f"is damaged, or no log of an experiment ({error})", _REMEDY) from None
+
+
+def copy_log(path: Path, to: Path) -> None:
+    """Copy a log as it is now, while a program may be writing it; the copy has a head of its own and is verified.
+
+    A copy that is there already is replaced, unless it has events that the log has not.
+
+    Raises:
+        BadFile: one of the two is damaged, the copy is one of another log, or it cannot be written.
+    """
+    read_log(path)
+    new = to.with_name(to.name + "-new")
+    try:
+        for left in (new, _head_path(new)):
+            left.unlink(missing_ok=True)
+        with contextlib.closing(_opened(path, "ro")) as database, contextlib.closing(sqlite3.connect(new)) as copy:
+            if to.exists():
+                read_log(to)
+                length, chain = _read_head(to)
+                if _last_chain(database, length) != chain or _length(database) < length:
+                    remedy = "Name another folder: nothing was written to this one"
+                    raise BadFile(to, "is no earlier copy of this study's log, or somebody ran the study there", remedy)
+            database.backup(copy)
+            copy.execute("PRAGMA journal_mode=DELETE")
+            _write_whole(_head_path(new), _head(_length(copy), _last_chain(copy)))
+        read_log(new)
+        # In this order: a head may be behind its log, never before it.
+        for one, other in ((new, to), (_head_path(new), _head_path(to))):
+            one.replace(other)
+        sync_folder(to.parent)
+    except (sqlite3.Error, OSError) as error:
+        raise BadFile(to, f"cannot be written ({error})", "make room on the disk") from None
 
 
 class LogFollower:
@@ -385,6 +407,11 @@ def _last_chain(database: sqlite3.Connection, sequence: int = 2**62) -> bytes:
         "SELECT chain FROM events WHERE sequence <= ? ORDER BY sequence DESC LIMIT 1", (sequence,)
     ).fetchone()
     return _START if row is None else cast(bytes, row[0])
+
+
+def _length(database: sqlite3.Connection) -> int:
+    (length,) = database.execute("SELECT coalesce(max(sequence), 0) FROM events").fetchone()
+    return cast(int, length)
 
 
 def _digest(salt: bytes, content: str) -> bytes:

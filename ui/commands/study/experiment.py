@@ -1,4 +1,4 @@
-"""Commands for studies with people: `thbridge study new`, `run`, `status`, `watch`, `freeze`, `export`, ..."""
+"""Commands for studies with people: `thbridge study new`, `run`, `status`, `watch`, `freeze`, `backup`, ..."""
 
 import secrets
 import shutil
@@ -142,12 +142,11 @@ def study_export(
     from thbridge.experiment.export.folder import export_experiment
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
-    from thbridge.experiment.store.event_log import read_log
 
     with bad_input():
         place = ExperimentFolder(folder)
         design, installed = place.read(), versions()
-        entries, changed = read_log(place.log), deviations(place, installed)
+        entries, changed = place.entries(), deviations(place, installed)
         written = export_experiment(place, design, entries, to, installed, changed)
     say(", ".join(f"{rows} {name}" for name, rows in written.rows.items()))
     for told in written.notes:
@@ -155,40 +154,59 @@ def study_export(
     note(f"Wrote {to}.")
 
 
-def study_withdraw(
+def study_backup(
     folder: FolderOfExperiment,
-    participant: Annotated[str, typer.Argument(help="Id of the person, such as P-7K3FQ.", metavar="PARTICIPANT")],
+    to: Annotated[
+        Path, typer.Option("--to", help="The folder of the backup; one of before is brought up to date.", metavar="DIR")
+    ],
 ) -> None:
-    """Delete all that log and recordings have of one person, and tell which exports hold them still."""
-    from thbridge.experiment.conductor import Conductor
-    from thbridge.experiment.export.manifest import exports_with, missing_exports
+    """Back up a study, also while people go through it: log, recordings and files, each verified."""
+    from thbridge.experiment.backup import back_up
     from thbridge.experiment.folder import ExperimentFolder
-    from thbridge.experiment.store.event_log import ExperimentLog, read_log
-    from thbridge.experiment.store.events import Clocks
-    from thbridge.files.errors import reason_of
 
     with bad_input():
         place = ExperimentFolder(folder)
-        design = place.read()
-        read_log(place.log)
-        with ExperimentLog(place.log) as log:
-            conductor = Conductor(design, log, lambda: Clocks(utc_now(), time.monotonic_ns()), secrets.randbelow)
-            if participant not in conductor.progress.runs:
-                fail(BAD_INPUT, f"{participant}: nobody of this id has taken part. `thbridge study status` lists them.")
-            conductor.withdraw(participant)
-    recordings = place.bag(participant, 0).parent
-    try:
-        if recordings.exists():
-            shutil.rmtree(recordings)
-    except OSError as error:
-        fail(FAILED, f"{recordings}: cannot be deleted ({reason_of(error)}). Delete it yourself; the log is done.")
+        place.read()
+        place.entries()
+        lacking = back_up(place, to)
+    for told in lacking:
+        note(told)
+    note(f"{to} is verified, and as the study is now. It can be used in its place: `{command('study', 'status', to)}`.")
+    if lacking:
+        raise typer.Exit(FAILED)
+
+
+def study_withdraw(
+    folder: FolderOfExperiment,
+    participant: Annotated[
+        str, typer.Argument(help="Id of the person, such as P-7K3FQ, or their completion code.", metavar="PARTICIPANT")
+    ],
+) -> None:
+    """Delete one person for good from log, recordings, exports and backups; tell of what may be elsewhere."""
+    from thbridge.app.compose.machine import versions
+    from thbridge.experiment.folder import ExperimentFolder
+    from thbridge.experiment.freeze import deviations
+    from thbridge.experiment.store.events import Clocks
+    from thbridge.experiment.withdrawal import NobodyWithdraws, withdraw
+
+    def now() -> Clocks:
+        return Clocks(utc_now(), time.monotonic_ns())
+
     with bad_input():
-        held, gone = exports_with(place, participant), missing_exports(place)
-    note(f"{participant} is deleted from {place.log} and from the recordings. Delete backups of before.")
-    for export in held:
-        note(f"{export}: this export still has data of {participant}, or may have. Delete it and export anew.")
-    for export in gone:
-        note(f"{export}: an export was written here, and is here no more. If it was moved, delete it there.")
+        place, installed = ExperimentFolder(folder), versions()
+        design, changed = place.read(), deviations(place, installed)
+        try:
+            told = withdraw(place, design, participant, installed, changed, now, secrets.randbelow)
+        except NobodyWithdraws:
+            who = f"{participant}: the study has nothing of anybody of this id or completion code."
+            fail(BAD_INPUT, f"{who} `{command('study', 'status', folder)}` lists the ids.")
+    for sentence in (*told.done, *told.left, *told.failed):
+        note(sentence)
+    if told.failed:
+        again = command("study", "withdraw", folder, told.participant)
+        fail(FAILED, f"Not everything is deleted. Mend what is said above, then once more: `{again}`.")
+    others = "Copies made otherwise (of the folder, recordings, results, markers) are not known here"
+    note(f"{others}: delete {told.participant} there.")
 
 
 def study_rehearse(

@@ -180,6 +180,8 @@ class KioskHost:
         """Decide that a run does not count; whoever is in it is told that it ends."""
         if participant not in self.progress.runs:
             return f"Nobody is called {participant}."
+        if other := self._other_in(reason, participant):
+            return words.NAMES_OTHER.format(other)
         self._conductor.exclude(participant, reason)
         self._wake()
         return None
@@ -189,9 +191,15 @@ class KioskHost:
         run = self.progress.runs.get(participant)
         if run is None or run.state is not RunState.UNDER_WAY:
             return f"{participant} is not under way."
+        if other := self._other_in(reason, participant):
+            return words.NAMES_OTHER.format(other)
         self._conductor.leave(participant, reason, actor="experimenter")
         self._wake()
         return None
+
+    def _other_in(self, reason: str, participant: str) -> str | None:
+        """Return who else is named in a reason, which stays when they withdraw."""
+        return next((other for other in self.progress.runs if other in reason and other != participant), None)
 
     def _wake(self) -> None:
         self._heard.put_nowait(_Woken())

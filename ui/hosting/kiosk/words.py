@@ -29,6 +29,8 @@ NO_PLACES = {
 }
 """Headings and texts for whoever comes when there is no place."""
 
+NAMES_OTHER = "Do not name {} in the reason: it stays when they withdraw. A note may name them."
+
 RESTARTED = "The study goes on where you were"
 RESTARTED_TEXT = (
     "The program had to be started again. Your answers up to here are kept, and you need not give them again.\n\n"
@@ -101,15 +103,20 @@ def page(shown: ToKiosk) -> str:
 
 def farewell(run: Run) -> tuple[str, str]:
     """Return heading and text of the last page."""
+    kept = f"What you did is kept under the code {run.participant}. If you want it deleted later, tell us this code."
     match run.state:
         case RunState.COMPLETE:
-            return "Thank you", "You have completed the study. Everything is kept. You may go now."
+            return "Thank you", f"You have completed the study. You may go now.\n\n{kept}"
         case RunState.DECLINED:
-            return "Thank you", f"You do not take part, and nothing more is recorded. {CALL}"
+            return "Thank you", f"You do not take part, and nothing more is recorded. {CALL}\n\n{kept}"
         case RunState.LEFT:
-            return "Thank you", f"You do not go on with the study, and nothing more is recorded. {CALL}"
+            return "Thank you", f"You do not go on with the study, and nothing more is recorded. {CALL}\n\n{kept}"
         case _ if run.last_outcome is StepOutcome.FAILED:
             told = "Your answers to the questions were not those that the study needs to go on"
-            return "The study ends here", f"{told}. You have done nothing wrong. Thank you for your time. {CALL}"
+            return (
+                "The study ends here",
+                f"{told}. You have done nothing wrong. Thank you for your time. {CALL}\n\n{kept}",
+            )
         case _:
-            return "The study ends here", f"It cannot go on. That is not your fault. Thank you for your time. {CALL}"
+            told = "It cannot go on. That is not your fault. Thank you for your time"
+            return "The study ends here", f"{told}. {CALL}\n\n{kept}"

@@ -18,7 +18,7 @@ from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent, NewEvent
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk import words
-from ui.hosting.kiosk.host import KioskHost, StudyClock
+from ui.hosting.kiosk.host import GamesOfStudy, KioskHost, StudyClock
 from ui.model.kiosk import (
     KIOSK,
     Answer,
@@ -244,9 +244,10 @@ class Laboratory:
     def __init__(self, folder: Path, text: str = STUDY) -> None:
         for name, content in {**FILES, "experiment.yaml": text}.items():
             (folder / name).write_text(content)
-        self._log = folder / "log"
+        self._log = folder / "store" / "log"
+        self._log.parent.mkdir(exist_ok=True)
         self.design = read_experiment(folder / "experiment.yaml")
-        self.games = InstantGames()
+        self.games: GamesOfStudy = InstantGames()
         self.host: KioskHost | None = None
         self._chance = random.Random(1)
 

@@ -283,3 +283,11 @@ def test_events_in_a_game_have_its_simulated_time(laboratory: Laboratory) -> Non
     (lost,) = [event for event in laboratory.events if event.kind == EventKind.FOCUS_LOST]
     assert (lost.clocks.simulated, lost.step) == (12.5, 4)
     assert all(event.clocks.simulated is None for event in laboratory.events if event is not lost and event.step != 4)
+
+
+def test_a_reason_names_nobody_who_may_withdraw_later(laboratory: Laboratory) -> None:
+    laboratory.run(Person(learns=True), people=2)
+    first, second = (run.participant for run in laboratory.people)
+    assert laboratory.host is not None
+    assert f"Do not name {first}" in (laboratory.host.exclude(second, f"talked with {first}") or "")
+    assert RunState.EXCLUDED not in {run.state for run in laboratory.people}

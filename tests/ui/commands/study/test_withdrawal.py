@@ -1,0 +1,154 @@
+"""Somebody who took part at the kiosk withdraws, and nothing of them is left wherever the study has data."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from tests.ui.commands.study.test_experiment import runner, thbridge
+from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
+from thbridge.experiment.store.events import Tombstone
+from ui.cli import app
+from ui.hosting.kiosk.games import StudyGames
+
+STUDY = """\
+title: A small study
+base: {map: practice, templates: practice, robots: 1, rate: 50, server.port: 0}
+quota: 3
+recruiting: {ask: Which code?}
+steps:
+  - {step: consent, text: consent.txt}
+  - {step: trial, name: first, max_seconds: 2}
+  - {step: form, form: final.yaml, name: final}
+"""
+CODES, WORDS = ("service-okapi", "service-zebra", "service-ibis"), ("I like okapis", "I saw a zebra", "ibis, ibis")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A study in which three people took part, with games that were recorded."""
+    root = tmp_path_factory.mktemp("finished") / "study"
+    root.mkdir()
+    laboratory = Laboratory(root, STUDY)
+    laboratory.games = StudyGames(ExperimentFolder(root), laboratory.design)
+    for code, why in zip(CODES, WORDS, strict=True):
+        laboratory.run(Person({"code": code, "why": why}))
+    return root
+
+
+@pytest.fixture
+def study(finished: Path, tmp_path: Path) -> Path:
+    shutil.copytree(finished, tmp_path / "study")
+    return tmp_path / "study"
+
+
+def people(study: Path) -> list[str]:
+    return re.findall(r"P-\w+", thbridge("study", "status", study))
+
+
+def told_by(*arguments: object) -> str:
+    """Everything that a command that fails says, on one line."""
+    done = runner.invoke(app, list(map(str, arguments)))
+    assert done.exit_code != 0
+    return " ".join(done.output.split())
+
+
+def traces(root: Path, words: list[str]) -> list[str]:
+    """Files below a folder that have one of the words: in their names, their bytes or their tables."""
+    found = []
+    for path in root.rglob("*"):
+        inside = path.read_bytes() if path.is_file() else b""
+        if path.suffix == ".parquet":
+            inside += pd.read_parquet(path).to_csv().encode()
+        found += [f"{word} in {path}" for word in words if word in path.name or word.encode() in inside]
+    return found
+
+
+def rows(export: Path, without: str) -> dict[str, pd.DataFrame]:
+    read = {path.stem: pd.read_parquet(path) for path in (export / "tables").iterdir()}
+    return {name: table[table.participant != without].reset_index(drop=True) for name, table in read.items()}
+
+
+def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path, tmp_path: Path) -> None:
+    inside, outside, backup = study / "exports" / "one", tmp_path / "two", tmp_path / "backup"
+    _, gone, _ = people(study)
+    with ExperimentLog(study / "store" / "log"):
+        # It is in use.
+        thbridge("study", "backup", study, "--to", backup)
+    for export in (inside, outside):
+        thbridge("study", "export", study, "--to", export)
+    (outside / "analysis.py").write_text("# mine\n")
+    (outside / "results").mkdir()
+    (outside / "results" / "cells.csv").write_text(f"{gone},1\n")
+    (outside / "mine.txt").write_text("my own notes\n")
+    words = [gone, CODES[1], WORDS[1]]
+    for root, wanted in ((study, 3), (outside, 2), (backup, 3)):
+        found = traces(root, words)
+        assert len({each.split(" in /")[0] for each in found}) == wanted, found
+    others = [rows(export, gone) for export in (inside, outside)]
+
+    said = " ".join(thbridge("study", "withdraw", study, gone).split())
+
+    assert traces(tmp_path, words) == []
+    for export, before in zip((inside, outside), others, strict=True):
+        after = rows(export, "")
+        assert before.keys() == after.keys()
+        for name, table in after.items():
+            pd.testing.assert_frame_equal(table, before[name])
+        assert f"{export}: this export is made anew, without {gone}" in said
+    assert (outside / "analysis.py").read_text() == "# mine\n"
+    assert f"{outside / 'mine.txt'} is none of the export's files" in said
+    assert f"{backup}: this backup is brought up to date" in said
+    for place in (study, backup):
+        entries = read_log(place / "store" / "log")
+        assert any(isinstance(entry, Tombstone) for entry in entries)
+        assert len(people(place)) == 2
+    assert "has nothing of anybody" in told_by("study", "withdraw", study, gone)
+
+
+def test_somebody_who_knows_their_completion_code_alone_can_withdraw(study: Path) -> None:
+    folder = ExperimentFolder(study)
+    first, *others = people(study)
+    code = next(
+        entry.event.data["code"]
+        for entry in folder.entries()
+        if not isinstance(entry, Tombstone) and entry.event.kind == "run-ended" and entry.event.participant == first
+    )
+    thbridge("study", "withdraw", study, code)
+    assert people(study) == others
+
+
+def test_folders_that_are_gone_are_told_and_what_comes_back_is_done_then(study: Path, tmp_path: Path) -> None:
+    export, backup, away = tmp_path / "export", tmp_path / "backup", tmp_path / "away"
+    first, *_ = people(study)
+    thbridge("study", "export", study, "--to", export)
+    thbridge("study", "backup", study, "--to", backup)
+    away.mkdir()
+    for each in (export, backup):
+        each.rename(away / each.name)
+    said = " ".join(thbridge("study", "withdraw", study, first).split())
+    assert f"{export}: an export was written here, and is here no more" in said
+    assert f"{backup}: a backup was written here, and is here no more" in said
+    for each in (export, backup):
+        (away / each.name).rename(each)
+    thbridge("study", "withdraw", study, first)
+    assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
+
+
+def test_a_backup_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path) -> None:
+    assert "in the study's own folder" in told_by("study", "backup", study, "--to", study / "backup")
+    (tmp_path / "photos").mkdir()
+    (tmp_path / "photos" / "one.jpg").write_bytes(b"x")
+    assert "no backup" in told_by("study", "backup", study, "--to", tmp_path / "photos")
+    backup = tmp_path / "backup"
+    thbridge("study", "backup", study, "--to", backup)
+    thbridge("study", "withdraw", backup, people(study)[0])
+    assert "somebody ran the study there" in told_by("study", "backup", study, "--to", backup)
+    new = tmp_path / "new"
+    (recording,) = sorted((study / "recordings").rglob("*.bag"))[:1]
+    recording.unlink()
+    assert "is missing" in told_by("study", "backup", study, "--to", new)

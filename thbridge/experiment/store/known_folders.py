@@ -1,0 +1,62 @@
+"""Lists of folders that a study knows of, outside of it as well: where its exports and its backups lie."""
+
+import json
+import os
+from pathlib import Path
+
+from thbridge.batch.whole_files import whole_file
+from thbridge.files.errors import BadFile, reason_of
+
+_REMEDY = "Bring it back from a backup, or find the folders yourself and move this file away"
+
+
+class KnownFolders:
+    """A list in a file; it names nobody.
+
+    Args:
+        list_: the file, which need not be there.
+        root: the study's folder, which may be moved with all that is in it.
+        what: they are, for messages.
+    """
+
+    def __init__(self, list_: Path, root: Path, what: str) -> None:
+        self._list = list_
+        self._root = root
+        self._what = what
+
+    def add(self, folder: Path) -> None:
+        """Note a folder, before anything is written there.
+
+        Raises:
+            BadFile: the list cannot be read or written.
+        """
+        known, path = self._noted(), self._told(folder)
+        if path not in known:
+            with whole_file(self._list) as file:
+                file.write((json.dumps([*known, path], indent=1, ensure_ascii=False) + "\n").encode())
+
+    def paths(self) -> list[Path]:
+        """Return all of them, whether they are still there or not.
+
+        Raises:
+            BadFile: the list cannot be read.
+        """
+        return [self._root / path for path in self._noted()]
+
+    def _told(self, folder: Path) -> str:
+        """Path within the study's folder, if it is there; else an absolute one."""
+        path, root = folder.resolve(), self._root.resolve()
+        return os.fspath(path.relative_to(root) if path.is_relative_to(root) else path)
+
+    def _noted(self) -> list[str]:
+        try:
+            told = json.loads(self._list.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return []
+        except OSError as error:
+            raise BadFile(self._list, f"cannot be read ({reason_of(error)})", _REMEDY) from None
+        except ValueError:
+            told = None
+        if not isinstance(told, list):
+            raise BadFile(self._list, f"is no list of {self._what}", _REMEDY)
+        return [str(path) for path in told]
