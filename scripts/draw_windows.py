@@ -38,6 +38,7 @@ SIZED = (
     *("start", "consent", "practice", "begin", "talk", "treasure", "picture", "verdict-wrong", "playing", "queue"),
     *("help", "over", "six-robots", "recording", "live-wizard", "study-section", "study-noise"),
     *("properties", "argue-questions", "argue-found", "argue-adviser", "arena", "templates-treasures", "desk"),
+    *("kiosk-form", "kiosk-consent"),
 )
 """The pictures that are drawn at all sizes."""
 ABOUT = (

@@ -1,5 +1,5 @@
 """All states of all windows."""
 
-from pictured import arena, desk, participant, researcher, study
+from pictured import arena, desk, kiosk, participant, researcher, study
 
-STORIES = (*participant.STORIES, *researcher.STORIES, *study.STORIES, *desk.STORIES, *arena.STORIES)
+STORIES = (*participant.STORIES, *researcher.STORIES, *study.STORIES, *kiosk.STORIES, *desk.STORIES, *arena.STORIES)

@@ -31,6 +31,8 @@ class EventKind(StrEnum):
     """Data: item, answer."""
     ITEM_GIVEN = "item-given"
     """An answer is final for now: the person went on from it. Data: item, answer."""
+    WENT_BACK = "went-back"
+    """A person has gone back to an earlier page of the form that they fill in. Data: page, its number from 1."""
     GAME_PLAYED = "game-played"
     """A trial has its recording. Data: bag, sha256, and measures of the game."""
     STEP_ENDED = "step-ended"
@@ -47,8 +49,11 @@ class EventKind(StrEnum):
     FOCUS_REGAINED = "focus-regained"
     """Keys and clicks come to the study's window again."""
     GAME_BROKEN_OFF = "game-broken-off"
-    """A game whose program died was not gone on with; another begins in its place. Data: bag, what is left of its
-    recording, or none."""
+    """A game whose program died was not gone on with; another begins in its place. Data: bag, the file beside the
+    person's others that is left of its recording, or none."""
+    RECORDING_CUT_OFF = "recording-cut-off"
+    """The recording of a game ended with its program. The game goes on, and is recorded whole in another file. Data:
+    bag, the file beside the person's others."""
     FAREWELL_READ = "farewell-read"
     """A person has left the last page, with the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
@@ -108,6 +113,7 @@ class Run:
         recruiting_code: the one told by the person; None: not yet.
         agreed_at: wall time at which they agreed to take part; empty: not yet.
         farewell_read: True once they have left the last page.
+        cut_off: files of recordings that ended before their games did.
     """
 
     participant: str
@@ -130,6 +136,7 @@ class Run:
     recruiting_code: str | None = None
     agreed_at: str = ""
     farewell_read: bool = False
+    cut_off: frozenset[str] = frozenset()
 
     @property
     def holds_place(self) -> bool:
@@ -238,6 +245,8 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
         case EventKind.RUN_ENDED:
             state, reason = RunState(str(data["outcome"])), str(data.get("reason", ""))
             return dataclasses.replace(run, state=state, reason=reason, code=str(data.get("code", "")))
+        case EventKind.RECORDING_CUT_OFF | EventKind.GAME_BROKEN_OFF:
+            return dataclasses.replace(run, cut_off=run.cut_off | {str(data["bag"])})
         case EventKind.RECRUITING_CODE:
             return dataclasses.replace(run, recruiting_code=str(data["code"]))
         case EventKind.CONSENT_ANSWERED:

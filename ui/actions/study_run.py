@@ -1,20 +1,26 @@
 """`thbridge study run`: the kiosk of one study."""
 
 import asyncio
+import os
 import secrets
-from contextlib import suppress
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+import typer
 
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.files.errors import BadFile
 from ui.display import why_no_window
-from ui.hosting.desk import Desk
+from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames
 from ui.hosting.kiosk.host import KioskHost, StudyClock
 from ui.hosting.window_process import THBRIDGE, WindowProcess
-from ui.model.kiosk import KIOSK
+from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
 
 
@@ -35,30 +41,65 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool) -> None:
             fail(BAD_INPUT, why)
         place.log.parent.mkdir(exist_ok=True)
         log = ExperimentLog(place.log)
+    window, code = _window(folder, look, windowed=windowed), 0
+    try:
+        with log, MarkerStream(design.file.title, wanted=design.file.markers) as markers, bad_input(FAILED):
+            conductor = Conductor(design, log, markers.stamping(clock), secrets.randbelow)
+            conductor.listeners.append(markers.push)
+            for trouble in markers.troubles:
+                note(trouble)
+            host = KioskHost(design, conductor, window, StudyGames(place, design), clock)
+            beside = Desk(host, place, ("--look", look), lambda: markers.troubles) if desk else None
+            with suppress(KeyboardInterrupt), _stopped_like_ctrl_c():
+                asyncio.run(_run(host, beside, folder))
+        if window.given_up:
+            fail(FAILED, "The window crashes whenever it is opened. What was answered is kept.")
+    except typer.Exit as failed:
+        code = failed.exit_code
+    with suppress(OSError):  # The terminal may be gone.
+        if window.left_open:
+            note("Somebody is in the middle of the study. The window stays and says so; Ctrl+Alt+Shift+Q closes it.")
+        note(f"The study goes on by `{command('study', 'run', folder)}`.")
+    if window.left_open:
+        os._exit(code)
+    raise typer.Exit(code)
+
+
+def _window(folder: Path, look: str, *, windowed: bool) -> WindowProcess[ToKiosk, FromKiosk]:
     options = ("--hosted", "--look", look, *(["--windowed"] if windowed else []))
-    window = WindowProcess((*THBRIDGE, "study", "run", str(folder), *options), KIOSK)
-    with log, MarkerStream(design.file.title, wanted=design.file.markers) as markers, bad_input(FAILED):
-        conductor = Conductor(design, log, markers.stamping(clock), secrets.randbelow)
-        conductor.listeners.append(markers.push)
-        for trouble in markers.troubles:
-            note(trouble)
-        host = KioskHost(design, conductor, window, StudyGames(place, design), clock)
-        beside = Desk(host, place, ("--look", look), lambda: markers.troubles) if desk else None
-        with suppress(KeyboardInterrupt):
-            asyncio.run(_run(host, beside))
-    if window.given_up:
-        fail(FAILED, "The window crashes whenever it is opened. What was answered is kept.")
-    note(f"The study goes on by `{command('study', 'run', folder)}`.")
+    return WindowProcess((*THBRIDGE, "study", "run", str(folder), *options), KIOSK)
 
 
-async def _run(host: KioskHost, desk: Desk | None) -> None:
+async def _run(host: KioskHost, desk: Desk | None, folder: Path) -> None:
     """Run the kiosk to its end, whatever becomes of the desk."""
     if desk is None:
         await host.run()
         return
-    beside = asyncio.create_task(desk.run())
+    beside = asyncio.create_task(_keep_desk(desk, folder))
     try:
         await host.run()
     finally:
         beside.cancel()
         await asyncio.gather(beside, return_exceptions=True)
+
+
+async def _keep_desk(desk: Desk, folder: Path) -> None:
+    """Keep the desk open; should it fail, the study goes on without it, which is said at once."""
+    try:
+        await desk.run()
+    except (DeskFailed, BadFile, OSError) as error:
+        watch = command("study", "watch", folder)
+        note(f"There is no desk: {error}. The study goes on without it. `{watch}` shows it, to look at.")
+
+
+@contextmanager
+def _stopped_like_ctrl_c() -> Iterator[None]:
+    """Have SIGTERM, and the end of the terminal, do the same as Ctrl-C, which asyncio knows."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    for number in before:
+        signal.signal(number, lambda _number, _frame: signal.raise_signal(signal.SIGINT))
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -29,6 +29,10 @@ RENEWED = 20.0
 """Seconds after which minutes are counted anew though nothing has happened."""
 
 
+class DeskFailed(Exception):  # noqa: N818 - it is told as a sentence
+    """The desk cannot be kept open."""
+
+
 class StudyUnderWay(Protocol):
     """A study that a program carries on, as its desk needs it.
 
@@ -87,14 +91,18 @@ class Desk:
         self._troubles = troubles
         self._source = ExperimentSource(folder, utc_now)
         watch = (*THBRIDGE, "study", "watch", str(folder.root), "--hosted", *arguments)
-        self._window: WindowProcess[DeskState, FromDesk] = WindowProcess(command or watch, DESK)
+        self._window: WindowProcess[DeskState, FromDesk] = WindowProcess(command or watch, DESK, "desk")
         self._shown = ""
         self._refused = ""
         self._news = asyncio.Event()
         study.changed = self._news.set
 
     async def run(self) -> None:
-        """Keep the desk open until the researcher closes it; cancel it to close it."""
+        """Keep the desk open until the researcher closes it; cancel it to close it.
+
+        Raises:
+            DeskFailed: it crashes whenever it is opened.
+        """
         async with self._window.opened():
             tasks = asyncio.create_task(self._ask()), asyncio.create_task(self._inform())
             try:
@@ -105,6 +113,8 @@ class Desk:
                 await asyncio.gather(*tasks, return_exceptions=True)
             for task in done:
                 task.result()
+        if self._window.given_up:
+            raise DeskFailed("it crashes whenever it is opened")
 
     async def _inform(self) -> None:
         while True:

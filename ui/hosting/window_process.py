@@ -30,10 +30,14 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
     Args:
         command: opens the window.
         protocol: its messages.
+        name: of it in sentences.
     """
 
-    def __init__(self, command: tuple[str, ...], protocol: WindowProtocol[FromHostT, FromWindowT]) -> None:
+    def __init__(
+        self, command: tuple[str, ...], protocol: WindowProtocol[FromHostT, FromWindowT], name: str = "window"
+    ) -> None:
         self._command = command
+        self._name = name
         self._protocol = protocol
         self._process: Process | None = None
         self._requests: asyncio.Queue[FromWindowT] = asyncio.Queue()
@@ -41,6 +45,8 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         self._kept: list[FromHostT] = []
         self.given_up = False
         """True when it has crashed too often."""
+        self.left_open = False
+        """True when it shall stay after this program. That has to end by `os._exit`: asyncio kills what it started."""
 
     async def send(self, message: FromHostT) -> None:
         """Send a message to the window."""
@@ -54,6 +60,10 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
     def pending_request(self) -> FromWindowT | None:
         """Return the message that has come already, if any."""
         return None if self._requests.empty() else self._requests.get_nowait()
+
+    def leave_open(self) -> None:
+        """Leave it as it is at the end of the context in which it is kept open."""
+        self.left_open = True
 
     @asynccontextmanager
     async def opened(self) -> AsyncIterator[None]:
@@ -70,7 +80,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
         try:
             while crashes < MAX_CRASHES:
                 if crashes:
-                    note("The window has crashed; it is opened again.")
+                    note(f"The {self._name} has crashed; it is opened again.")
                 opened = loop.time()
                 if await self._open_once():
                     return
@@ -89,7 +99,7 @@ class WindowProcess(Generic[FromHostT, FromWindowT]):
                 await self._write(message)
             return await self._listen(process)
         finally:
-            if process.returncode is None:
+            if process.returncode is None and not self.left_open:
                 # Closing its standard input asks it to close.
                 if process.stdin is not None:
                     process.stdin.close()

@@ -45,15 +45,20 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
 
 
 class ConsentToAsk(msgspec.Struct, frozen=True, tag=True):
-    """Host: ask for the agreement to a text."""
+    """Host: ask for the agreement to a text; `markdown` where it is Markdown."""
 
     page: int
     text: str
+    markdown: bool = False
     progress: StudyProgress = StudyProgress()
 
 
 class FormItem(msgspec.Struct, frozen=True):
-    """An item of a form as people see it; the attributes are those of `questionnaires.form.Item`."""
+    """An item of a form as people see it; most attributes are those of `questionnaires.form.Item`.
+
+    Attributes:
+        one_line: True where a text is a word or a code, and Enter leads on.
+    """
 
     id: str
     text: str
@@ -69,6 +74,7 @@ class FormItem(msgspec.Struct, frozen=True):
     several: bool = False
     required: bool = True
     not_applicable: bool = False
+    one_line: bool = False
 
 
 class FormToFill(msgspec.Struct, frozen=True, tag=True):
@@ -84,6 +90,7 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
         part: number of the page within the form, from 1.
         parts: pages of the form.
         button: what leads on.
+        back: what leads back to the page before; empty: nothing does.
         progress: of the person.
     """
 
@@ -96,6 +103,7 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
     part: int = 1
     parts: int = 1
     button: str = "Continue"
+    back: str = ""
     progress: StudyProgress = StudyProgress()
 
 
@@ -145,11 +153,27 @@ class GameRecorded(msgspec.Struct, frozen=True, tag=True):
 
 
 class CloseKiosk(msgspec.Struct, frozen=True, tag=True):
-    """Host: close; it ends in good order. A window whose host ends without this says so instead."""
+    """Host: close; it ends in good order, and nobody is in the middle of the study."""
+
+
+class HostStops(msgspec.Struct, frozen=True, tag=True):
+    """Host: it ends in the middle of somebody's run; the window stays and shows this until another one opens.
+
+    A window whose host ends without this or `CloseKiosk` has words of its own for that.
+    """
+
+    heading: str
+    text: str
 
 
 class WentOn(msgspec.Struct, frozen=True, tag=True):
     """Window: the person went on from a page."""
+
+    page: int
+
+
+class WentBack(msgspec.Struct, frozen=True, tag=True):
+    """Window: the person went back from a page of a form to the one before."""
 
     page: int
 
@@ -208,10 +232,18 @@ class KioskClosed(msgspec.Struct, frozen=True, tag=True):
 
 
 ToKiosk: TypeAlias = (
-    TextToRead | ConsentToAsk | FormToFill | AnswerKept | GamePrepared | GameToJoin | GameRecorded | CloseKiosk
+    TextToRead
+    | ConsentToAsk
+    | FormToFill
+    | AnswerKept
+    | GamePrepared
+    | GameToJoin
+    | GameRecorded
+    | CloseKiosk
+    | HostStops
 )
 FromKiosk: TypeAlias = (
-    WentOn | ConsentReply | ItemNews | FocusNews | GameSeenOver | StoppedTakingPart | BeginNext | KioskClosed
+    WentOn | WentBack | ConsentReply | ItemNews | FocusNews | GameSeenOver | StoppedTakingPart | BeginNext | KioskClosed
 )
 
 

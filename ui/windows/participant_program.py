@@ -19,7 +19,6 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.roles.view import GiveConsent
-from ui.model.keys import keyed
 from ui.model.lobby import (
     LOBBY,
     Agreed,
@@ -37,14 +36,14 @@ from ui.model.lobby import (
 )
 from ui.model.participant import Participant
 from ui.model.practice import advice
-from ui.model.screen import Act, AgreeToTakePart, CloseWindow, DeclineToTakePart, Phase
+from ui.model.screen import CloseWindow, Phase
 from ui.terminal import DECLINED
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe
 from ui.windows.link import ParticipantLink, ServerLost, ServerReached
 from ui.windows.look import GAP, spaced
-from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, ThanksPage
+from ui.windows.participant.pages.pages import ConnectingPage, ThanksPage, consent_page
 from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.panels import set_text
@@ -275,25 +274,17 @@ class ParticipantMainWindow(QMainWindow):
         QApplication.quit()
 
     def _ask_for_consent(self, text: str) -> None:
-        page, sent = ConsentPage(), False
+        sent = False
 
-        def answer(act: Act) -> None:
+        def answer(agrees: bool) -> None:
             nonlocal sent
-            if not sent and isinstance(act, AgreeToTakePart):
+            if not sent and agrees:
                 self._send(Agreed())
             elif not sent:
                 self._decline()
             sent = True
 
-        page.show_consent(
-            text,
-            keyed(AgreeToTakePart(), "I agree", hint="You take part in the study."),
-            keyed(DeclineToTakePart(), "I do not take part", hint="The window thanks you and ends."),
-        )
-        page.requested.connect(answer)
-        for button in (page.agree, page.decline):
-            QShortcut(QKeySequence(button.face.key if button.face else ""), page).activated.connect(button.click)
-        self._show(page)
+        self._show(consent_page(text, answer, "The window thanks you and ends."))
 
     def _decline(self) -> None:
         """Thank the participant, who does not take part; nothing more is asked of them."""

@@ -11,6 +11,7 @@ from tests.ui.model.rehearsed import Study, clocks, rehearse
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.progress import RunState
 from thbridge.experiment.store.event_log import ExperimentLog
+from ui.actions.study_run import _keep_desk
 from ui.hosting.desk import Desk
 from ui.hosting.window_process import THBRIDGE, WindowProcess
 from ui.model.desk.messages import DESK, DeskState
@@ -91,6 +92,16 @@ def test_what_the_desk_asks_is_done_and_told(study: Study, tmp_path: Path) -> No
         running = RunningStudy(study, log)
         asyncio.run(program())
         assert list(running.conductor.progress.runs.values())[-1].state is RunState.EXCLUDED
+
+
+def test_a_desk_that_crashes_whenever_it_is_opened_is_told(study: Study, capfd: pytest.CaptureFixture[str]) -> None:
+    with ExperimentLog(study.folder.log) as log:
+        desk = Desk(RunningStudy(study, log), study.folder, command=(sys.executable, "-c", "raise SystemExit(1)"))
+        asyncio.run(asyncio.wait_for(_keep_desk(desk, study.folder.root), 60))
+    told = capfd.readouterr().err
+    assert "The desk has crashed; it is opened again." in told
+    assert "There is no desk: it crashes whenever it is opened. The study goes on without it." in told
+    assert "thbridge study watch" in told
 
 
 def test_the_window_itself_opens_and_goes_with_its_host(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,6 +18,7 @@ from thbridge.experiment.export.methods import is_rehearsal, methods_text
 from thbridge.experiment.export.psych_ds import dataset_description, file_name, sidecar
 from thbridge.experiment.export.tables import ExperimentRecords, game_tables, log_tables, records_of
 from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.recordings import told_leftovers
 from thbridge.experiment.store.events import LogEntry
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.table_files import TableFiles, TableFormat
@@ -31,7 +32,7 @@ class WrittenExport:
 
     Attributes:
         rows: number of rows of each table, by its name.
-        notes: sentences on recordings that are missing, changed, or cannot be read.
+        notes: sentences on recordings that are missing, changed, or cannot be read, and on those left by crashes.
     """
 
     rows: dict[str, int] = field(default_factory=dict)
@@ -128,6 +129,7 @@ def _write_export(
     title, entries = records.design.file.title, records.progress.sequence
     (folder / MANIFEST).write_text(manifest_text(title, records.progress.runs, entries), encoding="utf-8")
     written, tables = _write_tables(records, folder)
+    written.notes += told_leftovers(study, records.progress, records.events)
     registered = _registered(study, changed)
     texts = {
         "dataset_description.json": dataset_description(title, tables, (_medium(records), registered, *written.notes)),

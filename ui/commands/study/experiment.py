@@ -53,23 +53,29 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
     from thbridge.experiment.progress import Progress, RunState
+    from thbridge.experiment.recordings import told_leftovers
     from thbridge.experiment.store.event_log import read_log
 
     with bad_input():
         place = ExperimentFolder(folder)
         design = place.read()
-        progress = Progress(design).after(read_log(place.log) if place.log.exists() else ())
+        entries = read_log(place.log) if place.log.exists() else ()
+        progress = Progress(design).after(entries)
+        left = list(told_leftovers(place, progress, entries))
         changed = deviations(place, versions())
     runs = list(progress.runs.values())
     counts = {str(state): sum(run.state is state for run in runs) for state in RunState}
     if as_json:
-        print_json({"planned": design.allocation.size, **counts, "changed": None if changed is None else list(changed)})
+        told = {"changed": None if changed is None else list(changed), "recordings": left}
+        print_json({"planned": design.allocation.size, **counts, **told})
         return
     say(f"{design.file.title}: {counts['complete']} of {design.allocation.size} runs that count")
     for run in runs:
         reason = f" ({run.reason})" if run.reason else ""
         at = f", step {run.step} of {len(run.plan)}" if run.state is RunState.UNDER_WAY else ""
         say(f"  {run.participant}  {run.state}{reason}{at}")
+    for sentence in left:
+        say(sentence)
     if changed is None:
         say("Not frozen.")
     else:

@@ -17,6 +17,7 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Run
+from thbridge.experiment.recordings import moved_aside
 from thbridge.experiment.store.events import JsonValue
 from thbridge.experiment.trials import played, setting_of_trial
 from thbridge.files.errors import BadFile, reason_of
@@ -54,6 +55,9 @@ class GameWatcher(Protocol):
 
     def broken_off(self, bag: Path | None) -> None:
         """Take down that a game is not gone on with; its recording, if there is one, was moved there."""
+
+    def cut_off(self, bag: Path) -> None:
+        """Take down, once, that a recording ended with its program, and that its game goes on."""
 
 
 class StudyGames:
@@ -105,14 +109,17 @@ class StudyGames:
             bag.parent.mkdir(parents=True, exist_ok=True)
             earlier = make_room(bag)
             if not goes_on or (earlier is not None and not log.exists()):
-                _break_off(log, earlier, watcher)
+                _break_off(log, bag, earlier, watcher)
+            # Also those of programs that died before they could tell.
+            for left in moved_aside(bag):
+                watcher.cut_off(left)
             options = self._options(step, setting.study.rate, bag)
             try:
                 measures = await self._play(setting, options, watcher)
             except GameDiffers:
                 # Of another release, or its study was changed: it cannot be the same game.
                 make_room(bag)
-                _break_off(log, earlier, watcher)
+                _break_off(log, bag, earlier, watcher)
                 measures = await self._play(setting, options, watcher)
         except OSError as error:
             raise BadFile(bag, f"cannot be recorded ({reason_of(error)})", "Make room on the disk") from None
@@ -168,11 +175,12 @@ def _inputs_of(bag: Path) -> Path:
     return bag.with_suffix(".inputs")
 
 
-def _break_off(log: Path, earlier: Path | None, watcher: GameWatcher) -> None:
+def _break_off(log: Path, bag: Path, earlier: Path | None, watcher: GameWatcher) -> None:
     """Keep what there is of a game that is not gone on with; nothing where there is nothing.
 
     Args:
         log: of its inputs.
+        bag: the recording of the game in its place.
         earlier: its recording, moved out of the way; None: there is none.
         watcher: is told.
     """
@@ -180,4 +188,5 @@ def _break_off(log: Path, earlier: Path | None, watcher: GameWatcher) -> None:
         log.rename(_inputs_of(earlier or log.with_stem(f"{log.stem}-0")))
     elif earlier is None:
         return
-    watcher.broken_off(earlier)
+    of_it = () if earlier is None else (path for path in moved_aside(bag) if path.name.startswith(earlier.name))
+    watcher.broken_off(next(iter(of_it), earlier))

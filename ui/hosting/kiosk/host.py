@@ -46,12 +46,14 @@ from ui.model.kiosk import (
     GameRecorded,
     GameSeenOver,
     GameToJoin,
+    HostStops,
     ItemNews,
     KioskClosed,
     StoppedTakingPart,
     StudyProgress,
     TextToRead,
     ToKiosk,
+    WentBack,
     WentOn,
 )
 
@@ -67,6 +69,9 @@ class WindowOfKiosk(Protocol):
 
     def opened(self) -> AbstractAsyncContextManager[None]:
         """Keep it open inside this context."""
+
+    def leave_open(self) -> None:
+        """Leave it as it is after that context."""
 
 
 class GamesOfStudy(Protocol):
@@ -139,7 +144,7 @@ class KioskHost:
         self._heard: asyncio.Queue[FromKiosk | _Woken] = asyncio.Queue()
         self._person = ""
         self._page = 0
-        self._admits = self._looks_away = False
+        self._admits = self._looks_away = self._closed = False
         self._shown = ""
         conductor.listeners.append(lambda _event: self.changed())
 
@@ -214,15 +219,28 @@ class KioskHost:
         """
         async with self._window.opened():
             listening = asyncio.create_task(self._listen())
+            failed = False
             try:
                 with contextlib.suppress(KioskStopped):
                     await self._resume()
                     while True:
                         await self._go_through(await self._next_run())
+            except BadFile:
+                failed = True
+                raise
             finally:
-                await self._window.send(CloseKiosk())
+                await self._end(failed=failed)
                 listening.cancel()
                 await asyncio.gather(listening, return_exceptions=True)
+
+    async def _end(self, *, failed: bool) -> None:
+        """Have the window close; where somebody is in the middle of the study, it stays and says so instead."""
+        if self._closed or not self._person or self._run.state is not RunState.UNDER_WAY:
+            await self._window.send(CloseKiosk())
+            return
+        heading, text = (words.FAILED, words.FAILED_TEXT) if failed else (words.STOPPED, words.STOPPED_TEXT)
+        await self._window.send(HostStops(heading, text))
+        self._window.leave_open()
 
     async def _listen(self) -> None:
         while True:
@@ -235,7 +253,7 @@ class KioskHost:
             self._person = run.participant
             with contextlib.suppress(_RunOver):
                 await self._read(TextToRead(0, words.RESTARTED, words.RESTARTED_TEXT))
-            await self._go_through(run.participant)
+            await self._go_through(run.participant, again=True)
         if runs and runs[-1].state is not RunState.UNDER_WAY and not runs[-1].farewell_read:
             self._person = runs[-1].participant
             await self._part(self._person)
@@ -258,11 +276,11 @@ class KioskHost:
             if begins and not isinstance(admitted := self._conductor.admit(), NoPlace):
                 return admitted.participant
 
-    async def _go_through(self, participant: str) -> None:
-        """Have a person go through all the steps that they have left."""
+    async def _go_through(self, participant: str, *, again: bool = False) -> None:
+        """Have a person go through all the steps that they have left; `again`: after an earlier program died."""
         self._person = participant
         with contextlib.suppress(_RunOver):
-            await self._ask_recruiting_code()
+            await self._ask_recruiting_code(again=again)
             while await self._begin():
                 pass
         await self._part(participant)
@@ -359,6 +377,7 @@ class KioskHost:
         """Take what is the same on all pages; return the rest, but None for what is said of another page."""
         match message:
             case KioskClosed():
+                self._closed = True
                 raise KioskStopped
             case FocusNews(has_focus, window_ns):
                 self._looks_away = not has_focus
@@ -385,21 +404,24 @@ class KioskHost:
 
     # Steps
 
-    async def _ask_recruiting_code(self) -> None:
+    async def _ask_recruiting_code(self, *, again: bool) -> None:
         ask = self._design.file.recruiting.ask
         if not ask or self._run.recruiting_code is not None:
             return
-        asked = FormItem("code", ask, "text")
-        await self._show(FormToFill(0, words.RECRUITING, "", (asked,)))
+        asked = FormItem("code", ask, "text", one_line=True)
+        page = FormToFill(0, words.RECRUITING, words.CODE_NOT_KEPT if again else "", (asked,))
+        await self._show(page)
         code = ""
         while True:
             match await self._next_of_run():
-                case ItemNews(what="changed" | "given", answer=str(answer)):
-                    code = answer.strip()
+                case ItemNews(what="changed" | "given", answer=answer):
+                    code = answer.strip() if isinstance(answer, str) else ""
+                    # Where the window crashes, the one that is opened in its place has it.
+                    await self._window.send(AnswerKept(self._page, asked.id, answer))
                 case WentOn() if code:
                     break
                 case WentOn():
-                    await self._show(FormToFill(0, words.RECRUITING, "", (asked,), missing=("code",)))
+                    await self._show(structs.replace(page, missing=(asked.id,)))
         self._conductor.tell_of_run(EventKind.RECRUITING_CODE, self._person, {"code": code}, "participant")
 
     async def _tell_of_repetition(self, run: Run) -> None:
@@ -422,8 +444,9 @@ class KioskHost:
 
     async def _consent(self, step: PlannedStep) -> None:
         if self._run.agrees is None:
-            content = _bytes_of(self._design.path.parent / (step.entry.text or Path()))
-            await self._show(ConsentToAsk(0, content.decode(errors="replace")))
+            path = self._design.path.parent / (step.entry.text or Path())
+            content = _bytes_of(path)
+            await self._show(ConsentToAsk(0, content.decode(errors="replace"), path.suffix == ".md"))
             message: FromKiosk | _Woken | None = None
             while not isinstance(message, ConsentReply):
                 message = await self._next_of_run()
@@ -435,32 +458,50 @@ class KioskHost:
             raise _RunOver
 
     async def _form(self, step: PlannedStep) -> None:
+        """Have a form filled in, from the first page that is not; people go back as far as its first page."""
         form = self._conductor.form(step)
         pages = list(form.pages(self._design.file.seed, self._person))
-        for part, items in enumerate(pages, start=1):
-            if any(item.id not in self._run.given for item in items):
-                await self._fill_in(form, items, part, len(pages))
+        part = next((part for part, items in enumerate(pages, start=1) if self._is_open(items)), len(pages) + 1)
+        while part <= len(pages):
+            if await self._fill_in(form, pages[part - 1], part, len(pages)):
+                part += 1
+            else:
+                part -= 1
+                self._tell(EventKind.WENT_BACK, {"page": part})
 
-    async def _fill_in(self, form: Form, items: tuple[Item, ...], part: int, parts: int) -> None:
-        """Have a page of a form filled in; what nobody need answer gets no answer in the end, which is one, too."""
+    def _is_open(self, items: tuple[Item, ...]) -> bool:
+        """Return True where something of a page is not answered, or changed and not given since."""
+        given, drafts = self._run.given, self._run.drafts
+        return any(
+            item.id not in given or item.id in drafts or (item.required and given[item.id] is None) for item in items
+        )
+
+    async def _fill_in(self, form: Form, items: tuple[Item, ...], part: int, parts: int) -> bool:
+        """Have a page of a form filled in; False: the person goes back to the one before, whatever is answered here.
+
+        What nobody need answer gets no answer in the end, which is one, too.
+        """
         shown, missing = tuple(map(form_item, items)), tuple[str, ...]()
+        back, leaves = (words.BACK, (WentOn, WentBack)) if part > 1 else ("", (WentOn,))
         while True:
             kept = {**self._run.given, **self._run.drafts}
             answers = {item.id: to_answer(kept[item.id]) for item in items if item.id in kept}
-            page = FormToFill(0, form.title, form.instructions, shown, answers, missing, part, parts)
+            page = FormToFill(0, form.title, form.instructions, shown, answers, missing, part, parts, back=back)
             await self._show(page)
-            while not isinstance(message := await self._next_of_run(), WentOn):
+            while not isinstance(message := await self._next_of_run(), leaves):
                 if isinstance(message, ItemNews):
                     await self._take(items, message)
             for item in items:
                 if item.id in self._run.drafts:
                     self._tell(EventKind.ITEM_GIVEN, {"item": item.id, "answer": self._run.drafts[item.id]})
+            if isinstance(message, WentBack):
+                return False
             missing = tuple(item.id for item in items if item.required and self._run.given.get(item.id) is None)
             if not missing:
                 for item in items:
                     if item.id not in self._run.given:
                         self._tell(EventKind.ITEM_GIVEN, {"item": item.id, "answer": None})
-                return
+                return True
 
     async def _take(self, items: tuple[Item, ...], news: ItemNews) -> None:
         """Take down what happened with an item."""
@@ -576,6 +617,10 @@ class _Visit:
     def broken_off(self, bag: Path | None) -> None:
         name = None if bag is None else bag.name
         self._host._tell(EventKind.GAME_BROKEN_OFF, {"bag": name})
+
+    def cut_off(self, bag: Path) -> None:
+        if bag.name not in self._host._run.cut_off:
+            self._host._tell(EventKind.RECORDING_CUT_OFF, {"bag": bag.name})
 
     def check(self) -> None:
         """Raise what has ended more than the game."""

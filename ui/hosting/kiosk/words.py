@@ -37,7 +37,23 @@ RESTARTED_TEXT = (
     "If you are not the person who was taking part just now, please do not go on, and tell the researcher."
 )
 
+STOPPED = "The study pauses here"
+STOPPED_TEXT = (
+    "The researcher has stopped the program. All that you have done and answered is kept, and you go on where you are "
+    "when it is started again. Please stay here and ask the researcher."
+)
+FAILED = "The study pauses here"
+FAILED_TEXT = (
+    "The program cannot go on just now. That is not your fault, and all that you have answered is kept. "
+    "Please stay here and tell the researcher, who starts it again; you then go on where you are."
+)
+
 RECRUITING = "Before you begin"
+CODE_NOT_KEPT = (
+    "If you had written your code already, please write it once more: the program stopped before it was kept."
+)
+
+BACK = "Back"
 
 ONCE_MORE = "Once more, please"
 
@@ -68,7 +84,7 @@ def spoken(kind: StepKind) -> str:
 
 def repetition(from_step: str, attempts_left: int) -> str:
     """Return what somebody is told who failed a check that is tried again; `from_step` what comes before it."""
-    last = " This is the last time." if attempts_left == 1 else ""
+    last = " This is the last try." if attempts_left == 1 else ""
     again = f"First comes {from_step} once more; then you answer again." if from_step else "Please answer them again."
     return (
         f"Not all of your answers were right. That happens, and nothing is lost: the questions only make sure that the "
@@ -80,8 +96,8 @@ def result(game: Mapping[str, JsonValue] | None) -> str:
     """Return what somebody is told after a game whose end they do not see any more."""
     if game is None:
         return "Go on when you are ready."
-    why = "" if game.get("over") else "Its time was over. "
-    return f"{why}Your score: {game['score']}. It is recorded.\n\nGo on when you are ready."
+    why = "" if game.get("over") else "The time for this game was over. "
+    return f"{why}Your score: {game['score']}.\n\nGo on when you are ready."
 
 
 def page(shown: ToKiosk) -> str:

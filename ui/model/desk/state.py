@@ -101,7 +101,7 @@ def _run(design: ExperimentDesign, run: Run, events: Sequence[LoggedEvent], now:
     missing: tuple[str, ...] = ()
     if run.under_way and not over and step is not None and step.entry.form:
         asked = design.forms[step.index].items
-        missing = tuple(item.id for item in asked if item.required and item.id not in run.given)
+        missing = tuple(item.id for item in asked if item.required and run.given.get(item.id) is None)
     begun = events[0].event.clocks.wall
     until = _last(events, _BY_ITSELF) if over else now
     return DeskRun(
@@ -161,10 +161,14 @@ def _words(progress: Progress, event: NewEvent) -> str:
             return f"{item} is changed"
         case EventKind.ITEM_GIVEN:
             return f"{item} is answered"
+        case EventKind.WENT_BACK:
+            return f"{step}: goes back to page {data.get('page', '')}"
         case EventKind.TEXT_PASTED:
             return f"{item}: text is pasted, {data.get('characters', '')} characters"
         case EventKind.GAME_BROKEN_OFF:
             return f"{step}: the game broke off; another begins in its place"
+        case EventKind.RECORDING_CUT_OFF:
+            return f"{step}: the recording was cut off; the game goes on, and is recorded whole"
         case EventKind.CONSENT_ANSWERED:
             return "agrees to take part" if data.get("agrees") else "does not agree to take part"
         case EventKind.RECRUITING_CODE:

@@ -9,7 +9,6 @@ from PySide6.QtGui import QCloseEvent, QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QProgressBar, QStackedWidget, QVBoxLayout, QWidget
 
 from thbridge.roles.view import GiveConsent
-from ui.model.keys import keyed
 from ui.model.kiosk import (
     KIOSK,
     AnswerKept,
@@ -24,14 +23,15 @@ from ui.model.kiosk import (
     GameRecorded,
     GameSeenOver,
     GameToJoin,
+    HostStops,
     KioskClosed,
     StoppedTakingPart,
     StudyProgress,
     TextToRead,
     ToKiosk,
+    WentBack,
     WentOn,
 )
-from ui.model.screen import AgreeToTakePart, DeclineToTakePart
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe
@@ -40,7 +40,7 @@ from ui.windows.kiosk.pages.text import READING, ReadingPage
 from ui.windows.kiosk.successor import Successor
 from ui.windows.link import ParticipantLink
 from ui.windows.look import GAP, spaced
-from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage
+from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, consent_page
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set_text
 from ui.windows.participant_program import GamePage
@@ -58,6 +58,10 @@ STOPPED = TextToRead(
     "where you were.",
     button="",
 )
+STOPPED_BETWEEN = TextToRead(
+    0, STOPPED.heading, "Please tell the researcher, who starts it again. Nothing is lost.", button=""
+)
+"""For whoever is at the window while nobody is in the middle of the study."""
 
 
 class ProgressStrip(QWidget):
@@ -97,10 +101,16 @@ class LeavingPanel(TitledPanel):
         self.entitle("Leave the study?")
         self.text = look.label()
         self.rows.addWidget(self.text, 1)
-        self.stay, self.stop, self.close_button = ActionButton("main"), ActionButton(), ActionButton()
+        self.stay = ActionButton("main", hints=True)
+        self.stop, self.close_button = ActionButton(hints=True), ActionButton(hints=True)
         self.stay.show_face(ButtonFace("Go on with the study", "Esc"), "Go on with the study")
-        self.stop.show_face(ButtonFace("Stop taking part"), "Stop taking part: the study ends for you")
-        self.close_button.show_face(ButtonFace("Close the window (researcher)"), "Close the window, for the researcher")
+        self.stop.show_face(
+            ButtonFace("Stop taking part", hint="The study ends here for you."),
+            "Stop taking part: the study ends here for you",
+        )
+        self.close_button.show_face(
+            ButtonFace("Close the window", hint="For the researcher."), "Close the window, for the researcher"
+        )
         for button in (self.stay, self.stop, self.close_button):
             self.rows.addWidget(button)
 
@@ -167,11 +177,12 @@ class KioskWindow(QMainWindow):
             case TextToRead(page=page):
                 self._show_text(page, message)
             case ConsentToAsk(page=page):
-                self._show(page, self._consent(page, message.text), message.progress)
+                self._show(page, self._consent(message), message.progress)
             case FormToFill(page=page):
-                form = FormPage(message)
+                form = FormPage(message, self._clock)
                 form.news.connect(self._send)
-                form.went_on.connect(partial(self._go_on, page))
+                form.went_on.connect(partial(self._leave_page, WentOn(page)))
+                form.went_back.connect(partial(self._leave_page, WentBack(page)))
                 self._show(page, form, message.progress)
                 form.start()
             case GamePrepared(page=page, sentence=sentence):
@@ -187,15 +198,18 @@ class KioskWindow(QMainWindow):
             case CloseKiosk():
                 self._leaving = True
                 self.close()
+            case HostStops(heading=heading, text=text):
+                self._host_gone = True
+                self._show_text(0, TextToRead(0, heading, text, button=""))
             case AnswerKept():
                 pass
 
     def leave(self) -> None:
         """Say that the host is gone, and stay until another window opens, or the researcher closes this one."""
-        if self._leaving:
+        if self._leaving or self._host_gone:
             return
         self._host_gone = True
-        self._show_text(0, STOPPED)
+        self._show_text(0, STOPPED if self._has_run else STOPPED_BETWEEN)
 
     def give_way(self) -> None:
         """Close if nobody needs this window any more: another one has opened."""
@@ -210,24 +224,15 @@ class KioskWindow(QMainWindow):
         self._show(page, shown, text.progress)
         shown.start()
 
-    def _consent(self, page: int, text: str) -> ConsentPage:
-        shown, came = ConsentPage(), self._clock()
+    def _consent(self, asked: ConsentToAsk) -> ConsentPage:
+        page, came = asked.page, self._clock()
 
-        def answer(act: object) -> None:
+        def answer(agrees: bool) -> None:
             if self._page == page and self._clock() - came >= READING:
                 self._page = -1
-                agrees = isinstance(act, AgreeToTakePart)
                 self._send(ConsentReply(page, agrees, time.monotonic_ns()))
 
-        shown.show_consent(
-            text,
-            keyed(AgreeToTakePart(), "I agree", hint="You take part in the study."),
-            keyed(DeclineToTakePart(), "I do not take part", hint="The study ends here for you."),
-        )
-        shown.requested.connect(answer)
-        for button in (shown.agree, shown.decline):
-            QShortcut(QKeySequence(button.face.key if button.face else ""), shown).activated.connect(button.click)
-        return shown
+        return consent_page(asked.text, answer, "The study ends here for you.", markdown=asked.markdown)
 
     def _join(self, game: GameToJoin) -> None:
         consent = GiveConsent(game.agreed_at) if game.agreed_at else None
@@ -243,9 +248,13 @@ class KioskWindow(QMainWindow):
 
     def _go_on(self, page: int) -> None:
         """Tell that the person goes on, once."""
-        if page == self._page:
+        self._leave_page(WentOn(page))
+
+    def _leave_page(self, told: WentOn | WentBack) -> None:
+        """Tell that the person leaves a page, once."""
+        if told.page == self._page:
             self._page = -1
-            self._send(WentOn(page))
+            self._send(told)
 
     def _show(self, number: int, page: QWidget, way: StudyProgress) -> None:
         self._leave_game()

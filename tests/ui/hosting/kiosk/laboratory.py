@@ -175,6 +175,7 @@ class ShownWindow:
     def __init__(self, person: Person, people: int = 1) -> None:
         self._person = person
         self._left = people
+        self.left_open = False
         self._said: asyncio.Queue[FromKiosk] = asyncio.Queue()
 
     @asynccontextmanager
@@ -197,6 +198,9 @@ class ShownWindow:
             reactions = list(self._person.react(message))
         for each in reactions:
             self._said.put_nowait(KIOSK.decode_from_window(KIOSK.encode(each)))
+
+    def leave_open(self) -> None:
+        self.left_open = True
 
     async def next_request(self) -> FromKiosk:
         return await self._said.get()
@@ -249,6 +253,7 @@ class Laboratory:
         self.design = read_experiment(folder / "experiment.yaml")
         self.games: GamesOfStudy = InstantGames()
         self.host: KioskHost | None = None
+        self.window: ShownWindow | None = None
         self._chance = random.Random(1)
 
     def run(self, person: Person, people: int = 1, dies: int | None = None, *, written: bool = True) -> None:
@@ -256,7 +261,8 @@ class Laboratory:
         clock = StudyClock()
         with MortalLog(self._log, dies, written) as log:
             conductor = Conductor(self.design, log, clock, self._chance.randrange)
-            self.host = KioskHost(self.design, conductor, ShownWindow(person, people), self.games, clock)
+            self.window = ShownWindow(person, people)
+            self.host = KioskHost(self.design, conductor, self.window, self.games, clock)
             asyncio.run(asyncio.wait_for(self.host.run(), 60))
 
     @property

@@ -9,8 +9,11 @@ import pytest
 
 from tests.ui.hosting.kiosk.laboratory import KilledError, Laboratory, Person, headings
 from thbridge.experiment.progress import EventKind, RunState
+from thbridge.files.errors import BadFile
 from ui.hosting.kiosk import words
+from ui.hosting.kiosk.games import KioskStopped
 from ui.model.kiosk import (
+    AnswerKept,
     BeginNext,
     ConsentToAsk,
     FocusNews,
@@ -18,11 +21,13 @@ from ui.model.kiosk import (
     FromKiosk,
     GameRecorded,
     GameToJoin,
+    HostStops,
     ItemNews,
     KioskClosed,
     StoppedTakingPart,
     TextToRead,
     ToKiosk,
+    WentBack,
     WentOn,
 )
 
@@ -204,6 +209,93 @@ def test_games_go_on_after_a_crash_and_are_never_played_twice(laboratory: Labora
     assert len(laboratory.data(EventKind.GAME_PLAYED)) == 2
 
 
+FEELINGS = "title: x\nquota: 1\nsteps:\n  - {step: form, form: feelings.yaml, name: feelings}\n  - {step: pause}\n"
+
+
+def pages_seen(person: Person) -> list[FormToFill]:
+    return [page for page in person.seen if isinstance(page, FormToFill)]
+
+
+def goes_back(page: ToKiosk) -> Iterable[FromKiosk] | None:
+    """From the second page, after beginning it; on the first one they change an answer."""
+    if not isinstance(page, FormToFill):
+        return None
+    if page.part == 2 and not page.answers:
+        return [ItemNews(page.page, page.items[0].id, "changed", 5, 2.0), WentBack(page.page)]
+    if page.part == 1 and page.answers:
+        item = page.items[0].id
+        return [
+            ItemNews(page.page, item, "changed", 6, 7.0),
+            ItemNews(page.page, item, "given", 7, 7.0),
+            WentOn(page.page),
+        ]
+    return None
+
+
+def test_people_go_back_within_a_form_and_what_they_change_is_in_the_log(tmp_path: Path) -> None:
+    laboratory, person = Laboratory(tmp_path, FEELINGS), Person(does=goes_back)
+    laboratory.run(person)
+    (run,), pages = laboratory.people, pages_seen(person)
+    assert [(page.part, page.back) for page in pages] == [(1, ""), (2, "Back"), (1, ""), (2, "Back")]
+    assert pages[2].answers == {item.id: 3.0 for item in pages[0].items}
+    (later,) = pages[3].items
+    assert pages[3].answers == {later.id: 2.0}, "what was begun there before"
+    assert laboratory.data(EventKind.WENT_BACK) == [{"page": 1}]
+    first = pages[0].items[0].id
+    given = [(data["item"], data["answer"]) for data in laboratory.data(EventKind.ITEM_GIVEN)]
+    assert [answer for item, answer in given if item == first] == [3.0, 7.0]
+    assert [item for item, _ in given].count(pages[0].items[1].id) == 1, "what is not changed keeps its time"
+    assert run.answers[f"feelings.{first}"] == 7.0
+    assert run.state is RunState.COMPLETE
+
+
+def test_the_way_back_never_leaves_the_form(tmp_path: Path) -> None:
+    text = FEELINGS.replace("  - {step: pause}\n", "  - {step: form, form: final.yaml, name: final}\n")
+    back = doing(FormToFill, WentBack, lambda _page: KioskClosed())
+    laboratory, person = Laboratory(tmp_path, text), Person(does=back)
+    laboratory.run(person)
+    assert [page.part for page in pages_seen(person)] == [1]
+    assert laboratory.data(EventKind.WENT_BACK) == []
+
+
+def test_an_answer_changed_on_the_way_back_is_not_lost_in_a_crash(tmp_path: Path) -> None:
+    laboratory = Laboratory(tmp_path, FEELINGS)
+
+    def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
+        deeds = list(goes_back(page) or ())
+        # The window is closed when the answer is changed, and not given yet.
+        return [deeds[0], KioskClosed()] if len(deeds) == 3 else deeds or None
+
+    laboratory.run(Person(does=does))
+    person = Person()
+    laboratory.run(person, people=0)
+    page = pages_seen(person)[0]
+    assert (page.part, page.answers[page.items[0].id]) == (1, 7.0)
+    assert laboratory.people[0].answers[f"feelings.{page.items[0].id}"] == 7.0
+
+
+def test_a_window_whose_program_ends_in_the_middle_of_a_run_stays_and_says_why(laboratory: Laboratory) -> None:
+    def stop() -> None:
+        raise KioskStopped
+
+    def fail() -> None:
+        raise BadFile(Path("log"), "cannot be written", "Make room")
+
+    laboratory.games.during = stop
+    first = Person()
+    laboratory.run(first)
+    assert first.seen[-1] == HostStops(words.STOPPED, words.STOPPED_TEXT)
+    assert laboratory.window is not None and laboratory.window.left_open
+    laboratory.games.during = fail
+    second = Person()
+    with pytest.raises(BadFile):
+        laboratory.run(second)
+    assert second.seen[-1] == HostStops(words.FAILED, words.FAILED_TEXT)
+    laboratory.games.during = lambda: None
+    laboratory.run(Person(learns=True), people=0)
+    assert not laboratory.window.left_open, "nobody is in the middle of the study"
+
+
 def test_a_person_who_stops_is_let_go(tmp_path: Path) -> None:
     laboratory = Laboratory(tmp_path, ONE_FORM)
     person = Person(does=doing(FormToFill, lambda _page: StoppedTakingPart()))
@@ -235,6 +327,20 @@ def test_the_code_of_a_recruiting_service_is_an_event_and_no_id(tmp_path: Path) 
     assert laboratory.data(EventKind.RECRUITING_CODE) == [{"code": "SVC-1"}]
     assert "SVC-1" not in laboratory.people[0].participant
     assert "external_id" not in laboratory.data(EventKind.RUN_BEGUN)[0]
+
+
+def test_a_code_that_was_not_kept_is_asked_for_again_and_says_so(tmp_path: Path) -> None:
+    text = ONE_FORM.replace("quota: 1", "quota: 1\nrecruiting: {ask: 'Your code?'}")
+    laboratory = Laboratory(tmp_path, text)
+    half = doing(FormToFill, lambda page: ItemNews(page, "code", "changed", 1, "SV"), lambda _page: KioskClosed())
+    first = Person(does=half)
+    laboratory.run(first)
+    assert pages_seen(first)[0].instructions == ""
+    assert AnswerKept(pages_seen(first)[0].page, "code", "SV") in first.seen, "a window that crashes gets it again"
+    second = Person(answers={"code": "SVC-1"})
+    laboratory.run(second, people=0)
+    assert pages_seen(second)[0].instructions == words.CODE_NOT_KEPT
+    assert laboratory.data(EventKind.RECRUITING_CODE) == [{"code": "SVC-1"}]
 
 
 def test_whoever_comes_when_there_is_no_place_is_told_so(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from thbridge.experiment.design.plan import plan_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Run
 from thbridge.recording.bag.reading.reader import info
+from thbridge.recording.recordings import active_of
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk.games import StudyGames
 
@@ -28,6 +29,7 @@ class NobodyThere:
         self.times: list[float] = []
         self.told = 0
         self.moved: list[Path | None] = []
+        self.cut: list[str] = []
 
     def ready(self, where: ListeningAddress) -> None:
         pass
@@ -46,6 +48,9 @@ class NobodyThere:
 
     def broken_off(self, bag: Path | None) -> None:
         self.moved.append(bag)
+
+    def cut_off(self, bag: Path) -> None:
+        self.cut.append(bag.name)
 
 
 def played(root: Path, *, goes_on: bool) -> tuple[NobodyThere, dict]:
@@ -74,3 +79,18 @@ def test_a_game_is_recorded_and_one_of_another_study_begins_anew_beside_what_the
     kept = tmp_path / "recordings" / "P-1" / "step-1-1.bag"
     assert hashlib.sha256(kept.read_bytes()).hexdigest() == game["sha256"]
     assert again["sha256"] != game["sha256"]
+
+
+def test_a_recording_that_was_cut_off_is_told_when_its_game_goes_on(tmp_path: Path) -> None:
+    (tmp_path / "experiment.yaml").write_text(STUDY)
+    _, game = played(tmp_path, goes_on=False)
+    bag = tmp_path / game["bag"]
+    bag.rename(active_of(bag))
+    host, again = played(tmp_path, goes_on=True)
+    assert host.cut == ["step-1-1.bag.active"]
+    assert host.moved == []
+    assert again["bag"] == game["bag"]
+    # Its own program died before it could tell.
+    bag.rename(active_of(bag))
+    host, _ = played(tmp_path, goes_on=True)
+    assert host.cut == ["step-1-1.bag.active", "step-1-2.bag.active"], "whoever is told knows which are new"

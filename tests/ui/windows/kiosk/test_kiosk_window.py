@@ -27,12 +27,15 @@ from ui.model.kiosk import (
     StoppedTakingPart,
     StudyProgress,
     TextToRead,
+    WentBack,
     WentOn,
 )
 from ui.windows import look
 from ui.windows.kiosk.items.panel import ItemPanel
 from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.window import BEGIN_KEYS, KioskWindow
+from ui.windows.participant.pages.pages import ConsentPage
+from ui.windows.participant.widgets.reading import ReadingText
 
 SEVEN = ("not at all", "", "", "", "", "", "completely")
 ITEMS = (
@@ -56,9 +59,10 @@ class Opened:
     told: list[FromKiosk] = field(default_factory=list)
     now: float = 10.0
 
-    def form(self, *ids: str, answers: dict[str, Answer] | None = None) -> FormPage:
+    def form(self, *ids: str, answers: dict[str, Answer] | None = None, back: str = "") -> FormPage:
         items = tuple(item for item in ITEMS if item.id in ids or not ids)
-        self.window.receive(FormToFill(7, "Some questions", "Answer.", items, answers or {}, progress=WAY))
+        self.window.receive(FormToFill(7, "Some questions", "Answer.", items, answers or {}, back=back, progress=WAY))
+        self.now += 1.0
         return self.page(FormPage)
 
     def page(self, kind: type) -> QWidget:
@@ -186,6 +190,61 @@ def test_what_is_missing_is_pointed_at_and_what_is_there_stays(opened: Opened, q
     assert "Please write a number" in panel(form, "age").accessibleName()
     assert QApplication.focusWidget() is panel(form, "age").field.line
     assert panel(form, "why").missing.isHidden(), "it may be left out"
+
+
+def test_a_page_that_has_just_come_is_not_left_by_a_second_click(opened: Opened, qtbot: QtBot) -> None:
+    form = opened.form("why")
+    opened.now -= 1.0
+    qtbot.mouseClick(form.go_on, Qt.MouseButton.LeftButton)
+    assert not any(isinstance(one, WentOn) for one in opened.told)
+    opened.now += 1.0
+    qtbot.mouseClick(form.go_on, Qt.MouseButton.LeftButton)
+    assert opened.told[-1] == WentOn(7)
+
+
+@pytest.mark.parametrize("by", ["mouse", "keyboard"])
+def test_the_way_back_leaves_what_is_missing_and_gives_what_is_begun(opened: Opened, qtbot: QtBot, by: str) -> None:
+    form = opened.form("age", "hand", back="Back")
+    keys(qtbot, "41")
+    if by == "mouse":
+        qtbot.mouseClick(form.back, Qt.MouseButton.LeftButton)
+    else:
+        qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_Left, Qt.KeyboardModifier.AltModifier)
+    assert opened.news("age")[-1] == ("given", 41.0)
+    assert opened.told[-1] == WentBack(7)
+    assert opened.form("age").back is None, "a first page has none"
+
+
+def test_keys_go_on_where_the_mouse_was(opened: Opened, qtbot: QtBot) -> None:
+    form = opened.form("agree", "line")
+    settle()
+    line = panel(form, "line").field.line
+    qtbot.mouseClick(line, Qt.MouseButton.LeftButton, pos=line.rect().center())
+    keys(qtbot, Qt.Key.Key_Right)
+    assert panel(form, "line").answer == 55.0
+    qtbot.mouseClick(panel(form, "agree").field.buttons[3], Qt.MouseButton.LeftButton)
+    keys(qtbot, "2")
+    assert (panel(form, "agree").answer, panel(form, "line").answer) == (2.0, 55.0)
+
+
+def test_a_code_is_one_line_and_enter_leads_on(opened: Opened, qtbot: QtBot) -> None:
+    asked = FormItem("code", "Which code?", "text", one_line=True)
+    opened.window.receive(FormToFill(7, "Before you begin", "", (asked,)))
+    opened.now += 1.0
+    keys(qtbot, "AB 12", Qt.Key.Key_Return, Qt.Key.Key_Return)
+    assert ("given", "AB 12") in opened.news("code")
+    assert opened.told[-1] == WentOn(7)
+
+
+def test_a_short_consent_is_no_higher_than_its_text(opened: Opened) -> None:
+    opened.window.receive(ConsentToAsk(5, "We record you."))
+    settle()
+    assert opened.page(ConsentPage).findChild(ReadingText).height() < 120
+    opened.window.receive(ConsentToAsk(6, "We record you. " * 400))
+    settle()
+    shown = opened.page(ConsentPage).findChild(ReadingText)
+    assert shown.height() > 250 and shown.verticalScrollBar().maximum() > 0
+    assert opened.page(ConsentPage).agree.isVisible()
 
 
 def test_not_applicable_is_an_answer_of_its_own(opened: Opened, qtbot: QtBot) -> None:

@@ -58,6 +58,7 @@ class MarkedLine(QSlider):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Have the mark where it is."""
         if event.button() is Qt.MouseButton.LeftButton:
+            self.setFocus(Qt.FocusReason.MouseFocusReason)
             self._field.changed.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

@@ -40,6 +40,8 @@ class OptionButton(ActionButton):
         self.show_face(ButtonFace(label, key), name)
         self.setAccessibleDescription(field.item.text)
         self.pressed.connect(field.touched)
+        # Keys go on where the mouse was; not before the click is over, for what gets the focus may scroll into sight.
+        self.clicked.connect(lambda: self.setFocus(Qt.FocusReason.MouseFocusReason))
         self.choose(False)
 
     def choose(self, chosen: bool) -> None:

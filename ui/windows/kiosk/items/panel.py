@@ -12,7 +12,7 @@ from ui.windows import look
 from ui.windows.kiosk.items.field import AnswerField
 from ui.windows.kiosk.items.line import LineField
 from ui.windows.kiosk.items.options import ChoiceField, OptionButton, PointsField
-from ui.windows.kiosk.items.written import NumberField, TextField
+from ui.windows.kiosk.items.written import LineOfTextField, NumberField, TextField
 from ui.windows.look import GAP, colours, smooth_painter, spaced
 from ui.windows.participant.widgets.focus import ARROWS, make_region, reachable
 from ui.windows.participant.widgets.painting import ring
@@ -56,9 +56,9 @@ class ItemPanel(QFrame):
         look.style_as_panel(self)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         rows = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
-        self.question = look.label(item.text or f"{item.low} or {item.high}?", bold=True)
+        self.question = look.label(item.text or f"{item.low[:1].upper()}{item.low[1:]} or {item.high}?", bold=True)
         rows.addWidget(self.question)
-        self.field = _FIELDS[item.scale](item)
+        self.field = LineOfTextField(item) if item.one_line else _FIELDS[item.scale](item)
         rows.addWidget(self.field)
         foot = spaced(QHBoxLayout(), GAP)
         rows.addLayout(foot)

@@ -1,4 +1,4 @@
-"""Answers that are typed: numbers and free texts."""
+"""Answers that are typed: numbers, free texts, and codes."""
 
 from PySide6.QtCore import QMimeData, Qt
 from PySide6.QtGui import QKeyEvent
@@ -57,6 +57,35 @@ class NumberField(AnswerField):
             return float(text) if text.isascii() and "_" not in text else None
         except ValueError:
             return None
+
+
+class LineOfTextField(AnswerField):
+    """A text of one line, such as a code."""
+
+    def __init__(self, item: FormItem) -> None:
+        super().__init__(item)
+        self.line = follow_text(QLineEdit(), lambda it: it.setMaximumWidth(px(420)))
+        self.line.setMaxLength(LONGEST)
+        self.line.setAccessibleName(f"{item.text}, one line")
+        row = spaced(QHBoxLayout(self), 0, 0)
+        row.addWidget(self.line, 20)
+        row.addStretch(1)
+        self.line.textEdited.connect(self.touched)
+        self.line.textEdited.connect(self.typed)
+        self.line.returnPressed.connect(self.passed)
+
+    @property
+    def answer(self) -> Answer:
+        """See `AnswerField`, for all of these."""
+        return self.line.text() if self.line.text().strip() else None
+
+    def show_answer(self, answer: Answer) -> None:
+        """See `AnswerField`."""
+        self.line.setText(answer if isinstance(answer, str) else "")
+
+    def focus_target(self) -> QWidget:
+        """See `AnswerField`."""
+        return self.line
 
 
 class FreeText(QPlainTextEdit):

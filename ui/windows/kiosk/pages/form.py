@@ -1,7 +1,7 @@
 """A page of a form: its items below one another, and what leads on."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QEvent, QPoint, QRect, Qt, QTimer, Signal
 from PySide6.QtGui import (
@@ -17,6 +17,7 @@ from PySide6.QtWidgets import QApplication, QFrame, QHBoxLayout, QScrollArea, QV
 from ui.model.kiosk import FormToFill, ItemNews
 from ui.windows import look
 from ui.windows.kiosk.items.panel import ItemPanel
+from ui.windows.kiosk.pages.text import READING
 from ui.windows.look import GAP, follow_text, px, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
@@ -31,18 +32,23 @@ class FormPage(QWidget):
 
     Args:
         form: the page.
+        clock: monotonic seconds.
 
     Attributes:
         news: an `ItemNews`.
         went_on: all that is required is answered, and the person goes on.
+        went_back: the person goes back to the page before.
+        back: leads there; None: nothing does.
     """
 
     news = Signal(object)
     went_on = Signal()
+    went_back = Signal()
 
-    def __init__(self, form: FormToFill) -> None:
+    def __init__(self, form: FormToFill, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__()
         self._form = form
+        self._clock, self._came = clock, clock()
         self._active: ItemPanel | None = None
         make_region(self, form.title)
         rows = spaced(QVBoxLayout(self), 0, 0)
@@ -70,6 +76,7 @@ class FormPage(QWidget):
         inside.setAutoFillBackground(False)
         self._count = look.label(muted=True)
         self.go_on = ActionButton("main")
+        self.back = ActionButton() if form.back else None
         self._build_foot(rows)
         self._looking = QTimer(self, singleShot=True, interval=0)
         self._looking.timeout.connect(self._look)
@@ -86,13 +93,19 @@ class FormPage(QWidget):
         column = _column(foot, vertical=GAP)
         column.addLayout(row)
         row.addWidget(self._count, 1)
-        self.go_on.show_face(ButtonFace(self._form.button, "Ctrl+Enter"), self._form.button)
+        if self.back is not None:
+            self._add_to_foot(row, self.back, ButtonFace(self._form.back, "Alt+Left"), "Alt+Left")
+            self.back.clicked.connect(self._go_back)
+        self._add_to_foot(row, self.go_on, ButtonFace(self._form.button, "Ctrl+Enter"), "Ctrl+Return", "Ctrl+Enter")
         self.go_on.clicked.connect(self._leave)
-        row.addWidget(self.go_on)
-        for key in ("Ctrl+Return", "Ctrl+Enter"):
+
+    def _add_to_foot(self, row: QHBoxLayout, button: ActionButton, face: ButtonFace, *keys: str) -> None:
+        button.show_face(face, face.label)
+        row.addWidget(button)
+        for key in keys:
             shortcut = QShortcut(QKeySequence(key), self)
             shortcut.setAutoRepeat(False)
-            shortcut.activated.connect(self.go_on.click)
+            shortcut.activated.connect(button.click)
 
     def start(self) -> None:
         """Give the focus to the first item without an answer, or to what the host found missing."""
@@ -109,7 +122,7 @@ class FormPage(QWidget):
             stops.append(panel.focus_target())
             if panel.not_applicable is not None and panel.not_applicable not in stops:
                 stops.append(panel.not_applicable)
-        stops.append(self.go_on)
+        stops += [self.go_on] if self.back is None else [self.back, self.go_on]
         focused = QApplication.focusWidget()
         at = stops.index(focused) if focused in stops else self._stop_of(focused, stops)
         target = stops[(at + (1 if forward else -1)) % len(stops)]
@@ -180,6 +193,8 @@ class FormPage(QWidget):
 
     def _leave(self) -> None:
         """Go on, if nothing is missing; else point at all that is, and go to the first of it."""
+        if self._is_new:
+            return
         self._enter(None)
         lacking = [panel for panel in self.panels if panel.lacks]
         for panel in self.panels:
@@ -194,10 +209,21 @@ class FormPage(QWidget):
         lacking[0].focus_target().setFocus(Qt.FocusReason.OtherFocusReason)
         self._area.ensureWidgetVisible(lacking[0], 0, 2 * GAP)
 
+    def _go_back(self) -> None:
+        if not self._is_new:
+            self._enter(None)
+            self.went_back.emit()
+
+    @property
+    def _is_new(self) -> bool:
+        """True while a press was meant for the page before."""
+        return self._clock() - self._came < READING
+
     def _tell_count(self) -> None:
         answered = sum(panel.answer is not None for panel in self.panels)
         page = f"Page {self._form.part} of {self._form.parts}. " if self._form.parts > 1 else ""
-        set_text(self._count, f"{page}{answered} of {len(self.panels)} answered.")
+        count = f"{answered} of {len(self.panels)} answered." if len(self.panels) > 1 else ""
+        set_text(self._count, f"{page}{count}")
 
 
 def _column(inside: QWidget, vertical: int = 2 * GAP) -> QVBoxLayout:

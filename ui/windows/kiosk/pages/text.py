@@ -4,15 +4,17 @@ import time
 from collections.abc import Callable
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QKeySequence, QShortcut, QTextBlockFormat, QTextCursor
-from PySide6.QtWidgets import QFrame, QLineEdit, QTextBrowser, QVBoxLayout, QWidget
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import QLineEdit, QVBoxLayout, QWidget
 
 from ui.model.kiosk import TextToRead
 from ui.windows import look
 from ui.windows.look import GAP, follow_text, px, spaced
+from ui.windows.participant.pages.pages import FILLS
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.panels import page_column
+from ui.windows.participant.widgets.reading import ReadingText
 
 SHORT = 500
 """Letters of a text that stands in the middle of the page; a longer one is read in a panel that scrolls."""
@@ -40,16 +42,16 @@ class ReadingPage(QWidget):
         make_region(self, page.heading or "A text to read")
         rows = spaced(page_column(self, 760), 2 * GAP, 0)
         is_short = len(page.text) <= SHORT and not page.markdown
-        if is_short:
-            rows.addStretch(2)
+        rows.addStretch(2)
         if page.heading:
             rows.addWidget(look.label(page.heading, "hero", bold=True))
-        self.text: QTextBrowser | None = None
+        self.text: ReadingText | None = None
         if is_short:
-            rows.addWidget(look.label(page.text, "title"))
+            rows.addWidget(look.label(page.text.rstrip(), "title"))
         else:
-            self.text = _text(page)
-            rows.addWidget(self.text, 1)
+            self.text = ReadingText(page.heading or "The text")
+            self.text.show_text(page.text, markdown=page.markdown)
+            rows.addWidget(self.text, FILLS)
         if page.code:
             _add_code(rows, page.code)
         self.go_on: ActionButton | None = None
@@ -64,8 +66,7 @@ class ReadingPage(QWidget):
                 shortcut = QShortcut(QKeySequence(key), self)
                 shortcut.setAutoRepeat(False)
                 shortcut.activated.connect(self.go_on.click)
-        if is_short:
-            rows.addStretch(3)
+        rows.addStretch(3)
 
     def start(self) -> None:
         """Give the focus to what is read, or to the button."""
@@ -76,30 +77,6 @@ class ReadingPage(QWidget):
     def _leave(self) -> None:
         if self._clock() - self._came >= READING:
             self.went_on.emit()
-
-
-def _text(page: TextToRead) -> QTextBrowser:
-    text = QTextBrowser()
-    text.setOpenLinks(False)
-    text.setTabChangesFocus(True)
-    text.setCursorWidth(0)
-    text.setTextInteractionFlags(
-        Qt.TextInteractionFlag.TextSelectableByKeyboard | Qt.TextInteractionFlag.TextSelectableByMouse
-    )
-    if page.markdown:
-        text.setMarkdown(page.text)
-    else:
-        text.setPlainText(page.text)
-    spacing = QTextBlockFormat()
-    spacing.setLineHeight(130.0, QTextBlockFormat.LineHeightTypes.ProportionalHeight.value)
-    cursor = QTextCursor(text.document())
-    cursor.select(QTextCursor.SelectionType.Document)
-    cursor.mergeBlockFormat(spacing)
-    text.document().setDocumentMargin(2 * GAP)
-    text.setFrameShape(QFrame.Shape.NoFrame)
-    text.setAccessibleName(page.heading or "The text")
-    look.style_as_panel(text)
-    return text
 
 
 def _add_code(rows: QVBoxLayout, code: str) -> None:

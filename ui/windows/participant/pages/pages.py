@@ -1,16 +1,23 @@
 """Pages that fill the window or lie above it: connecting, consent, a question, help, the end of the game."""
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QKeySequence, QPaintEvent, QShortcut
-from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QPlainTextEdit, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QScrollArea, QVBoxLayout, QWidget
 
-from ui.model.screen import Action, Confirmation, GameOverPage, ShowHelp
+from ui.model.keys import keyed
+from ui.model.screen import Action, AgreeToTakePart, Confirmation, DeclineToTakePart, GameOverPage, ShowHelp
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import key_cap, key_size
 from ui.windows.participant.widgets.panels import TitledPanel, page_column, set_text
+from ui.windows.participant.widgets.reading import ReadingText
+
+FILLS = 1000
+"""Stretch of a text that takes the space that it needs, before what is empty around it gets any."""
 
 PAGE_KEYS = (
     ("Arrows", "Go to the neighbouring button; Space or Enter presses it"),
@@ -49,29 +56,44 @@ class ConsentPage(ActionWidget):
         super().__init__(parent)
         make_region(self, "Consent")
         rows = spaced(page_column(self, 760), 2 * GAP, 0)
+        rows.addStretch(2)
         rows.addWidget(look.label("Before you take part", "hero", bold=True))
-        self._text = QPlainTextEdit(readOnly=True, tabChangesFocus=True)
-        self._text.setTextInteractionFlags(
-            Qt.TextInteractionFlag.TextSelectableByKeyboard | Qt.TextInteractionFlag.TextSelectableByMouse
-        )
-        self._text.setAccessibleName("What you agree to")
-        self._text.setFrameShape(QFrame.Shape.NoFrame)
-        self._text.document().setDocumentMargin(2 * GAP)
-        look.style_as_panel(self._text)
-        rows.addWidget(self._text, 1)
+        self._text = ReadingText("What you agree to")
+        rows.addWidget(self._text, FILLS)
         # Both weigh the same: neither answer is the one to give.
         self.decline, self.agree = ActionButton(hints=True), ActionButton(hints=True)
         foot = _foot(rows)
         for button in (self.decline, self.agree):
             button.requested.connect(self.requested)
             foot.addWidget(button)
+        rows.addStretch(3)
 
-    def show_consent(self, text: str, agree: Action, decline: Action) -> None:
+    def show_consent(self, text: str, agree: Action, decline: Action, *, markdown: bool = False) -> None:
         """Show this."""
-        if self._text.toPlainText() != text:
-            self._text.setPlainText(text)
+        self._text.show_text(text, markdown=markdown)
         self.agree.show_action(agree)
         self.decline.show_action(decline)
+
+
+def consent_page(
+    text: str, answered: Callable[[bool], None], hint_of_no: str, *, markdown: bool = False
+) -> ConsentPage:
+    """Return the page outside of a game, which has keys of its own.
+
+    Args:
+        text: to agree to.
+        answered: called with the answer; True: the person takes part.
+        hint_of_no: tells what follows from a no.
+        markdown: True where the text is Markdown.
+    """
+    page = ConsentPage()
+    agree = keyed(AgreeToTakePart(), "I agree", hint="You take part in the study.")
+    decline = keyed(DeclineToTakePart(), "I do not take part", hint=hint_of_no)
+    page.show_consent(text, agree, decline, markdown=markdown)
+    page.requested.connect(lambda act: answered(isinstance(act, AgreeToTakePart)))
+    for button in (page.agree, page.decline):
+        QShortcut(QKeySequence(button.face.key if button.face else ""), page).activated.connect(button.click)
+    return page
 
 
 class ThanksPage(QWidget):

@@ -1,0 +1,115 @@
+"""A study with people as they go through it at the kiosk."""
+
+from collections.abc import Iterator
+
+from PySide6.QtWidgets import QApplication
+
+from pictured.participant import CONSENT
+from pictured.shot import Shot, Story
+from thbridge.experiment.allocation.places import Place
+from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.folder import EXAMPLE
+from thbridge.experiment.progress import Run, RunState
+from thbridge.experiment.questionnaires.form import SHIPPED, read_form
+from ui.hosting.kiosk import words
+from ui.hosting.kiosk.answers import form_item
+from ui.model.kiosk import (
+    Answer,
+    ConsentToAsk,
+    FormItem,
+    FormToFill,
+    GameRecorded,
+    HostStops,
+    StudyProgress,
+    TextToRead,
+)
+from ui.windows.kiosk.pages.form import FormPage
+from ui.windows.kiosk.window import KioskWindow
+from ui.windows.look import Appearance
+
+SIZE = (1200, 800)
+STEPS = 12
+ALL_KINDS = (
+    FormItem("agree", "I trusted what the robots said.", "likert", ("never", "seldom", "sometimes", "often", "always")),
+    FormItem("hard", "How hard was it?", "analogue", low="easy", high="hard", step=5.0),
+    FormItem("warm", "", "differential", ("cold", "", "", "", "", "", "warm"), "cold", "warm", not_applicable=True),
+    FormItem("used", "What have you used?", "choice", options=("a vacuum robot", "a drone", "an arm"), several=True),
+    FormItem("why", "What would you change?", "text", required=False),
+)
+
+
+def at_the_kiosk() -> Iterator[Shot]:
+    """The pages, in the order of a study."""
+    seconds = 0.0
+    application = QApplication.instance()
+    if not isinstance(application, QApplication):
+        raise TypeError("there is no application")
+    window = KioskWindow(Appearance(application, "light"), lambda _: None, lambda: seconds)
+    window.resize(*SIZE)
+    window.show()
+    window.receive(TextToRead(1, words.WELCOME, words.WELCOME_PARTICIPANT, "Begin"))
+    yield Shot("kiosk-welcome", window)
+    ask = FormItem("code", "Which code did the recruiting service give you?", "text", one_line=True)
+    window.receive(FormToFill(2, words.RECRUITING, "", (ask,), progress=StudyProgress(1, STEPS)))
+    yield Shot("kiosk-code", window)
+    text = (EXAMPLE / "texts" / "welcome.txt").read_text(encoding="utf-8")
+    heading = words.HEADINGS[StepKind.INSTRUCTIONS]
+    window.receive(TextToRead(3, heading, text, progress=StudyProgress(1, STEPS)))
+    yield Shot("kiosk-text", window)
+    window.receive(ConsentToAsk(4, CONSENT, progress=StudyProgress(2, STEPS)))
+    yield Shot("kiosk-consent", window)
+    once_more = words.repetition(words.spoken(StepKind.PRACTICE), 1)
+    window.receive(TextToRead(5, words.ONCE_MORE, once_more, progress=StudyProgress(4, STEPS)))
+    yield Shot("kiosk-once-more", window)
+    played = words.result({"over": None, "score": 40})
+    window.receive(GameRecorded(6, words.GAME_ENDED, played, StudyProgress(6, STEPS)))
+    yield Shot("kiosk-game-ended", window)
+    asked = read_form(SHIPPED / "workload.yaml").value
+    items = tuple(map(form_item, asked.items))
+    page = FormToFill(7, asked.title, asked.instructions, items, progress=StudyProgress(8, STEPS))
+    window.receive(page)
+    yield Shot("kiosk-workload", window)
+    answers: dict[str, Answer] = {"agree": 4.0, "hard": 35.0, "used": ("a drone",)}
+    kinds = FormToFill(
+        8, "The robots", "There are no right answers.", ALL_KINDS, answers, part=2, parts=3, back=words.BACK,
+        progress=StudyProgress(9, STEPS),
+    )  # fmt: skip
+    window.receive(kinds)
+    yield Shot("kiosk-form", window)
+    seconds += 1.0
+    form = window.pages.currentWidget()
+    if isinstance(form, FormPage):
+        form.go_on.click()
+    yield Shot("kiosk-missing", window)
+    window.close()
+    yield Shot("kiosk-leaving", window)
+    window.leaving_panel.stay.click()
+    run = Run("P-7K3FQ", Place(0, 0, 0), (), state=RunState.COMPLETE)
+    window.receive(TextToRead(10, *words.farewell(run), "Finish", code="7K3FQ9XB"))
+    yield Shot("kiosk-thanks", window)
+    window.receive(HostStops(words.STOPPED, words.STOPPED_TEXT))
+    yield Shot("kiosk-stopped", window)
+    window.give_way()
+
+
+STORIES = (
+    Story(
+        "A study with people, at the kiosk",
+        {
+            "kiosk-welcome": "Whoever comes next begins",
+            "kiosk-code": "The code of a recruiting service is asked for",
+            "kiosk-text": "A text to read",
+            "kiosk-consent": "Consent",
+            "kiosk-once-more": "A check of comprehension is tried again",
+            "kiosk-game-ended": "The time of a game was over",
+            "kiosk-workload": "A questionnaire of visual analogue scales, before anything is answered",
+            "kiosk-form": "A second page with all kinds of scales, half filled in, and the way back",
+            "kiosk-missing": "What is missing is pointed at",
+            "kiosk-leaving": "Somebody closes the window",
+            "kiosk-thanks": "The end, with the completion code",
+            "kiosk-stopped": "The researcher has stopped the program in the middle of somebody's run",
+        },
+        at_the_kiosk,
+    ),
+)
+"""The states of the windows that `draw_windows.py` takes pictures of."""

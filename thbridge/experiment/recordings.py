@@ -1,0 +1,49 @@
+"""Recordings that lie beside those of games that were played to their end: what a crash or an early end left."""
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.progress import EventKind, Progress, RunState
+from thbridge.experiment.store.events import LogEntry, LoggedEvent
+from thbridge.recording.recordings import ACTIVE
+
+_STEP = re.compile(r"step-([0-9]+)(-attempt-[0-9]+)?(-[0-9]+)?(_[0-9]+)?\.bag(\.active)?")
+
+
+def moved_aside(bag: Path) -> list[Path]:
+    """Return the files that `make_room` has moved out of the way of a recording, in order."""
+    moved = re.compile(rf"{re.escape(bag.stem)}-[0-9]+(_[0-9]+)?{re.escape(bag.suffix)}({re.escape(ACTIVE)})?")
+    there = bag.parent.iterdir() if bag.parent.is_dir() else ()
+    return sorted(path for path in there if moved.fullmatch(path.name))
+
+
+def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterable[LogEntry]) -> Iterator[str]:
+    """Yield a sentence about each recording of the log's people that is not the whole of a game that was played.
+
+    Args:
+        study: the experiment's folder.
+        progress: after all entries.
+        entries: of its log.
+    """
+    events = [entry.event for entry in entries if isinstance(entry, LoggedEvent)]
+    whole = {str((event.data or {})["bag"]) for event in events if event.kind == EventKind.GAME_PLAYED}
+    why = {
+        (event.participant, str((event.data or {})["bag"])): event.kind
+        for event in events
+        if event.kind in {EventKind.RECORDING_CUT_OFF, EventKind.GAME_BROKEN_OFF}
+    }
+    for path in sorted(study.recordings.glob("*/*")):
+        name, match = path.relative_to(study.root).as_posix(), _STEP.fullmatch(path.name)
+        person = path.parent.name
+        run = progress.runs.get(person)
+        if match is None or run is None or name in whole:
+            continue
+        kind = why.get((person, path.name)) or why.get((person, path.name.removesuffix(ACTIVE)))
+        if kind == EventKind.RECORDING_CUT_OFF:
+            yield f"{name} was cut off when the program ended; the game went on from there and has a whole recording."
+        elif kind is not None:
+            yield f"{name} is of a game that was broken off; another was begun in its place."
+        elif run.state is not RunState.UNDER_WAY or run.step != int(match[1]):
+            yield f"{name} is of a game that the log does not have: the run ended in the middle of it."
