@@ -7,8 +7,13 @@ import pandas as pd
 import pytest
 
 from tests.thbridge.experiment.test_rehearsal import rehearse
+from thbridge.experiment.allocation.places import Place
+from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.steps import StepEntry, StepKind
+from thbridge.experiment.export.families.attempts import Attempt
 from thbridge.experiment.export.families.attention import AttentionFigures, figures_of
 from thbridge.experiment.export.families.decisions import GameDecision, decisions_of
+from thbridge.experiment.export.families.forms import GivenScore
 from thbridge.experiment.export.families.game_recording import (
     GameRecording,
     TimedEvent,
@@ -16,7 +21,8 @@ from thbridge.experiment.export.families.game_recording import (
     TimedUtterance,
 )
 from thbridge.experiment.export.tables import game_tables, records_of
-from thbridge.experiment.progress import EventKind
+from thbridge.experiment.progress import EventKind, Run
+from thbridge.experiment.questionnaires.form import Item, Scoring
 from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.store.event_log import read_log
 from thbridge.hunt import game
@@ -190,6 +196,14 @@ def test_fluency_is_that_of_the_times() -> None:
     # What is done at once was thought about before, and is no interaction.
     assert (second.attention, second.interaction, second.delays) == ([5.0], [0.0], [5.0, 0.0])
     assert first.drives == [8.0]
+
+
+@pytest.mark.parametrize(("scoring", "value"), [(Scoring.MEAN, 5.0), (Scoring.SUM, 10.0)])
+def test_stated_trust_is_the_same_share_of_a_mean_and_of_a_sum(scoring: Scoring, value: float) -> None:
+    items = tuple(Item(name, name, subscale="trust", points=7) for name in "ab")
+    attempt = Attempt(PlannedStep(1, 0, StepEntry(StepKind.FORM), "trust", 0, None), 1, "", 0)
+    given = GivenScore(Run("P-1", Place(0, 0, 0), ()), attempt, "trust", items, value, 2, scoring)
+    assert given.share == pytest.approx(4 / 6)
 
 
 TEXT = """\

@@ -1,6 +1,7 @@
 """The file of an experiment: what differs between conditions, how many people, and the steps of each."""
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -296,7 +297,16 @@ def is_even(design: ExperimentDesign) -> bool:
 
 def notices_of(design: ExperimentDesign) -> tuple[str, ...]:
     """Return in sentences what is right and yet may not be meant."""
-    if is_even(design):
-        return ()
-    orders, quota = len(design.orders), design.file.quota
-    return (f"Of {orders} orders some come more often: the quota, {quota}, is no multiple of them.",)
+    notices = [
+        f"{text}: still has a gap to fill in ({gap.group()}). People would read it."
+        for text in dict.fromkeys(entry.text for entry in design.file.steps if entry.text is not None)
+        if (gap := _GAP.search((design.path.parent / text).read_text(encoding="utf-8", errors="replace")))
+    ]
+    if not is_even(design):
+        orders, quota = len(design.orders), design.file.quota
+        notices.append(f"Of {orders} orders some come more often: the quota, {quota}, is no multiple of them.")
+    return tuple(notices)
+
+
+_GAP = re.compile(r"\[(Replace|Write|Insert|TODO)\b[^\]]*\](?!\()")
+"""A place in a text that its author has yet to fill in, as in the example's consent."""

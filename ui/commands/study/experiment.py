@@ -1,6 +1,7 @@
 """Commands for studies with people: `thbridge study new`, `run`, `status`, `watch`, `freeze`, `backup`, ..."""
 
 import secrets
+import shlex
 import shutil
 import time
 from dataclasses import replace
@@ -44,7 +45,10 @@ def study_new(
         fail(BAD_INPUT, f"{folder}: there is such a folder already. Choose another name.")
     except OSError as error:
         fail(BAD_INPUT, f"{folder}: it cannot be written ({reason_of(error)}). Choose another folder.")
-    note(f"Wrote {folder}. Change its experiment.yaml, then check it: `{command('study', 'check', folder)}`.")
+    note(
+        f"Wrote {folder}. Change its experiment.yaml and texts, in an editor or by "
+        f"`{command('study', 'edit', folder)}`; then check it: `{command('study', 'check', folder)}`."
+    )
 
 
 def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
@@ -157,7 +161,8 @@ def study_export(
     say(", ".join(f"{rows} {name}" for name, rows in written.rows.items()))
     for told in written.notes:
         note(told)
-    note(f"Wrote {to}.")
+    python, r = shlex.join(["python", str(to / "analysis.py")]), shlex.join(["Rscript", str(to / "analysis.R")])
+    note(f"Wrote {to}. Compare and draw its conditions by `{python}` or `{r}`.")
 
 
 def study_backup(

@@ -59,6 +59,7 @@ def study_check(
             note(notice)
         if design.file.markers and (reason := why_no_markers()):
             note(reason)
+        note(f"Rehearse it with simulated people: `{command('study', 'rehearse', file, '--to', 'rehearsal')}`.")
         return
     setting_of(study_of(file, {}), file)
     say(f"{file}: no faults")

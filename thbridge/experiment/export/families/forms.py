@@ -22,7 +22,7 @@ from thbridge.experiment.export.families.described import (
     text,
 )
 from thbridge.experiment.progress import Run
-from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale
+from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale, Scoring
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE, Answer, keyed, scores_of
 from thbridge.experiment.store.events import JsonValue
 
@@ -53,6 +53,7 @@ class GivenScore:
         items: of it.
         value: None where too few of them were answered.
         answered: how many were, with a number.
+        scoring: how items make it.
     """
 
     run: Run
@@ -61,6 +62,17 @@ class GivenScore:
     items: tuple[Item, ...]
     value: float | None
     answered: int
+    scoring: Scoring
+
+    @property
+    def share(self) -> float | None:
+        """The score from 0 (the least that its items allow) to 1, the same for means and sums; None without a score."""
+        if self.value is None:
+            return None
+        count = len(self.items) if self.scoring is Scoring.MEAN else 1
+        least = math.fsum(item.least for item in self.items) / count
+        greatest = math.fsum(item.greatest for item in self.items) / count
+        return (self.value - least) / (greatest - least)
 
 
 def answers(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> ExperimentTable:
@@ -130,7 +142,9 @@ def given_scores(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -
         for subscale, score in scores_of(form, given).items():
             of_it = form.subscales[subscale]
             answered = sum(_known(keyed(item, given.get(item.id))) is not None for item in of_it)
-            found.append(GivenScore(subject.run, subject.attempt, subscale, of_it, _known(score), answered))
+            found.append(
+                GivenScore(subject.run, subject.attempt, subscale, of_it, _known(score), answered, form.scoring)
+            )
     return found
 
 

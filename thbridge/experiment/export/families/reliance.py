@@ -72,19 +72,12 @@ def reliance_of(
     if step.condition is not None:
         rate = design.cells[trial.run.place.cell].studies[step.condition].dialogue.adviser_error_rate
     trust = [
-        (each.value - least) / (greatest - least)
+        each.share
         for each in scores
-        if each.subscale == TRUST and each.attempt.step.condition == step.condition and each.value is not None
-        for least, greatest in [_range(each)]
+        if each.subscale == TRUST and each.attempt.step.condition == step.condition and each.share is not None
     ]
     advised = tuple(each for each in made if each.agreed is not None)
     return RelianceSubject(trial.run, trial.attempt, rate, advised, trust[-1] if trust else None)
-
-
-def _range(score: GivenScore) -> tuple[float, float]:
-    """Least and greatest value of a score that is a mean of its items."""
-    least, greatest = min(item.least for item in score.items), max(item.greatest for item in score.items)
-    return least, greatest
 
 
 def reliance(design: ExperimentDesign, subjects: Sequence[RelianceSubject]) -> ExperimentTable:

@@ -115,11 +115,13 @@ def welch(name: str, test: str, comparison: str, one: pd.Series, other: pd.Serie
 
 
 def holm(tests: list[dict[str, object]]) -> list[dict[str, object]]:
-    """Adjust the p of a family of tests (Holm 1979)."""
-    order = sorted(range(len(tests)), key=lambda index: tests[index]["p"])
-    adjusted = np.maximum.accumulate([(len(tests) - rank) * tests[index]["p"] for rank, index in enumerate(order)])
-    for rank, index in enumerate(order):
-        tests[index]["p_holm"] = min(1.0, adjusted[rank])
+    """Adjust the p of a family of tests (Holm 1979); tests without a p are not of it."""
+    order = sorted((test for test in tests if test["p"] == test["p"]), key=lambda test: test["p"])
+    adjusted = np.maximum.accumulate([(len(order) - rank) * test["p"] for rank, test in enumerate(order)])
+    for test in tests:
+        test["p_holm"] = np.nan
+    for test, p in zip(order, adjusted, strict=True):
+        test["p_holm"] = min(1.0, p)
     return tests
 
 
