@@ -3,7 +3,6 @@
 A backup is a study's folder itself, without exports: what can be done with the one can be done with the other.
 """
 
-import hashlib
 import shutil
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -14,6 +13,7 @@ from thbridge.experiment.progress import EventKind
 from thbridge.experiment.store.event_log import copy_log, read_log
 from thbridge.experiment.store.events import LogEntry, LoggedEvent
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.recording.recordings import digest_of
 
 
 def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
@@ -93,10 +93,8 @@ def _missing(copy: ExperimentFolder) -> Iterator[str]:
         data = entry.event.data or {}
         if entry.event.kind != EventKind.GAME_PLAYED or "bag" not in data:
             continue
-        where = copy.root / str(data["bag"])
-        if not where.is_file():
-            yield f"{data['bag']} is missing: neither the study nor the backup has it."
-            continue
-        with where.open("rb") as file:
-            if hashlib.file_digest(file, "sha256").hexdigest() != data.get("sha256"):
+        try:
+            if digest_of(copy.root / str(data["bag"])) != data.get("sha256"):
                 yield f"{data['bag']} is not what was recorded."
+        except OSError:
+            yield f"{data['bag']} is missing: neither the study nor the backup has it."

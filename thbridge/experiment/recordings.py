@@ -9,6 +9,8 @@ from thbridge.experiment.progress import EventKind, Progress, RunState
 from thbridge.experiment.store.events import LogEntry, LoggedEvent
 from thbridge.recording.recordings import ACTIVE
 
+_PART = re.compile(r"_[0-9]+(?=\.bag$)")
+"""What a file of a split recording has in its name beside the recording's."""
 _STEP = re.compile(r"step-([0-9]+)(-attempt-[0-9]+)?(-[0-9]+)?(_[0-9]+)?\.bag(\.active)?")
 
 
@@ -38,7 +40,7 @@ def told_leftovers(study: ExperimentFolder, progress: Progress, entries: Iterabl
         name, match = path.relative_to(study.root).as_posix(), _STEP.fullmatch(path.name)
         person = path.parent.name
         run = progress.runs.get(person)
-        if match is None or run is None or name in whole:
+        if match is None or run is None or _PART.sub("", name) in whole:
             continue
         kind = why.get((person, path.name)) or why.get((person, path.name.removesuffix(ACTIVE)))
         if kind == EventKind.RECORDING_CUT_OFF:

@@ -1,6 +1,5 @@
 """Trials: the setting that a person's game is played in, and what the log keeps of a game that was played."""
 
-import hashlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign, drawn_s
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import JsonValue
+from thbridge.recording.recordings import digest_of
 
 
 def setting_of_trial(
@@ -31,11 +31,9 @@ def played(measures: GameMeasures, bag: Path, root: Path) -> dict[str, JsonValue
         bag: its recording, closed.
         root: the folder that paths of recordings are relative to.
     """
-    with bag.open("rb") as file:
-        digest = hashlib.file_digest(file, "sha256").hexdigest()
     return {
         "bag": bag.relative_to(root).as_posix(),
-        "sha256": digest,
+        "sha256": digest_of(bag),
         "score": measures.score,
         "over": measures.over,
         "rooms_visited": measures.rooms_visited,

@@ -1,5 +1,6 @@
 """Paths of recordings: a bag or its parts, the journal beside it, and older recordings of the same name."""
 
+import hashlib
 import re
 from pathlib import Path
 
@@ -29,6 +30,20 @@ def parts_of(bag: Path) -> tuple[Path, ...]:
     if bag.exists():
         return (bag,)
     return tuple(path for _, path in _numbered(bag, bag.suffix)) or (bag,)
+
+
+def digest_of(bag: Path) -> str:
+    """SHA-256 of a recording: of its file, or of the files of a split one, one after the other.
+
+    Raises:
+        OSError: there is none, or it cannot be read.
+    """
+    digest = hashlib.sha256()
+    for part in parts_of(bag):
+        with part.open("rb") as file:
+            while piece := file.read(1 << 20):
+                digest.update(piece)
+    return digest.hexdigest()
 
 
 def journal_of(bag: Path) -> Path:

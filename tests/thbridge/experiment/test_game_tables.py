@@ -1,11 +1,13 @@
 """Tables of games: decisions, reliance and fluency are what a hand-made game says; recordings are read as they were."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from sim.common.robot_numbers import number_of
 from tests.thbridge.experiment.test_rehearsal import rehearse
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.plan import PlannedStep
@@ -19,6 +21,7 @@ from thbridge.experiment.export.families.game_recording import (
     TimedEvent,
     TimedMove,
     TimedUtterance,
+    read_game,
 )
 from thbridge.experiment.export.tables import game_tables, records_of
 from thbridge.experiment.progress import EventKind, Run
@@ -119,8 +122,9 @@ def test_a_choice_that_was_argued_against_is_kept_or_switched(chosen: int, switc
         (4.0, said("human", chosen, "accept")),
         (4.1, goes(chosen)),
     )
-    assert (made.first_choice, made.advice, made.advice_from, made.is_right) == ("1", "2", "argued", None)
-    assert (made.disagreed, made.switched, made.is_appropriate) == (True, switched, None)
+    # All rooms cost the same, so the planner's is the first one: the robot argues for a wrong one.
+    assert (made.first_choice, made.advice, made.advice_from, made.is_right) == ("1", "2", "argued", False)
+    assert (made.disagreed, made.switched, made.is_appropriate) == (True, switched, not switched)
 
 
 def test_who_decides_is_told_apart() -> None:
@@ -246,3 +250,21 @@ def test_tables_of_recorded_games_and_recordings_that_are_gone_or_changed(tmp_pa
     assert "is missing" in str(notes[0])
     assert "is not what was recorded" in str(notes[1])
     assert len(notes) == 2
+
+
+def test_a_room_that_was_argued_for_is_right_when_the_same_advice_would_have_been(tmp_path: Path) -> None:
+    """A recorded game in which robots suggested rooms, a half of them wrong, told as if they had argued for them."""
+    text = TEXT.replace("collaborator", "supervisor").replace("robots: [1, 2]", "robots: [2]")
+    folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.0), 1, text)
+    (bag,) = folder.recordings.rglob("*.bag")
+    asked = read_game(bag)
+    argued = read_game(bag)
+    for index, each in enumerate(argued.happenings):
+        if isinstance(each, TimedEvent) and isinstance(each.event, RoomAdvised):
+            content = f"next(Robot{number_of(each.event.robot)}, Room{each.event.room.people})"
+            move = replace(moved("robot", "assert", content, each.event.robot), talk=1000 + index)
+            argued.happenings[index] = TimedMove(each.time, move)
+    told = [[each for each in decisions_of(game) if each.advice] for game in (asked, argued)]
+    assert [each.is_right for each in told[0]] == [each.is_right for each in told[1]]
+    assert {each.is_right for each in told[0]} == {True, False}
+    assert {each.advice_from for each in told[1]} == {"argued"}

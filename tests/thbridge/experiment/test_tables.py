@@ -106,8 +106,8 @@ def test_scores_are_by_the_key(frames: dict[str, pd.DataFrame]) -> None:
     scores = frames["scores"]
     workload = scores[scores.subscale == "workload"]
     assert workload.score.tolist() == [pytest.approx(500 / 6)] * 2
-    # One item was not applicable, and the form asks for all.
-    assert scores[scores.subscale == "trust"].score.isna().all()
+    # Five are reversed, and one was not applicable: the form asks for nine of twelve.
+    assert scores[scores.subscale == "trust"].score.tolist() == [pytest.approx((5 * 1 + 6 * 7) / 11)] * 2
     assert scores[scores.subscale == "trust"].answered.tolist() == [11, 11]
 
 

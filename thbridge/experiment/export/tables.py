@@ -114,7 +114,9 @@ def game_tables(records: ExperimentRecords) -> Iterator[ExperimentTable | str]:
 
 
 def _of_game(design: ExperimentDesign, trial: RecordedTrial, own: Sequence[GivenScore]) -> Iterator[ExperimentTable]:
-    made = tuple(decisions_of(trial.recording))
+    step = trial.attempt.step
+    study = design.cells[trial.run.place.cell].studies[step.condition or 0]
+    made = tuple(decisions_of(trial.recording, study.dialogue.planner))
     figures = figures_of(trial.recording, made)
     yield decisions(design, trial, made)
     yield reliance(design, [reliance_of(design, trial.trial, made, own)])

@@ -28,6 +28,7 @@ from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import JsonValue
 from thbridge.experiment.trials import played, setting_of_trial
+from thbridge.recording.recordings import parts_of
 
 BETWEEN_PEOPLE, PRACTICE, PAUSE = 300.0, 120.0, 60.0
 """Seconds from one person to the next, of a practice game, and of a pause."""
@@ -184,7 +185,8 @@ class Rehearsal:
             setting = self._settings.of(replace(setting.study, participant=who))
         bag = self._bag_of(person, step.number)
         bag.parent.mkdir(parents=True, exist_ok=True)
-        bag.unlink(missing_ok=True)
+        for part in parts_of(bag):
+            part.unlink(missing_ok=True)
         with build_writer(setting, bag) as writer:
             measures = play_hunt(setting, step.entry.max_seconds, [writer])
         self._clock.advance(measures.sim_seconds)

@@ -65,6 +65,7 @@ class Attempt:
         items: the times of its items, in the order in which they came.
         game: what the log has of the game that was played; None: none was.
         consent: what it has of the answer to the question for consent, likewise.
+        consent_at: wall time of that answer; empty: there is none.
     """
 
     step: PlannedStep
@@ -82,6 +83,7 @@ class Attempt:
     items: dict[str, ItemTimes] = field(default_factory=dict)
     game: Mapping[str, JsonValue] | None = None
     consent: Mapping[str, JsonValue] | None = None
+    consent_at: str = ""
 
     @property
     def duration(self) -> float | None:
@@ -133,7 +135,7 @@ def _gathered(run: Run, events: Iterable[LoggedEvent]) -> list[Attempt]:
             case EventKind.TEXT_PASTED:
                 times.pasted += int(str(data.get("characters", 0)))
             case EventKind.CONSENT_ANSWERED:
-                attempt.consent = data
+                attempt.consent, attempt.consent_at = data, event.clocks.wall
             case EventKind.GAME_BROKEN_OFF:
                 attempt.broken_off += 1
             case EventKind.FOCUS_LOST:

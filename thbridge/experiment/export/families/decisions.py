@@ -37,7 +37,12 @@ from thbridge.hunt.events import (
     TreasureLeft,
     TreasurePictured,
 )
+from thbridge.hunt.game import GameState
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.treasures import same_name
+from thbridge.roles.keeper.advice.adviser import Adviser
+from thbridge.roles.participant_rules import Discussed
 from thbridge.ros.messages.session_records import DialogueMoveRecord
 
 _NEXT = re.compile(r"next\(Robot\d+, Room(\d+)\)")
@@ -130,9 +135,30 @@ class _Matter:
             self.advice, self.advised, self.advice_from, self.is_right = advice, time, "argued", is_right
 
 
-def decisions_of(recording: GameRecording) -> Iterator[GameDecision]:
-    """Yield the decisions of a game that were carried out, in order."""
+@dataclass(slots=True)
+class _Opening:
+    """Moment at which a dialogue was opened: what its robot's planner knew."""
+
+    state: GameState
+    discussed: tuple[Discussed, ...]
+
+    def planned(self, planner: TeamPlanner, robot: int) -> str | None:
+        """Return the room that a robot would suggest if it never erred, as people count; None: none."""
+        advice = Adviser(planner).advise(self.state, self.discussed, robot)
+        return None if isinstance(advice, RequestRefused) else str(advice.planned.people)
+
+
+def decisions_of(recording: GameRecording, planner: TeamPlanner = TeamPlanner.JOINT) -> Iterator[GameDecision]:
+    """Yield the decisions of a game that were carried out, in order.
+
+    Args:
+        recording: of the game.
+        planner: by which its robots plan. A room that one argues for is right when it is the one that it would have
+            suggested, had it been asked when the dialogue was opened.
+    """
     open_: dict[tuple[int, str], _Matter] = {}
+    openings: dict[int, _Opening] = {}
+    subjects: dict[int, Discussed] = {}
     argues = any(recording.moves)
     advised_at: dict[int, float] = {}
     now: TimedEvent | None = None
@@ -168,6 +194,15 @@ def decisions_of(recording: GameRecording) -> Iterator[GameDecision]:
             points=points,
         )
 
+    def begin_talk(talk: int, robot: int) -> None:
+        if now is not None and talk not in openings:
+            others = tuple(about for about in subjects.values() if about.robot != robot)
+            openings[talk] = _Opening(now.after, others)
+
+    def is_planned(talk: int, robot: int, room: str) -> bool | None:
+        planned = openings[talk].planned(planner, robot) if talk in openings else None
+        return None if planned is None else planned == room
+
     for each in recording.happenings:
         match each:
             case TimedEvent(time, event):
@@ -187,7 +222,9 @@ def decisions_of(recording: GameRecording) -> Iterator[GameDecision]:
                         about.advice, about.advised, about.advice_from = str(room.people), time, "asked"
                         about.confidence, about.is_right = confidence, room == planned
                         advised_at[robot] = time
+                        subjects[robot] = Discussed(robot, "select-room", room.people)
                     case RobotDeparted(robot, room):
+                        subjects.pop(robot, None)
                         yield made(each, robot, "select-room", str(room.people))
                     case TreasurePictured(robot=robot, cost=cost) if cost > 0.0:
                         yield made(each, robot, "take-picture", "picture")
@@ -198,6 +235,9 @@ def decisions_of(recording: GameRecording) -> Iterator[GameDecision]:
                         yield made(each, decider, "take-treasure", "left")
                         _come_up(open_, decider, time)
             case TimedUtterance(time, said):
+                begin_talk(said.dialogue, said.robot)
+                if said.room is not None and said.scenario == "select-room":
+                    subjects[said.robot] = Discussed(said.robot, "select-room", said.room)
                 about = of(said.robot, said.scenario, time)
                 about.alone |= said.move == "decide-alone"
                 opens = said.dialogue not in about.talks
@@ -214,10 +254,12 @@ def decisions_of(recording: GameRecording) -> Iterator[GameDecision]:
                 about = of(move.robot, "select-room" if _NEXT.search(move.content) else "take-treasure", time)
                 about.refused = True
             case TimedMove(time, move) if move.locution == "assert" and not move.is_booked:
+                begin_talk(move.talk, move.robot)
                 if goes := _NEXT.fullmatch(move.content):
+                    subjects[move.robot] = Discussed(move.robot, "select-room", int(goes[1]))
                     about = of(move.robot, "select-room", time)
                     if move.speaker == "robot":
-                        about.argued(time, goes[1], is_right=None)
+                        about.argued(time, goes[1], is_right=is_planned(move.talk, move.robot, goes[1]))
                     elif not about.first_choice and not about.advice:
                         about.first_choice = goes[1]
                 elif named := _TREASURE.fullmatch(move.content):
@@ -284,8 +326,8 @@ def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[Gam
             share("confidence", "stated with the advice", lambda row: row.made.confidence),
             flag(
                 "advice_right",
-                "whether the robot's planner had chosen the advised room, or the advised name is the treasure's; none: "
-                "not recorded",
+                "whether the advised room is the one of the robot's planner (of argued: planned anew from the recorded "
+                "game, as when the dialogue began), or the advised name is the treasure's; none: not recorded",
                 lambda row: row.made.is_right,
             ),
             text(

@@ -26,8 +26,10 @@ class _Person:
     @property
     def consent(self) -> Attempt | None:
         """The answered question for consent."""
-        asked = [each for each in self.attempts if each.step.entry.step is StepKind.CONSENT and each.outcome]
-        return asked[-1] if asked else None
+        asked = [each for each in self.attempts if each.step.entry.step is StepKind.CONSENT]
+        # Who says no goes at once, so that the step does not end.
+        answered = [each for each in asked if each.consent is not None or each.outcome is StepOutcome.DONE]
+        return answered[-1] if answered else None
 
     @property
     def agreed(self) -> bool | None:
@@ -80,11 +82,11 @@ def participants(
             time(
                 "agreed_at",
                 "date and time of the answer, UTC",
-                lambda row: None if row.consent is None else row.consent.ended,
+                lambda row: None if row.consent is None else row.consent.consent_at or row.consent.ended,
             ),
             text(
                 "consent_sha256",
-                "SHA-256 of the text that the person agreed to; none where the log does not have it",
+                "SHA-256 of the text that the person answered to; none where the log does not have it",
                 lambda row: row.told_of_consent("version"),
             ),
         ),

@@ -1,6 +1,5 @@
 """Table of trials, and whether their recordings are still what was recorded."""
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -22,6 +21,7 @@ from thbridge.experiment.export.families.described import (
 )
 from thbridge.experiment.progress import Run, StepOutcome
 from thbridge.experiment.store.events import JsonValue
+from thbridge.recording.recordings import digest_of
 
 
 class RecordingState(StrEnum):
@@ -74,8 +74,7 @@ def _state(attempt: Attempt, root: Path) -> RecordingState:
     if attempt.game is None or "bag" not in attempt.game:
         return RecordingState.NONE
     try:
-        with (root / str(attempt.game["bag"])).open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        digest = digest_of(root / str(attempt.game["bag"]))
     except OSError:
         return RecordingState.MISSING
     return RecordingState.AS_RECORDED if digest == attempt.game.get("sha256") else RecordingState.CHANGED
@@ -143,8 +142,16 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
                 "whether the step came to its end",
                 lambda row: row.attempt.outcome is StepOutcome.DONE,
             ),
-            text("bag", "recording of the game, in the study's folder; none without one", lambda row: row.bag),
-            text("sha256", "SHA-256 of the recording, as in the log", lambda row: told_text(row, "sha256")),
+            text(
+                "bag",
+                "recording of the game, in the study's folder (split: NAME_0.bag, ...); none without one",
+                lambda row: row.bag,
+            ),
+            text(
+                "sha256",
+                "SHA-256 of the recording, as in the log; of a split one that of its files, one after the other",
+                lambda row: told_text(row, "sha256"),
+            ),
             text(
                 "recording",
                 "whether the recording is as recorded, changed or missing at this export; none: there is none. Tables "
