@@ -1,10 +1,8 @@
 """Exports that pandas, R and Psych-DS read, and fingerprints that tell what has changed."""
 
-import csv
 import hashlib
 import itertools
 import json
-import re
 import shutil
 from pathlib import Path
 
@@ -23,8 +21,6 @@ from thbridge.experiment.store.events import Clocks
 from thbridge.files.errors import BadFile
 
 VERSIONS = {"thbridge": "1.0", "python": "3.11"}
-NAME = re.compile(r"([a-z]+-[A-Za-z0-9]+_)+data\.csv")
-"""How Psych-DS spells names of data files."""
 
 
 @pytest.fixture(scope="module")
@@ -58,21 +54,6 @@ def export(experiment: ExperimentFolder, tmp_path_factory: pytest.TempPathFactor
     to = tmp_path_factory.mktemp("export") / "first"
     export_experiment(experiment, experiment.read(), read_log(experiment.log), to, VERSIONS, ())
     return to
-
-
-def test_names_and_columns_are_those_that_psych_ds_asks_for(export: Path) -> None:
-    described = json.loads((export / "dataset_description.json").read_text())
-    assert (described["@context"], described["@type"]) == ("https://schema.org", "Dataset")
-    names = {variable["name"] for variable in described["variableMeasured"]}
-    files = list((export / "data").glob("*.csv"))
-    assert len(files) == 6
-    for file in files:
-        assert NAME.fullmatch(file.name)
-        with file.open(newline="") as opened:
-            header, *rows = csv.reader(opened)
-        assert set(header) <= names
-        assert rows
-        assert {len(row) for row in rows} == {len(header)}
 
 
 def test_two_exports_of_a_log_are_the_same_to_the_byte(
