@@ -45,8 +45,8 @@ class WindowOfTwo(ShownWindow):
 
     given_up = False
 
-    def __init__(self, *_: object) -> None:
-        super().__init__(Person(), people=2)
+    def __init__(self, *_: object, people: int = 2) -> None:
+        super().__init__(Person(), people)
 
 
 @pytest.fixture

@@ -7,12 +7,14 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from pathlib import Path
 
 from thbridge.experiment.allocation.places import NoPlace, Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep, plan_of
 from thbridge.experiment.design.steps import Failed, ResumeRule, StepKind
 from thbridge.experiment.store.events import JsonValue, LogEntry, LoggedEvent, NewEvent
+from thbridge.files.errors import BadFile
 
 
 class EventKind(StrEnum):
@@ -144,8 +146,22 @@ class Run:
         return self.state in {RunState.UNDER_WAY, RunState.COMPLETE}
 
 
-class BadHistory(ValueError):  # noqa: N818 - it is shown to people as a sentence
-    """Events that cannot follow one another in this experiment."""
+class BadHistory(BadFile):
+    """A log that an experiment's file does not fit: its steps, conditions or forms were changed after people came."""
+
+    def __init__(self, path: Path, problem: str) -> None:
+        remedy = "Bring back the files with which people took part; for changed ones begin another study"
+        super().__init__(path, f"{_UNFIT}{problem}", remedy)
+
+    def __reduce__(self) -> tuple[type["BadHistory"], tuple[Path, str]]:  # type: ignore[override]  # as built
+        return (type(self), (self.path, self.problem.removeprefix(_UNFIT)))
+
+
+_UNFIT = "does not fit what is in the log: "
+
+
+class _CannotFollowError(ValueError):
+    """An event that cannot follow those before it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +212,10 @@ class Progress:
         for entry in entries:
             sequence = entry.sequence
             if isinstance(entry, LoggedEvent):
-                self._take(runs, entry.event)
+                try:
+                    self._take(runs, entry.event)
+                except _CannotFollowError as fault:
+                    raise BadHistory(self.design.path, str(fault)) from None
         return dataclasses.replace(self, runs=runs, sequence=sequence)
 
     def _take(self, runs: dict[str, Run], event: NewEvent) -> None:
@@ -205,8 +224,10 @@ class Progress:
             number = data["place"]
             taken = {run.place.number for run in runs.values() if run.holds_place}
             if person in runs or not isinstance(number, int) or number in taken:
-                raise BadHistory(f"{person} begins at place {number}, which is taken, or begins twice")
+                raise _CannotFollowError(f"{person} begins at place {number}, which is taken, or begins twice")
             place = self.design.allocation.place(number)
+            if (data.get("cell", place.cell), data.get("order", place.order)) != (place.cell, place.order):
+                raise _CannotFollowError(f"place {number} was dealt other conditions, or another order of them")
             runs[person] = Run(person, place, plan_of(self.design, place))
             return
         run = runs.get(person)
@@ -217,7 +238,27 @@ class Progress:
         elif event.kind == EventKind.FAREWELL_READ:
             runs[person] = dataclasses.replace(run, farewell_read=True)
         elif run.state is RunState.UNDER_WAY:
+            self._check(run, event, data)
             runs[person] = _gone_on(run, event, data)
+
+    def _check(self, run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> None:
+        """Raise _CannotFollowError where a step is not the one that a person went through."""
+        if event.step == 0:
+            return
+        if event.step > len(run.plan):
+            raise _CannotFollowError(f"{run.participant} is in step {event.step} of {len(run.plan)}")
+        step = run.plan[event.step - 1]
+        if event.kind == EventKind.STEP_BEGUN:
+            condition = "" if step.condition is None else self.design.conditions[step.condition].name
+            if (was := str(data.get("name", step.name))) != step.name:
+                raise _CannotFollowError(f"step {event.step} of {run.participant} was {was}, and is {step.name}")
+            if event.condition and event.condition != condition:
+                problem = f"in step {event.step}, {run.participant} met {event.condition}"
+                raise _CannotFollowError(f"{problem}, which is now {condition or 'none'}")
+        elif "item" in data:
+            form = self.design.forms.get(step.index)
+            if form is not None and all(item.id != data["item"] for item in form.items):
+                raise _CannotFollowError(f"{run.participant} was asked {data['item']}, which {step.name} has not")
 
 
 def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
@@ -225,7 +266,7 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
     match event.kind:
         case EventKind.STEP_BEGUN:
             if event.step != run.step or run.under_way:
-                raise BadHistory(f"{run.participant} begins step {event.step} where {run.step} is next")
+                raise _CannotFollowError(f"{run.participant} begins step {event.step} where {run.step} is next")
             begun = {**run.begun, event.step: run.begun.get(event.step, 0) + 1}
             return dataclasses.replace(run, under_way=True, begun=begun, given={}, drafts={}, game=None, agrees=None)
         case EventKind.STEP_RESUMED if data.get("from") == ResumeRule.BEGINNING:
@@ -258,7 +299,7 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
 
 def _ended(run: Run, number: int, outcome: StepOutcome) -> Run:
     if number != run.step:
-        raise BadHistory(f"{run.participant} ends step {number} where {run.step} is under way")
+        raise _CannotFollowError(f"{run.participant} ends step {number} where {run.step} is under way")
     step, run = run.plan[number - 1], dataclasses.replace(run, last_outcome=outcome)
     if outcome is StepOutcome.LOST:
         reason = f"{step.name} could not go on"

@@ -6,7 +6,6 @@ from contextlib import suppress
 from typing import Protocol
 
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import BadHistory
 from thbridge.files.errors import BadFile
 from thbridge.timing.wall_clock import utc_now
 from ui.hosting.window_process import THBRIDGE, WindowProcess
@@ -150,5 +149,5 @@ class Desk:
                     return study.exclude(participant, reason) or ""
                 case EndRun(participant, reason):
                     return study.end_run(participant, reason) or ""
-        except (BadFile, BadHistory) as error:
+        except BadFile as error:
             return str(error)

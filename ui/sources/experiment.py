@@ -5,7 +5,7 @@ from collections.abc import Callable
 from thbridge.app.compose.machine import versions
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import deviations
-from thbridge.experiment.progress import BadHistory, Progress
+from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import LogFollower
 from thbridge.experiment.store.events import Tombstone
 from thbridge.files.errors import BadFile
@@ -50,9 +50,6 @@ class ExperimentSource:
                 self._look_at_freeze()
         except BadFile as fault:
             self._trouble = str(fault)
-        except BadHistory as fault:
-            remedy = "Bring back the experiment.yaml with which it was run, and open this again"
-            self._trouble = f"{self._folder.log}: {fault}. {remedy}"
         return True
 
     def state(self, shown: str, kiosk: str = "", troubles: tuple[str, ...] = (), read_only: str = "") -> DeskState:

@@ -348,8 +348,12 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
 
     if database.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
         raise damaged("is no log of an experiment")
-    if database.execute("PRAGMA user_version").fetchone() != (VERSION,):
-        raise damaged("was written by another version of the program")
+    (version,) = database.execute("PRAGMA user_version").fetchone()
+    if version != VERSION:
+        problem = f"is a log of layout {version}, and this release of thbridge reads layout {VERSION}"
+        raise BadFile(
+            path, problem, "Use the release with which the study was run; its freeze.json and methods.md name it"
+        )
     if database.execute("PRAGMA integrity_check").fetchone() != ("ok",):
         raise damaged("is damaged: SQLite finds its pages in disorder")
     # Read before the rows: another program may append between the two.
