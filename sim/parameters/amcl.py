@@ -80,3 +80,8 @@ class AmclParameters:
     odom_alpha3: float = live(0.2, "believed error in distance per metre", "", 0, 10)
     odom_alpha4: float = live(0.2, "believed error in distance per turning", "", 0, 10)
     odom_alpha5: float = live(0.2, "believed error sideways per metre (omni)", "", 0, 10)
+
+    @property
+    def recovers(self) -> bool:
+        """True unless both decays are 0: the filter then never looks for the robot where it does not track it."""
+        return self.recovery_alpha_slow > 0.0 or self.recovery_alpha_fast > 0.0

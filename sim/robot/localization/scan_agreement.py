@@ -13,6 +13,18 @@ and so fall below it."""
 FOUND_RATIO = 0.93
 """Least share of what is usual that the map must explain at a place for a lost robot to be found there."""
 
+MOST_OF_ONE_SCAN = 0.25
+"""A scan counts no more than this against the place, however badly it is explained: it may be the scan's fault."""
+MISFIT_OF_A_LOST_ROBOT = 1.0
+"""Sum of what scans lacked to the least agreement, at which the robot cannot be where the filter believes: four scans
+that fit nothing, ten of which the map explains three fifths. Those that fit take from it what they have more.
+
+Source: Page, Continuous inspection schemes (1954).
+"""
+
+DRIFT_AGREEMENT = 0.4
+"""Least share of a scan that the map explains from a place some decimetres off the right one."""
+
 _MEMORY = 0.5
 """Decay of the average over the last scans."""
 
@@ -26,12 +38,16 @@ class ScanAgreement:
         fast: short-term average (amcl: w_fast).
         recent: average over the last scans only, whatever the parameters say.
         count: scans averaged so far.
+        misfit: see `MISFIT_OF_A_LOST_ROBOT`.
+        last: of the last scan alone.
     """
 
     slow: float = 0.0
     fast: float = 0.0
     recent: float = 1.0
     count: int = 0
+    misfit: float = 0.0
+    last: float = 1.0
 
     def after(self, agreement: float, alpha_slow: float, alpha_fast: float) -> "ScanAgreement":
         """The averages with one more scan in them.
@@ -50,29 +66,44 @@ class ScanAgreement:
             elsewhere does not become usual.
         """
         recent = self.recent + _MEMORY * (agreement - self.recent)
+        lacking = max(-MOST_OF_ONE_SCAN, min(MIN_AGREEMENT - agreement, MOST_OF_ONE_SCAN))
+        misfit = max(0.0, min(self.misfit + lacking, MISFIT_OF_A_LOST_ROBOT))
         if alpha_slow == 0.0 and alpha_fast == 0.0:
-            return replace(self, recent=recent, count=self.count + 1)
+            return replace(self, recent=recent, count=self.count + 1, misfit=misfit, last=agreement)
         plain = 1.0 / (self.count + 1)
         beginning = plain > alpha_fast
         fast = self.fast + (plain if beginning else alpha_fast) * (agreement - self.fast)
         usual = agreement if agreement >= MIN_AGREEMENT else self.slow
         slow = self.slow + (plain if beginning else alpha_slow) * (usual - self.slow)
-        return ScanAgreement(slow, fast, recent, self.count + 1)
+        return ScanAgreement(slow, fast, recent, self.count + 1, misfit, agreement)
 
     def searching(self, agreement: float) -> "ScanAgreement":
-        """The averages with one more scan of a robot known to be lost, which leaves the long-term one as it is."""
+        """The averages with one more scan of a place that is looked for, of which nothing is usual yet."""
         recent = self.recent + _MEMORY * (agreement - self.recent)
-        return replace(self, recent=recent, fast=recent)
+        return replace(self, recent=recent, fast=recent, last=agreement)
 
     @property
     def lost(self) -> bool:
         """True when the robot cannot be where the filter believes."""
-        return self.recent < MIN_AGREEMENT or self.fast < DOUBT_RATIO * self.slow
+        return self.misfit >= MISFIT_OF_A_LOST_ROBOT
+
+    @property
+    def suspicious(self) -> bool:
+        """True when there is reason to look whether the robot is elsewhere: more than one bad scan, or worse ones."""
+        return self.recent < MIN_AGREEMENT or self.misfit > MOST_OF_ONE_SCAN or self.fast < DOUBT_RATIO * self.slow
 
     @property
     def doubtful(self) -> bool:
         """True when the last scans are explained worse than usual."""
         return self.recent < max(MIN_AGREEMENT, DOUBT_RATIO * self.slow)
+
+    @property
+    def drifting(self) -> bool:
+        """True when scans are explained worse than usual, and yet so well that the place can hardly be far off.
+
+        A scan of which the map explains next to nothing is no guide: it shows something unmapped, or another place.
+        """
+        return self.doubtful and self.last >= DRIFT_AGREEMENT
 
     @property
     def explained(self) -> bool:

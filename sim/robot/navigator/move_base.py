@@ -219,6 +219,7 @@ class Navigator:
             self._look_around(tick, twist, scan)
             return self._report(tick, pose)
         if isinstance(self._state, Lost):
+            self._command = STANDSTILL  # It looks around no longer, whenever the next command is due.
             self._enter("located", self._standing())
         if scan is not None:
             laser = pose.compose(scan.mount.laser_in_base)

@@ -1,19 +1,21 @@
 """A robot's tour of a map, as its filter would see it, with the truth beside: what localisers are compared on."""
 
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from sim.common.observations import Imu, LaserMount, Odometry, Scan
-from sim.inputs import SendGoal
+from sim.common.observations import TICKS_PER_SECOND, Imu, LaserMount, Odometry, Scan, Twist
+from sim.inputs import DriveManually, PutThing, SendGoal, TeamInput
 from sim.numerics.float_array import FloatArray
 from sim.numerics.noise_arrays import NoiseStream
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
 from sim.team import Team
 from sim.world.sensors import mount_of
+from sim.world.thing import Thing
 from thbridge.files.map_files import Map
 
 DEGRADED = WorldParameters(
@@ -38,23 +40,50 @@ class Run:
     truth: FloatArray
 
 
-def tour(place: Map, seed: int, rooms: int = 8, world: WorldParameters = DEGRADED) -> Run:
-    """Drive through so many rooms in an order that the seed draws; the driver knows the truth, its odometry is bad."""
+LONGEST_DRIVE = 120 * TICKS_PER_SECOND
+"""Ticks after which a goal that unmapped things keep the robot from is given up for the next one."""
+SPIN_TICKS = 6 * TICKS_PER_SECOND
+
+
+def tour(
+    place: Map, seed: int, rooms: int = 8, world: WorldParameters = DEGRADED, bodies: Sequence[Thing] = (),
+    spin: float = 0.0,
+) -> Run:  # fmt: skip
+    """Drive through so many rooms in an order that the seed draws; the driver knows the truth, its odometry is bad.
+
+    Args:
+        place: the world, without the bodies.
+        seed: of order and noise.
+        rooms: how many.
+        world: how sensors err.
+        bodies: what no map shows.
+        spin: rad/s at which the robot turns for some seconds in each room.
+    """
     order = np.argsort(NoiseStream.named(seed, "tour").uniforms(0, len(place.rooms)))[:rooms]
-    robot = RobotParameters(localization="truth")
-    team = Team(place.grid, world, [robot], place.starts[:1], seed, 1e9)
+    team = Team(place.grid, world, [RobotParameters(localization="truth")], place.starts[:1], seed, 1e9)
     observations, truth = [], []
+
+    def step(inputs: Sequence[TeamInput]) -> bool:
+        """Do one tick; return True when the goal is reached or given up."""
+        output = team.step(inputs).robots[0]
+        seen = output.observations
+        if seen.scan is not None:
+            observations.append((seen.odometry, seen.imu, seen.scan))
+            truth.append(output.estimate.base_in_map.array())
+        return output.navigation.result is not None
+
+    inputs: list[TeamInput] = [PutThing(body) for body in bodies]
     for number, room in enumerate(order):
-        inputs = [SendGoal(0, Goal(number, place.rooms[room].goal))]
-        while True:
-            output = team.step(inputs).robots[0]
+        inputs.append(SendGoal(0, Goal(number, place.rooms[room].goal)))
+        for _ in range(LONGEST_DRIVE):
+            ended = step(inputs)
             inputs = []
-            seen = output.observations
-            if seen.scan is not None:
-                observations.append((seen.odometry, seen.imu, seen.scan))
-                truth.append(output.estimate.base_in_map.array())
-            if output.navigation.result is not None:
+            if ended:
                 break
+        if spin:
+            step([DriveManually(0, Twist(0.0, spin), SPIN_TICKS)])
+            for _ in range(SPIN_TICKS):
+                step([])
     return Run(mount_of(world.laser), tuple(observations), np.array(truth))
 
 

@@ -1,5 +1,6 @@
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -191,8 +192,8 @@ def test_a_blind_scan_changes_no_weights(drive):
     estimate = amcl.update(tour.moments[0].odometry, tour.moments[0].imu, blind)
     state = amcl.state
     assert isinstance(state, ParticleBelief)
-    assert np.ptp(state.weights) < 1e-12
-    assert state.agreement.count == 0
+    assert np.ptp(state.place.weights) < 1e-12
+    assert state.place.agreement.count == 0
     assert estimate.base_in_map.distance(tour.start) < 0.1
 
 
@@ -225,6 +226,34 @@ def test_a_robot_carried_off_notices_and_mostly_finds_back(drive):
     assert found >= 5
 
 
+def test_a_jump_is_never_told_as_certain(drive):
+    tour = drive(seconds=120, furnished=True)
+    jumps = 0
+    for seed in range(1, 7):
+        amcl = amcl_of(tour, seed=seed)
+        run(amcl, tour.moments[:750])
+        for before, now in pairwise(run(amcl, kidnapped(tour, 750, 2000))):
+            if before.base_in_map.distance(now.base_in_map) > 1.0:
+                jumps += 1
+                assert before.lost
+                assert now.lost
+    assert jumps >= 3
+
+
+def test_a_second_behind_something_unmapped_changes_little_and_is_no_loss(drive):
+    tour = drive(seconds=30, furnished=True)
+    amcl = amcl_of(tour)
+    moments = list(tour.moments)
+    hidden = [number for number, moment in enumerate(moments) if moment.scan is not None and number > 600][:10]
+    for number in hidden:
+        ranges = moments[number].scan.ranges.copy()
+        ranges[tour.mount.beams // 4 : -tour.mount.beams // 4] = 0.6
+        moments[number] = replace(moments[number], scan=replace(moments[number].scan, ranges=ranges))
+    estimates = run(amcl, moments)
+    assert not any(estimate.lost for estimate in estimates)
+    assert max(m.truth.distance(e.base_in_map) for m, e in zip(moments[300:], estimates[300:], strict=True)) < 0.3
+
+
 def test_with_both_decays_zero_no_particles_are_scattered(drive):
     tour = drive(seconds=120, furnished=True)
     amcl = amcl_of(tour, replace(PARAMETERS, recovery_alpha_slow=0.0, recovery_alpha_fast=0.0))
@@ -232,7 +261,7 @@ def test_with_both_decays_zero_no_particles_are_scattered(drive):
     run(amcl, kidnapped(tour, 750, 2000))
     state = amcl.state
     assert isinstance(state, ParticleBelief)
-    assert len(state.particles) < 200
+    assert len(state.place.particles) < 200
 
 
 @pytest.mark.parametrize("model", ["likelihood_field_prob", "beam"])

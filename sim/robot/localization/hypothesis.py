@@ -1,0 +1,308 @@
+"""A hypothesis of where the robot is: a cloud of particles that is moved, weighed by scans and drawn anew.
+
+Every particle moves by the odometry with an error of its own (`motion`), and its weight is multiplied by how well the
+scan fits the map from there (`likelihood_field`, `beam`). The mean of the heaviest cluster (`clusters`) stands for the
+cloud. Every so often a new generation is drawn in proportion to the weights, as many particles as the cloud's spread
+asks for (`resampling`). Meanwhile `scan_agreement` watches how well the map explains the scans from that mean.
+
+Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim.common.frozen import frozen
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import LaserMount, Scan
+from sim.numerics.float_array import FloatArray
+from sim.numerics.noise_arrays import NoiseStream
+from sim.parameters import AmclParameters
+from sim.robot.localization.beam import BeamModel
+from sim.robot.localization.clusters import CloudSummary, bin_particles, summarise
+from sim.robot.localization.estimate import read_only
+from sim.robot.localization.free_space import FreeSpace
+from sim.robot.localization.likelihood_field import Beams, LikelihoodField
+from sim.robot.localization.motion import Alphas, MotionModel
+from sim.robot.localization.resampling import adaptive, systematic, tempered
+from sim.robot.localization.scan_agreement import ScanAgreement
+
+CANDIDATES_PER_PARTICLE = 20
+"""Places looked at for each particle drawn anew."""
+MIN_CANDIDATES = 50_000
+"""At least so many, so that one lies near enough to the right place in a map of some hundred square metres."""
+MAX_CANDIDATES = 400_000
+"""At most so many: a quarter of a second's work with 60 beams."""
+
+FITTING_SHARE = 0.01
+"""Share of the candidates that must remain effective when newcomers are drawn by how well a scan fits."""
+NEWCOMER_JITTER = (0.05, 0.05, 0.05)
+"""Metres, metres, radians by which newcomers at one place differ."""
+
+NEARBY = (0.5, 0.5, 0.25)
+"""Metres, metres, radians: standard deviations of the newcomers that are looked for around a place."""
+NEARBY_SHARE = 0.2
+"""Share of a generation that is looked for around its own place when scans fit it badly."""
+
+CONVERGED_DISTANCE = 0.5
+"""Metres from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
+
+EFFECTIVE_SHARE = 0.1
+"""Share of equal particles that every scan must leave effective, see `tempered`."""
+
+JITTER = (0.01, 0.01, 0.01)
+"""Metres, metres, radians by which heirs of one particle differ. The odometry of a robot that turns on the spot
+does not spread their places: without this they would all become one.
+
+Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
+"""
+
+SURE_SHARE = 0.8
+"""Share of the weight that the heaviest cluster must hold for a place to be sure."""
+
+INITIAL_AGREEMENT = ScanAgreement()
+"""The agreement that a hypothesis begins with."""
+
+
+@frozen(eq=False)
+class Hypothesis:
+    """A cloud of particles that is followed by itself, and how well the map explains the scans from its place.
+
+    Attributes:
+        particles: (n, 3) poses in the map at the last update; read-only.
+        weights: (n,) their weights, summing to 1; read-only.
+        mean: the pose that stands for it then.
+        covariance: (3, 3) of that pose; read-only.
+        updates: scans weighed since it began.
+        agreement: share of them that the map explains.
+        settled: scans in a row after which nearly all particles agreed on one place that the map explains.
+    """
+
+    particles: FloatArray
+    weights: FloatArray
+    mean: Pose2
+    covariance: FloatArray
+    updates: int = 0
+    agreement: ScanAgreement = INITIAL_AGREEMENT
+    settled: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanView:
+    """The part of a scan that is weighed.
+
+    Attributes:
+        tick: when it was taken.
+        points: (m, 2) where its beams ended, base frame, see `Beams.end_points`.
+        ranges: (k,) of its beams, see `Beams.ranges`.
+    """
+
+    tick: int
+    points: FloatArray
+    ranges: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CloudNoise:
+    """The chance that one cloud of a robot is subject to."""
+
+    motion: NoiseStream
+    resampling: NoiseStream
+    jitter: NoiseStream
+    places: NoiseStream
+
+    @classmethod
+    def named(cls, seed: int, *names: str) -> "CloudNoise":
+        """The streams of a seed and a path of names."""
+        motion, resampling, jitter, places = (
+            NoiseStream.named(seed, *names, kind) for kind in ("motion", "resampling", "jitter", "recovery")
+        )
+        return cls(motion, resampling, jitter, places)
+
+
+class CloudFilter:
+    """The models by which hypotheses are followed on one map with one laser.
+
+    Args:
+        parameters: amcl's.
+        grid: the static map.
+        mount: the laser.
+    """
+
+    def __init__(self, parameters: AmclParameters, grid: OccupancyGrid, mount: LaserMount) -> None:
+        self._parameters = parameters
+        self._beams = Beams.of(
+            mount, parameters.laser_max_beams, parameters.laser_max_range, parameters.laser_min_range
+        )
+        self._field = LikelihoodField.of(
+            grid,
+            self._beams,
+            parameters.laser_z_hit,
+            parameters.laser_z_rand,
+            parameters.laser_sigma_hit,
+            parameters.laser_likelihood_max_dist,
+        )
+        self._beam_model = BeamModel.of(grid, self._beams, parameters)
+        alphas = Alphas(
+            parameters.odom_alpha1,
+            parameters.odom_alpha2,
+            parameters.odom_alpha3,
+            parameters.odom_alpha4,
+            parameters.odom_alpha5,
+        )
+        self._motion = MotionModel(parameters.odom_model_type, alphas)
+        self._free_space = FreeSpace(grid)
+        # Walls may lie anywhere in their cells: an error that all particles share, and none can show.
+        self._unknowable = np.diag((1.0, 1.0, 0.0)) * (grid.resolution * grid.resolution) / 12.0
+
+    def view(self, scan: Scan, tick: int) -> ScanView:
+        """Return what is weighed of a scan.
+
+        Raises:
+            ValueError: it has another number of beams than the laser that the filter was made for.
+        """
+        if len(scan.ranges) != self._beams.mount.beams:
+            raise ValueError(f"a scan of {len(scan.ranges)} beams from a laser of {self._beams.mount.beams}")
+        return ScanView(tick, self._beams.end_points(scan), self._beams.ranges(scan))
+
+    def looked_for(self, view: ScanView, noise: CloudNoise) -> Hypothesis:
+        """Return a hypothesis of as many particles as allowed, at places of the whole map that a scan fits.
+
+        A uniform cloud of this size would hold no particle near the truth; so the scan is looked for in a sample that
+        is many times larger.
+        """
+        particles = self._anywhere(self._parameters.max_particles, view, noise)
+        return self._weighed(None, particles, np.full(len(particles), 1.0 / len(particles)), view, True)
+
+    def followed(
+        self, before: Hypothesis, left: Pose2, reached: Pose2, view: ScanView, noise: CloudNoise, searching: float = 0.0
+    ) -> Hypothesis:
+        """Return a hypothesis after a movement and a scan, drawn anew where that is due.
+
+        Args:
+            before: the hypothesis at the last update.
+            left: the odometry then.
+            reached: the odometry now.
+            view: the scan.
+            noise: the cloud's own.
+            searching: share of the next generation that is looked for all over the map.
+        """
+        draws = noise.motion.normals(view.tick, 3 * len(before.particles))
+        particles = self._motion.move(before.particles, left, reached, draws)
+        weights = before.weights * tempered(self._log_likelihood(particles, view), EFFECTIVE_SHARE)
+        total = weights.sum()
+        weights = weights / total if total > 0.0 else before.weights
+        now = self._weighed(before, particles, weights, view, searching > 0.0)
+        # With selective resampling, a cloud whose effective number (1 / sum of squares) is above half of its particles
+        # is kept: drawing anew would only lose hypotheses (Grisetti, Stachniss, Burgard 2007).
+        parameters = self._parameters
+        due = now.updates % parameters.resample_interval == 0 and not (
+            parameters.selective_resampling and searching == 0.0 and 2.0 / (weights * weights).sum() > len(weights)
+        )
+        return self._drawn(now, view, noise, searching) if due else now
+
+    def _weighed(
+        self, before: Hypothesis | None, particles: FloatArray, weights: FloatArray, view: ScanView, searching: bool
+    ) -> Hypothesis:
+        parameters = self._parameters
+        summary = summarise(particles, weights, bin_particles(particles))
+        agreement = before.agreement if before else INITIAL_AGREEMENT
+        share = self._beam_model.agreement(summary.mean, view.ranges)
+        if share is not None and searching:
+            agreement = agreement.searching(share)
+        elif share is not None:
+            agreement = agreement.after(share, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
+        settled = (before.settled if before else 0) + 1 if self._sure(summary) and agreement.explained else 0
+        return Hypothesis(
+            particles=read_only(particles),
+            weights=read_only(weights),
+            mean=summary.mean,
+            covariance=read_only(summary.covariance + self._unknowable),
+            updates=before.updates + 1 if before else 1,
+            agreement=agreement,
+            settled=settled,
+        )
+
+    def _sure(self, summary: CloudSummary) -> bool:
+        """Return True when nearly all particles agree on one place."""
+        parameters = self._parameters
+        levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
+        return summary.weight >= SURE_SHARE and bool((np.sqrt(summary.variances) <= levels).all())
+
+    def _log_likelihood(self, particles: FloatArray, view: ScanView) -> FloatArray:
+        """(n,) log likelihood of a scan from each particle, by the model that the parameters name."""
+        parameters = self._parameters
+        if parameters.laser_model_type == "beam":
+            return self._beam_model.log_likelihood(particles, view.ranges)
+        points = view.points
+        skips = parameters.laser_model_type == "likelihood_field_prob" and parameters.do_beamskip
+        if skips and np.ptp(particles[:, :2], axis=0).max() <= 2.0 * CONVERGED_DISTANCE:
+            points = self._field.explained(
+                particles,
+                points,
+                parameters.beam_skip_distance,
+                parameters.beam_skip_threshold,
+                parameters.beam_skip_error_threshold,
+            )
+        return self._field.log_likelihood(particles, points)
+
+    def _drawn(self, now: Hypothesis, view: ScanView, noise: CloudNoise, searching: float) -> Hypothesis:
+        """Draw the next generation: heirs of the present one, and newcomers where scans fit badly."""
+        parameters = self._parameters
+        heirs_offset, newcomers_offset = noise.resampling.uniforms(view.tick, 2)
+        if searching and len(view.points):
+            # Newcomers lie in so many bins that KLD sampling would ask for the greatest number of particles anyway.
+            count = int(searching * parameters.max_particles + newcomers_offset)
+            heirs = systematic(now.weights, parameters.max_particles - count, heirs_offset)
+            newcomers = self._anywhere(count, view, noise)
+        else:
+            heirs = adaptive(
+                now.weights,
+                bin_particles(now.particles).of_particle,
+                heirs_offset,
+                parameters.kld_err,
+                parameters.kld_z,
+                parameters.min_particles,
+                parameters.max_particles,
+            )
+            nearby = parameters.recovers and now.agreement.drifting and len(view.points)
+            count = int(NEARBY_SHARE * len(heirs) + newcomers_offset) if nearby else 0
+            newcomers = self._nearby(now.mean, count, view, noise)
+            # Heirs are in the order of their parents, which lie in no order at all.
+            heirs = heirs[count:]
+        particles = np.concatenate((self._jittered(now.particles[heirs], view.tick, noise), newcomers))
+        weights = read_only(np.full(len(particles), 1.0 / len(particles)))
+        return replace(now, particles=read_only(particles), weights=weights)
+
+    def _jittered(
+        self, particles: FloatArray, tick: int, noise: CloudNoise, spread: tuple[float, float, float] = JITTER
+    ) -> FloatArray:
+        """(n, 3) particles, each a little off, so that no two are the same."""
+        return particles + noise.jitter.normals(tick, 3 * len(particles)).reshape(-1, 3) * spread
+
+    def _anywhere(self, count: int, view: ScanView, noise: CloudNoise) -> FloatArray:
+        """(count, 3) places from all over the map where a scan fits, drawn in proportion to how well.
+
+        Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Differs:
+            amcl draws blindly; such places hardly ever lie near enough to the truth to survive.
+        """
+        places = max(MIN_CANDIDATES, min(count * CANDIDATES_PER_PARTICLE, MAX_CANDIDATES))
+        return self._fitting(count, self._free_space.draw(places, noise.places, view.tick), view, noise)
+
+    def _nearby(self, place: Pose2, count: int, view: ScanView, noise: CloudNoise) -> FloatArray:
+        """(count, 3) places around one where a scan fits, drawn in proportion to how well.
+
+        Wheels that are a fifth off, or a map that is some decimetres wrong, carry a cloud away from the truth step by
+        step: none of its particles' heirs comes back.
+        """
+        if count == 0:
+            return np.empty((0, 3))
+        draws = noise.places.normals(view.tick, 3 * count * CANDIDATES_PER_PARTICLE)
+        return self._fitting(count, place.array() + draws.reshape(-1, 3) * NEARBY, view, noise)
+
+    def _fitting(self, count: int, candidates: FloatArray, view: ScanView, noise: CloudNoise) -> FloatArray:
+        fit = self._field.log_likelihood(candidates, view.points)
+        offset = noise.resampling.uniforms(view.tick, 3)[2]
+        chosen: FloatArray = candidates[systematic(tempered(fit, FITTING_SHARE), count, offset)]
+        return self._jittered(chosen, view.tick + 1, noise, NEWCOMER_JITTER)
