@@ -65,7 +65,7 @@ def withdraw(
     with ExperimentLog(study.log) as log:
         conductor = Conductor(design, log, clocks, draw)
         runs = conductor.progress.runs
-        participant = next((run.participant for run in runs.values() if run.code == named), named)
+        participant = next((run.participant for run in runs.values() if run.code == _plain(named)), named)
         recordings = study.recordings / participant
         held, backups = exports_with(study, participant), study.backups_known.paths()
         listed = [export for export in held if participant in (people_of(export) or ())]
@@ -101,6 +101,11 @@ def withdraw(
             f"{export}: an export was written here, and is here no more. If it was moved, delete it there."
         )
     return told
+
+
+def _plain(code: str) -> str:
+    """Return a code without the blank with which it is shown, and in its own letters."""
+    return code.replace(" ", "").upper()
 
 
 def _holds(backup: Path, participant: str) -> bool:

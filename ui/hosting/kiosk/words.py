@@ -122,7 +122,10 @@ def farewell(run: Run) -> tuple[str, str]:
     kept = f"What you did is kept under the code {run.participant}. If you want it deleted later, tell us this code."
     match run.state:
         case RunState.COMPLETE:
-            return "Thank you", f"You have completed the study. You may go now.\n\n{kept}"
+            told = (
+                "You have completed the study. Everything is kept. If you want it deleted later, tell us the code below"
+            )
+            return "Thank you", f"{told}. You may go now."
         case RunState.DECLINED:
             return "Thank you", f"You do not take part, and nothing more is recorded. {CALL}\n\n{kept}"
         case RunState.LEFT:
