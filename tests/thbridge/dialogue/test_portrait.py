@@ -44,8 +44,10 @@ def test_a_portrait_tells_what_is_believed_and_said_and_can_be_read_again(
     assert portrait.human_store == tuple(map(str, person.store))
     assert [game.number for game in portrait.games] == [play.number for play in conversation.plays]
     assert len(portrait.arguments) <= MOST_ARGUMENTS
-    # Nothing argues for itself but what the robot believes already.
+    # Nothing argues for itself but what the robot believes already, and facts of the person's that no rule concludes.
+    claims = {rule.conclusion.proposition for agent in (robot, person) for rule in agent.beliefs.rules}
     held = {belief.literal for belief in portrait.sigma}
+    held |= {str(literal) for literal in robot.picture.held if literal.proposition not in claims}
     assert {each.conclusion for each in portrait.arguments if each.conclusion in each.support} <= held
     # What stands is attacked by nothing that stands.
     assert not {(one, other) for one, other in portrait.attacks if {one, other} <= set(portrait.grounded)}
