@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[2]
-QUICK = ("protocol.md", "sweeps.md", "your-own-dialogue-game.md")
-SLOW = sorted({page.name for page in (PROJECT / "docs").glob("your-own-*.md")} - {*QUICK})
+QUICK = ("protocol.md", "your-own-dialogue-game.md")
+SLOW = sorted({page.name for page in (PROJECT / "docs").glob("your-own-*.md")} - {*QUICK} | {"sweeps.md"})
 """Pages that take from ten seconds to two minutes; tests/peers runs that of recordings, too."""
 SHORTENED = {"sweeps.md": ("replicates: 5", "replicates: 2")}
 """What a page says, and what is enough to see that it runs."""

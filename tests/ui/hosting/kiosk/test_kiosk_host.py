@@ -87,7 +87,9 @@ def test_somebody_goes_through_a_whole_study(laboratory: Laboratory) -> None:
     assert last.code == run.code
 
 
-def test_a_program_that_dies_at_any_event_loses_and_doubles_nothing(tmp_path: Path) -> None:
+# An odd step, so that events are written and not written in turn.
+@pytest.mark.parametrize("step", [5, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_program_that_dies_at_any_event_loses_and_doubles_nothing(step: int, tmp_path: Path) -> None:
     def studied(name: str) -> Laboratory:
         (tmp_path / name).mkdir()
         return Laboratory(tmp_path / name)
@@ -99,7 +101,7 @@ def test_a_program_that_dies_at_any_event_loses_and_doubles_nothing(tmp_path: Pa
     whole.run(first)
     count = len(whole.events)
     assert count > 40
-    for dies in range(1, count):
+    for dies in range(1, count, step):
         laboratory, person = studied(f"dies-{dies}"), somebody()
         with pytest.raises(KilledError):
             # The event is written or not, in turn.
