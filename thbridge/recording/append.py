@@ -1,4 +1,4 @@
-"""Records appended to a file completely or not at all, and folders on the disk."""
+"""Records appended to a file completely or not at all, and folders that are on the disk."""
 
 import contextlib
 import os
@@ -39,3 +39,15 @@ def sync_folder(folder: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder, with those above it, where it is not there; it outlives a power cut when this returns.
+
+    Raises:
+        OSError: it cannot be made.
+    """
+    new = [each for each in (folder, *folder.parents) if not each.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    for each in new:
+        sync_folder(each.parent)

@@ -15,6 +15,7 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.files.errors import BadFile
+from thbridge.recording.append import make_folder
 from ui.display import why_no_window
 from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames
@@ -24,7 +25,7 @@ from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
 
 
-def run_study(folder: Path, look: str, *, windowed: bool, desk: bool) -> None:
+def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: tuple[str, ...] = ()) -> None:
     """Take people through a study until the window is closed, or the program stopped.
 
     Args:
@@ -32,16 +33,17 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool) -> None:
         look: colours of the windows.
         windowed: True for a window that leaves the rest of the screen free.
         desk: True to open the researcher's desk, too.
+        program: command of another window that speaks the messages of `ui.model.kiosk`; empty: ours.
     """
     with bad_input():
         place, clock = ExperimentFolder(folder), StudyClock()
         design = place.read()
-        why = why_no_window()
+        why = None if program else why_no_window()
         if why is not None:
             fail(BAD_INPUT, why)
-        place.log.parent.mkdir(exist_ok=True)
+        make_folder(place.log.parent)
         log = ExperimentLog(place.log)
-    window, code = _window(folder, look, windowed=windowed), 0
+    window, code = _window(folder, look, program, windowed=windowed), 0
     try:
         with log, MarkerStream(design.file.title, wanted=design.file.markers) as markers, bad_input(FAILED):
             conductor = Conductor(design, log, markers.stamping(clock), secrets.randbelow)
@@ -65,9 +67,9 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool) -> None:
     raise typer.Exit(code)
 
 
-def _window(folder: Path, look: str, *, windowed: bool) -> WindowProcess[ToKiosk, FromKiosk]:
+def _window(folder: Path, look: str, program: tuple[str, ...], *, windowed: bool) -> WindowProcess[ToKiosk, FromKiosk]:
     options = ("--hosted", "--look", look, *(["--windowed"] if windowed else []))
-    return WindowProcess((*THBRIDGE, "study", "run", str(folder), *options), KIOSK)
+    return WindowProcess(program or (*THBRIDGE, "study", "run", str(folder), *options), KIOSK)
 
 
 async def _run(host: KioskHost, desk: Desk | None, folder: Path) -> None:

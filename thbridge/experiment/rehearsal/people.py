@@ -1,12 +1,20 @@
 """Simulated people of rehearsals: what they are like, as a file says."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 
+import numpy as np
+
+from sim.numerics import noise
 from sim.parameters import param
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.questionnaires.form import MEASURED, Item, Scale
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
+from thbridge.experiment.store.events import JsonValue
 from thbridge.files.errors import FaultCollection
 from thbridge.files.yaml.load import Loaded, load
 
@@ -48,6 +56,47 @@ class SimulatedPeople:
     def without_games(self) -> "SimulatedPeople":
         """Return people like these whose trials end at once: no answer of theirs depends on games."""
         return replace(self, plays=False)
+
+    def answer(
+        self,
+        item: Item,
+        levels: Mapping[str, str],
+        manner: float,
+        draw: Callable[[], float],
+        normal: Callable[[], float],
+    ) -> JsonValue:
+        """Return what one of them answers to an item.
+
+        Args:
+            item: of a form.
+            levels: the levels of all factors that the person meets.
+            manner: how much higher than others the person answers in this form; mean 0, variance 1 over people.
+            draw: chance, from 0 up to and without 1.
+            normal: chance, mean 0, variance 1.
+        """
+        if item.correct is not None and draw() >= self.wrong:
+            return item.correct
+        if item.not_applicable and draw() < self.not_applicable:
+            return NOT_APPLICABLE
+        match item.scale:
+            case Scale.CHOICE:
+                return item.options[int(draw() * len(item.options))]
+            case Scale.TEXT:
+                return "an answer of a rehearsal"
+        width = item.greatest - item.least
+        shift = math.fsum(each.shift for each in self.effects if each.score == item.subscale and each.holds(levels))
+        share = 0.5 + shift + self.spread * manner + self.within * normal()
+        value = item.least + width * min(1.0, max(0.0, share))
+        if item.reverse:
+            value = item.least + item.greatest - value
+        step = item.step if item.scale in {Scale.ANALOGUE, Scale.NUMBER} else 1.0
+        steps = round((value - item.least) / step) if step > 0.0 else 0
+        return item.least + steps * step if item.scale in MEASURED and step > 0.0 else value
+
+
+def normal(stream: np.uint64, tick: int = 0) -> float:
+    """Return a number whose mean is 0 and variance 1: the sum of twelve draws, less six (Irwin and Hall)."""
+    return sum(chain.from_iterable(noise.uniform_pair(stream, tick, block) for block in range(6))) - 6.0
 
 
 def read_people(path: Path, design: ExperimentDesign) -> SimulatedPeople:

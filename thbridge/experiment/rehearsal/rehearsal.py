@@ -1,14 +1,10 @@
 """Rehearsals: simulated people go through a whole experiment, with answers, errors and drop-outs drawn from a seed."""
 
-import math
 import random
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
-
-import numpy as np
 
 from sim.numerics import elementary, noise
 from thbridge.app.compose.recording import build_writer
@@ -21,10 +17,8 @@ from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import EventKind, Run
-from thbridge.experiment.questionnaires.form import MEASURED, Item, Scale
-from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.experiment.rehearsal.clock import RehearsalClock
-from thbridge.experiment.rehearsal.people import SimulatedPeople
+from thbridge.experiment.rehearsal.people import SimulatedPeople, normal
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import JsonValue
 from thbridge.experiment.trials import played, setting_of_trial
@@ -137,7 +131,7 @@ class Rehearsal:
     def _fill_in(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
         form = conductor.form(step)
         # People have manners of their own, which they keep from condition to condition.
-        manner = _normal(noise.key(self._seed, "experiment", "manner", person, step.name))
+        manner = normal(noise.key(self._seed, "experiment", "manner", person, step.name))
         levels = self._levels(conductor.progress.runs[person], step)
         for item in form.order(self._design.file.seed, person):
             if item.id in conductor.progress.runs[person].given:
@@ -147,29 +141,8 @@ class Rehearsal:
             self._clock.advance(60.0 * len(item.text.split()) / self._people.words_per_minute)
             conductor.tell(EventKind.ITEM_TOUCHED, person, step, named, "participant")
             self._clock.advance(self._people.answering * elementary.exp(self._people.hesitation * self._normal()))
-            answer = self._answer(item, levels, manner)
+            answer = self._people.answer(item, levels, manner, self._draw, self._normal)
             conductor.tell(EventKind.ITEM_GIVEN, person, step, {**named, "answer": answer}, "participant")
-
-    def _answer(self, item: Item, levels: Mapping[str, str], manner: float) -> JsonValue:
-        people = self._people
-        if item.correct is not None and self._draw() >= people.wrong:
-            return item.correct
-        if item.not_applicable and self._draw() < people.not_applicable:
-            return NOT_APPLICABLE
-        match item.scale:
-            case Scale.CHOICE:
-                return item.options[int(self._draw() * len(item.options))]
-            case Scale.TEXT:
-                return "an answer of a rehearsal"
-        width = item.greatest - item.least
-        shift = math.fsum(each.shift for each in people.effects if each.score == item.subscale and each.holds(levels))
-        share = 0.5 + shift + people.spread * manner + people.within * self._normal()
-        value = item.least + width * min(1.0, max(0.0, share))
-        if item.reverse:
-            value = item.least + item.greatest - value
-        step = item.step if item.scale in {Scale.ANALOGUE, Scale.NUMBER} else 1.0
-        steps = round((value - item.least) / step) if step > 0.0 else 0
-        return item.least + steps * step if item.scale in MEASURED and step > 0.0 else value
 
     def _play(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
         run = conductor.progress.runs[person]
@@ -204,13 +177,8 @@ class Rehearsal:
 
     def _normal(self) -> float:
         self._drawn += 1
-        return _normal(self._stream, self._drawn)
+        return normal(self._stream, self._drawn)
 
     def _draw(self) -> float:
         self._drawn += 1
         return float(noise.uniform(self._stream, self._drawn, 0))
-
-
-def _normal(stream: np.uint64, tick: int = 0) -> float:
-    """A number whose mean is 0 and variance 1: the sum of twelve draws, less six (Irwin and Hall)."""
-    return sum(chain.from_iterable(noise.uniform_pair(stream, tick, block) for block in range(6))) - 6.0

@@ -84,18 +84,16 @@ class ExperimentLog:
         self._unwritten: list[_Row] = []
         self._lock = _locked(path)
         new = not path.exists()
-        entries: list[LogEntry] = []
-        if not new:
-            # Nothing is ever appended to a damaged log.
-            entries = read_log(path)
-        elif _head_path(path).exists():
+        if new and _head_path(path).exists():
             raise BadFile(path, "is missing, though its head is there", "bring it back from a backup")
+        # Nothing is ever appended to a damaged log.
+        entries = [] if new or _is_just_made(path) else read_log(path)
         try:
-            self._database = _opened(path, "rwc")
+            if new:
+                _make(path)
+            self._database = _opened(path, "rw")
             # Of a copy, too, which was not written so.
             self._database.execute("PRAGMA journal_mode=WAL")
-            if new:
-                self._create()
             self._database.execute(f"PRAGMA synchronous={'FULL' if synced else 'OFF'}")
             self._length, self._chain = len(entries), _last_chain(self._database)
             self._write_head()
@@ -104,15 +102,6 @@ class ExperimentLog:
                 self._wipe()
         except (sqlite3.Error, OSError) as error:
             raise BadFile(path, f"cannot be opened ({error})", "look at the disk and at the folder's rights") from None
-
-    def _create(self) -> None:
-        for statement in (
-            f"PRAGMA application_id={APPLICATION}",
-            f"PRAGMA user_version={VERSION}",
-            _TABLE,
-        ):
-            self._database.execute(statement)
-        sync_folder(self.path.parent)
 
     def __enter__(self) -> Self:
         return self
@@ -389,6 +378,27 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
 
 def _opened(path: Path, mode: str) -> sqlite3.Connection:
     return sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, isolation_level=None)
+
+
+def _make(path: Path) -> None:
+    """Make an empty log, all of it or nothing."""
+    with contextlib.closing(sqlite3.connect(":memory:")) as database:
+        for statement in (f"PRAGMA application_id={APPLICATION}", f"PRAGMA user_version={VERSION}", _TABLE):
+            database.execute(statement)
+        database.commit()
+        _write_whole(path, database.serialize())
+
+
+def _is_just_made(path: Path) -> bool:
+    """Return True for a log whose program died before it had a head: no event was ever in it."""
+    if _head_path(path).exists():
+        return False
+    try:
+        with contextlib.closing(_opened(path, "ro")) as database:
+            (events,) = database.execute("SELECT count(*) FROM events").fetchone()
+            return bool(events == 0)
+    except sqlite3.Error:
+        return False
 
 
 def _locked(path: Path) -> IO[bytes]:

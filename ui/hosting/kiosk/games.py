@@ -21,6 +21,7 @@ from thbridge.experiment.recordings import moved_aside
 from thbridge.experiment.store.events import JsonValue
 from thbridge.experiment.trials import played, setting_of_trial
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.recording.append import make_folder
 from thbridge.recording.recordings import make_room
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
@@ -106,7 +107,7 @@ class StudyGames:
             bag = bag.with_stem(f"{bag.stem}-attempt-{attempt}")
         log = _inputs_of(bag)
         try:
-            bag.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(bag.parent)
             earlier = make_room(bag)
             if not goes_on or (earlier is not None and not log.exists()):
                 _break_off(log, bag, earlier, watcher)

@@ -217,6 +217,7 @@ for (name in names(found)) {
   told <- cells(name, rows, within, between)
   draw(name, rows, c(between, within), told)
   means <- rbind(means, told)
+  if (length(unique(rows$value)) < 2) next # All the same: nothing can be compared.
   for (factor in within) tests <- rbind(tests, within_tests(name, rows, factor))
   for (factor in between) tests <- rbind(tests, between_tests(name, rows, factor))
   for (inside in within) for (outside in between) tests <- rbind(tests, interactions(name, rows, inside, outside))

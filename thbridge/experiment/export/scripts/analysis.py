@@ -197,6 +197,8 @@ def main() -> None:
         told = cells(name, rows, within, between)
         draw(name, rows, within, told)
         means += told
+        if rows.value.nunique() < 2:
+            continue  # All the same: nothing can be compared.
         for factor in within:
             tests += within_tests(name, rows, factor)
         for factor in between:
