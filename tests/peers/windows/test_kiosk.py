@@ -178,10 +178,9 @@ def test_a_whole_study_by_keyboard_alone_and_killed_in_the_middle(kiosk: Kiosk, 
     leave(screen, "Welcome", pressing("Return"))
     leave(screen, "What you agree to", pressing("a"))
     leave(screen, "Practice", pressing("F10"))
-    screen.found("Before we begin")
-    screen.press("2", "ctrl+Return")
+    leave(screen, "Before we begin", pressing("2", "ctrl+Return"))
     leave(screen, "Once more", pressing("Return"))
-    screen.press("1", "ctrl+Return")
+    leave(screen, "Before we begin", pressing("1", "ctrl+Return"))
     screen.found("Score 0")
     kiosk.kill()
     kiosk.start()
@@ -200,15 +199,128 @@ def test_a_whole_study_by_keyboard_alone_and_killed_in_the_middle(kiosk: Kiosk, 
     screen.focus_window("Study")
     screen.found("Question 1 of 2: I feel calm. Answered: 4.")
     # The focus is at the first item without an answer.
-    screen.press("Right", "Right", "ctrl+Return")
+    screen.press("Right", "Right")
+    leave(screen, "How you feel", pressing("ctrl+Return"))
     screen.found("About you")
     screen.do("type", "33")
     screen.press("Tab")
     screen.do("type", "No")
-    screen.press("ctrl+Return")
+    leave(screen, "About you", pressing("ctrl+Return"))
     leave(screen, "What this study was about", pressing("Return"))
     screen.found("Completion code: ")
     leave(screen, "Thank you", pressing("Return"))
     screen.found("Welcome")
     kiosk.close()
     finished(folder)
+
+
+PAGES = {
+    "experiment.yaml": """\
+title: All pages
+quota: 1
+recruiting: {ask: Which code do you have?}
+steps:
+  - {step: instructions, text: long.md}
+  - {step: consent, text: consent.txt}
+  - {step: form, form: all.yaml, name: all}
+  - {step: check, form: understood.yaml, attempts: 2}
+  - {step: pause}
+  - {step: debrief, text: debrief.txt}
+""",
+    "long.md": "# How it goes\n\n" + "You send **robots** through rooms. " * 30,
+    "all.yaml": """\
+title: All scales
+instructions: There are no right answers.
+page: 4
+items:
+  - {id: points, text: I feel calm., points: 3, low: not at all, high: very much, not_applicable: true}
+  - {id: labels, text: I was quick., points: 3, labels: [never, seldom, often]}
+  - {id: line, text: How hard was it?, scale: analogue, low: easy, high: hard, step: 5}
+  - {id: warm, scale: differential, points: 3, low: cold, high: warm}
+  - {id: age, text: How old are you?, scale: number, minimum: 18, maximum: 99, unit: years}
+  - {id: hand, text: Which hand?, scale: choice, options: [left, right]}
+  - {id: used, text: Which do you know?, scale: choice, several: true, options: [drones, arms]}
+  - {id: why, text: Anything else?, scale: text, required: false}
+""",
+}
+
+
+def spoken(screen: Desktop) -> list[str]:
+    """All that a screen reader can stop at, and all words of labels and texts."""
+    return [one.name or one.text for one in screen.look() if one.name or one.text]
+
+
+def test_a_screen_reader_reads_every_item_of_every_page_and_sigterm_is_told(screen: Desktop, tmp_path: Path) -> None:
+    for name, content in {**FILES, **PAGES}.items():
+        (tmp_path / name).write_text(content)
+    kiosk = Kiosk(tmp_path, screen)
+    try:
+        screen.found("If you are the next person to take part", "label")
+        leave(screen, "Welcome", clicking(screen, "Begin"))
+        screen.found("Question 1 of 1: Which code do you have? Not answered.")
+        screen.click(screen.rested("Which code do you have?, one line", "text"))
+        screen.do("type", "SVC-7")
+        leave(screen, "Before you begin", clicking(screen, "Continue"))
+        screen.wait("the text", lambda: any("How it goes" in one.text for one in screen.look()))
+        leave(screen, "A text to read", clicking(screen, "Continue"))
+        screen.wait("consent", lambda: any(one.text == "We record what you do." for one in screen.look()))
+        assert {"I agree", "I do not take part"} <= {one.name for one in screen.look() if one.role == "push button"}
+        leave(screen, "What you agree to", clicking(screen, "I agree"))
+        screen.found("There are no right answers.", "label")
+        shown = spoken(screen)
+        asked = ("I feel calm.", "I was quick.", "How hard was it?", "Cold or warm?")
+        for number, text in enumerate(asked, start=1):
+            assert f"Question {number} of 4: {text} Not answered." in shown
+        assert {"1 of 3, not at all", "2 of 3, seldom", "3 of 3, warm", "Not applicable"} <= set(shown)
+        assert "Page 1 of 2. 0 of 4 answered." in shown
+        leave(screen, "Page 1 of 2. 0 of 4 answered.", clicking(screen, "Continue"))
+        screen.found("4 answers are missing; they are marked.", "label")
+        assert "Question 2 of 4: I was quick. Not answered. Please answer this." in spoken(screen)
+        for name in ("1 of 3, not at all", "2 of 3, seldom", "3 of 3, warm"):
+            screen.click(screen.rested(name, "radio button"))
+        screen.click(screen.rested("How hard was it?, not marked", "slider"))
+        leave(screen, "Page 1 of 2. 4 of 4 answered.", clicking(screen, "Continue"))
+        screen.found("Page 2 of 2. 0 of 4 answered.", "label")
+        shown = spoken(screen)
+        assert {"How old are you?, years, a number from 18 to 99", "Anything else?, free text"} <= set(shown)
+        roles = {one.name: one.role for one in screen.look()}
+        assert (roles["left"], roles["drones"]) == ("radio button", "check box")
+        leave(screen, "Page 2 of 2", clicking(screen, "Back"))
+        screen.found("Question 2 of 4: I was quick. Answered: 2.")
+        os.kill(kiosk.program.process.pid, signal.SIGTERM)
+        assert kiosk.program.process.wait(60) == 0
+        screen.found("The researcher has stopped the program.", "label")
+        kiosk.program.close()
+        kiosk.start()
+        leave(screen, "The study goes on where you were", clicking(screen, "Continue"))
+        screen.found("Page 2 of 2. 0 of 4 answered.", "label")
+        screen.click(screen.rested("How old are you?", "text"))
+        screen.do("type", "33")
+        for name, role in (("left", "radio button"), ("drones", "check box")):
+            screen.click(screen.rested(name, role))
+        leave(screen, "All scales", clicking(screen, "Continue"))
+        screen.click(screen.rested("they", "radio button"))
+        leave(screen, "Before we begin", clicking(screen, "Continue"))
+        screen.found("Not all of your answers were right.", "label")
+        leave(screen, "Once more", clicking(screen, "Continue"))
+        screen.click(screen.rested("you", "radio button"))
+        leave(screen, "Before we begin", clicking(screen, "Continue"))
+        screen.found("Take a rest if you like.", "label")
+        screen.ask_to_close(screen.focus_window("Study"))
+        asked_to_leave = {"Go on with the study", "Stop taking part", "Close the window, for the researcher"}
+        screen.found("You can stop at any time and need not say why.", "label")
+        assert all(screen.find(name, "push button") for name in asked_to_leave)
+        leave(screen, "Leave the study?", lambda: screen.press("Escape"))
+        leave(screen, "A pause", clicking(screen, "Continue"))
+        screen.found("It was about robots.", "label")
+        leave(screen, "What this study was about", clicking(screen, "Continue"))
+        code = screen.found("Completion code: ").name.removeprefix("Completion code: ").replace(", ", "")
+        leave(screen, "Thank you", clicking(screen, "Finish"))
+        screen.found("The study is complete")
+        kiosk.close()
+    finally:
+        screen.picture(tmp_path / "screen.png")
+        kiosk.program.close()
+    (run,) = Progress(ExperimentFolder(tmp_path).read()).after(read_log(tmp_path / "store" / "log")).runs.values()
+    assert (run.state, run.code, run.recruiting_code) == (RunState.COMPLETE, code, "SVC-7")
+    assert run.answers["all.line"] == 50.0
