@@ -35,13 +35,30 @@ class FilterUpdate:
         stamp_ns: stamp of the scan.
         base_in_map: the estimated pose.
         covariance: (3, 3) of x, y, theta.
+        agreement: share of the scan that the map explains from there, 0..1.
         lost: True when the filter reported that the robot is lost.
     """
 
     stamp_ns: int
     base_in_map: Pose2
     covariance: FloatArray
+    agreement: float
     lost: bool
+
+
+@dataclass(frozen=True, slots=True)
+class LostStretch:
+    """Updates in a row at which the robot was lost.
+
+    Attributes:
+        updates: number of them.
+        start_ns: stamp of the first.
+        end_ns: stamp of the next update, at which the robot was found; of the last one where it never was.
+    """
+
+    updates: int
+    start_ns: int
+    end_ns: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +66,7 @@ class LocalizationResult:
     """The result of a localisation.
 
     Attributes:
-        fixes: every update, in order.
+        updates: all of them, in order.
         last: the estimate at the last scan.
         scans: number of scans given to the filter, which ignores those after too little motion.
         skipped: number of scans left out, by reason.
@@ -61,6 +78,20 @@ class LocalizationResult:
     scans: int
     skipped: Mapping[SkipReason, int]
     cpu_seconds: float
+
+    @property
+    def lost_stretches(self) -> tuple[LostStretch, ...]:
+        """Every stretch of updates at which the robot was lost, in order."""
+        stretches: list[LostStretch] = []
+        first: int | None = None
+        for number, update in enumerate(self.updates):
+            if update.lost and first is None:
+                first = number
+            if first is not None and (not update.lost or number == len(self.updates) - 1):
+                updates = number - first + update.lost
+                stretches.append(LostStretch(updates, self.updates[first].stamp_ns, update.stamp_ns))
+                first = None
+        return tuple(stretches)
 
 
 def localize(
@@ -83,7 +114,7 @@ def localize(
         clock: processor time, seconds.
         progress: called once for each scan.
     """
-    fixes: list[FilterUpdate] = []
+    updates: list[FilterUpdate] = []
     skipped: Counter[SkipReason] = Counter()
     last: Estimate | None = None
     given, latest_ns, cpu_seconds = 0, 0, 0.0
@@ -111,11 +142,12 @@ def localize(
         last = localizer.update(Odometry(tick, base_in_odom, STANDSTILL), Imu(tick, 0.0), scan)
         cpu_seconds += clock() - started
         if last.updated:
-            fixes.append(FilterUpdate(read.stamp_ns, last.base_in_map, last.covariance, last.lost))
+            agreement = last.agreement or 0.0
+            updates.append(FilterUpdate(read.stamp_ns, last.base_in_map, last.covariance, agreement, last.lost))
     if last is None:
         reasons = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
         return RequestRefused("no-usable-scan", f"No scan could be used: {reasons or 'there are none'}.")
-    return LocalizationResult(tuple(fixes), last, given, dict(skipped), cpu_seconds)
+    return LocalizationResult(tuple(updates), last, given, dict(skipped), cpu_seconds)
 
 
 def warm_up(localizer: Amcl, parameters: AmclParameters, scan: Scan) -> None:

@@ -1,6 +1,7 @@
 """Picture of a map: its cells, rooms with numbers and names, doors, goals and start poses."""
 
 import math
+from contextlib import AbstractContextManager
 
 import matplotlib as mpl
 import numpy as np
@@ -12,6 +13,7 @@ from matplotlib.transforms import Affine2D
 
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.numerics.float_array import FloatArray
 from thbridge.offline.map_survey import MapSurvey
 
 _SHADES = ListedColormap(["#ffffff", "#1f2933", "#d5dae0"])
@@ -26,17 +28,17 @@ _ARROW = 0.4
 """Length of the arrow along a pose's yaw, metres."""
 
 
+def picture_settings() -> AbstractContextManager[None]:
+    """Matplotlib's settings with which a picture is the same everywhere."""
+    return mpl.rc_context({"font.family": "DejaVu Sans", "font.size": 9, "svg.hashsalt": "thbridge"})
+
+
 def map_picture(seen: MapSurvey) -> Figure:
     """Draw a map. The same map gives the same picture."""
     place = seen.place
     grid = place.grid
-    width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
-    scale = _WIDTH / max(width, height)
-    with mpl.rc_context({"font.family": "DejaVu Sans", "font.size": 9}):
-        figure = Figure(figsize=(max(4.0, width * scale), max(3.0, height * scale)), layout="constrained", dpi=120)
-        axes = figure.add_subplot()
-        axes.set_autoscale_on(False)
-        _draw_cells(axes, grid)
+    with picture_settings():
+        figure, axes = map_figure(grid, grid_bounds(grid))
         for index, entry in enumerate(seen.rooms):
             room, tint = entry.room, _TINTS[index % len(_TINTS)]
             outline = PolygonPatch(room.region, facecolor=tint, edgecolor=tint, alpha=0.25, linewidth=1.5)
@@ -51,16 +53,31 @@ def map_picture(seen: MapSurvey) -> Figure:
         for number, start in enumerate(place.starts, start=1):
             _draw_pose(axes, start, _INK, "s")
             axes.annotate(str(number), (start.x, start.y), (5, -10), textcoords="offset points", color=_INK, fontsize=7)
-        axes.set_aspect("equal")
         axes.set_xlabel("x, m    ● goal   ■ start of a robot   ◆ door")
-        axes.set_ylabel("y, m")
         axes.set_title(place.name)
     return figure
 
 
-def _draw_cells(axes: Axes, grid: OccupancyGrid) -> None:
-    shades = np.where(grid.cells == FREE, 0, np.where(grid.cells == OCCUPIED, 1, 2))
+def grid_bounds(grid: OccupancyGrid) -> FloatArray:
+    """(2, 2) least and greatest x and y of a map's corners, metres in its frame."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
+    corners = grid.origin.transform(np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]))
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+
+def map_figure(grid: OccupancyGrid, view: FloatArray) -> tuple[Figure, Axes]:
+    """A figure with the cells of a map, and axes in metres of its frame. Call it within `picture_settings`.
+
+    Args:
+        grid: the map.
+        view: (2, 2) least and greatest x and y that are shown.
+    """
+    shown = view[1] - view[0]
+    width, height = (shown * _WIDTH / shown.max()).tolist()
+    figure = Figure(figsize=(max(4.0, width), max(3.0, height)), layout="constrained", dpi=120)
+    axes = figure.add_subplot()
+    axes.set_autoscale_on(False)
+    shades = np.where(grid.cells == FREE, 0, np.where(grid.cells == OCCUPIED, 1, 2))
     placed = Affine2D().rotate(grid.origin.theta).translate(grid.origin.x, grid.origin.y)
     axes.imshow(
         shades,
@@ -68,14 +85,16 @@ def _draw_cells(axes: Axes, grid: OccupancyGrid) -> None:
         vmin=0,
         vmax=2,
         origin="lower",
-        extent=(0.0, width, 0.0, height),
+        extent=(0.0, grid.cols * grid.resolution, 0.0, grid.rows * grid.resolution),
         interpolation="nearest",
         transform=placed + axes.transData,
     )
-    corners = grid.origin.transform(np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]))
-    (left, low), (right, high) = corners.min(axis=0), corners.max(axis=0)
-    axes.set_xlim(left, right)
-    axes.set_ylim(low, high)
+    axes.set_xlim(*view[:, 0])
+    axes.set_ylim(*view[:, 1])
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, m")
+    axes.set_ylabel("y, m")
+    return figure, axes
 
 
 def _draw_pose(axes: Axes, pose: Pose2, colour: str, marker: str) -> None:

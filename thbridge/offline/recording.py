@@ -162,6 +162,9 @@ def _odometry_beside(scans: str, topics: tuple[TopicInfo, ...], notices: list[st
     own = usual_first((name for name in names if owner_of(name, robots) == owner_of(scans, robots)), (ODOM_FRAME,))
     # Odometry in the namespace of a node belongs to the only robot, whatever the namespace of the scans is.
     own = own or usual_first((name for name in names if not namespace_of(name)), (ODOM_FRAME,))
+    if not own and len(names) == 1 and len({namespace_of(name) for name in _of_type(topics, LASER_SCAN)}) == 1:
+        own = names
+        notices.append(f"Odometry is taken from {names[0]}, the only such topic.")
     if len(own) > 1:
         notices.append(f"Odometry is taken from {own[0]}; there is also {', '.join(own[1:])}.")
     namespace = owner_of(scans, robots)

@@ -2,6 +2,7 @@
 
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -16,8 +17,14 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, localize, warm_up
 from thbridge.offline.recording import LocalizationBag
 from thbridge.offline.tum import tum_line
+from ui.actions.pictures import write_picture
 from ui.terminal import BAD_INPUT, err, fail, show
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST_STRETCHES = 10
+"""Stretches that are printed of those in which the robot was lost."""
 ROBOT = "robot1"
 """Key of the filter's random stream; a bag holds one robot's scans on a topic."""
 
@@ -65,14 +72,29 @@ def run_localization(
         )
 
 
-def write_trajectory(path: Path, result: LocalizationResult) -> None:
-    """Write a TUM trajectory."""
-    lines = "".join(f"{tum_line(fix.stamp_ns, fix.base_in_map)}\n" for fix in result.updates)
+def trajectory_text(result: LocalizationResult) -> str:
+    """A TUM trajectory."""
+    return "".join(f"{tum_line(update.stamp_ns, update.base_in_map)}\n" for update in result.updates)
+
+
+def write_text(path: Path, text: str, option: str) -> None:
+    """Write a file that an option names."""
     try:
-        path.write_text(lines, encoding="ascii")
+        path.write_text(text, encoding="ascii")
     except OSError as error:
         problem = f"it cannot be written ({error.strerror})"
-        raise BadFile(path, problem, "choose another file by --out") from None
+        raise BadFile(path, problem, f"choose another file by {option}") from None
+
+
+def write_localization_picture(path: Path, result: LocalizationResult, grid: OccupancyGrid, bag: Path) -> None:
+    """Draw the path over the map."""
+
+    def draw() -> "Figure":
+        from thbridge.offline.localization_picture import localization_picture  # noqa: PLC0415 - loads matplotlib
+
+        return localization_picture(result, grid, bag.name)
+
+    write_picture(draw, path, "--plot")
 
 
 def localized_as_json(
@@ -82,6 +104,11 @@ def localized_as_json(
     pose = result.last.base_in_map
     return {
         "updates": len(result.updates),
+        "lost_updates": sum(update.lost for update in result.updates),
+        "lost_stretches": [
+            {"updates": stretch.updates, "start": stretch.start_ns / 1e9, "end": stretch.end_ns / 1e9}
+            for stretch in result.lost_stretches
+        ],
         "cpu_seconds": result.cpu_seconds,
         "final_pose": [pose.x, pose.y, pose.theta],
         "covariance": result.last.covariance.tolist(),
@@ -105,8 +132,24 @@ def show_localized(recording: LocalizationBag, result: LocalizationResult) -> No
     show(f"At the end the robot is at {place} ({spread}).")
     if last.lost:
         show("The filter holds that this is wrong: it is lost.")
+    _show_lost(result)
     each = 1000 * result.cpu_seconds / max(1, len(result.updates))
     show(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
     for reason, count in result.skipped.items():
         show(f"{count} scans were left out: {reason}.")
     show(f"Scans: {recording.scan_topic}. Odometry: {recording.odometry_source}.")
+
+
+def _show_lost(result: LocalizationResult) -> None:
+    """Print when the robot was lost."""
+    stretches, first_ns = result.lost_stretches, result.updates[0].stamp_ns if result.updates else 0
+    if not stretches:
+        show("It was not lost at any update.")
+        return
+    lost = sum(stretch.updates for stretch in stretches)
+    show(f"It was lost at {lost} of {len(result.updates)} updates; stretches, in seconds after the first update:")
+    for stretch in stretches[:MOST_STRETCHES]:
+        start, end = (stretch.start_ns - first_ns) / 1e9, (stretch.end_ns - first_ns) / 1e9
+        show(f"  {start:.1f} to {end:.1f}, {stretch.updates} updates")
+    if len(stretches) > MOST_STRETCHES:
+        show(f"  and {len(stretches) - MOST_STRETCHES} more; --updates writes all.")

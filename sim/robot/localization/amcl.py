@@ -194,6 +194,7 @@ class Amcl:
             particles=belief.place.particles,
             updated=updated,
             lost=belief.lost,
+            agreement=belief.place.agreement.last if belief.place.updates else None,
         )
 
     def _due(self, belief: ParticleBelief, odometry: Odometry) -> bool:

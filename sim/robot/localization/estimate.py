@@ -27,6 +27,8 @@ class Estimate:
         particles: (n, 3) poses in the map; (0, 3) where the localiser has none.
         updated: True when a scan (or whatever it corrects by) was weighed in this tick.
         lost: True when the localiser itself holds that the pose cannot be relied on.
+        agreement: share of the last scan weighed that the map explains from this place, 0..1; None where the localiser
+            weighs none, or has not yet.
     """
 
     tick: int
@@ -36,6 +38,7 @@ class Estimate:
     particles: FloatArray
     updated: bool
     lost: bool = False
+    agreement: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,17 +1,19 @@
 """The words and figures of `thbridge maps check`."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.map_files import MapFinding
 from thbridge.files.map_times import MAP_TIMES
 from thbridge.hunt.rooms import Room
 from thbridge.offline.map_survey import Doorway, MapSurvey
+from ui.actions.pictures import write_picture
 from ui.terminal import command, out, say
 
-PICTURES = (".png", ".svg", ".pdf")
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def show_survey(seen: MapSurvey, folder: Path) -> None:
@@ -88,22 +90,16 @@ def finding_as_json(finding: MapFinding) -> dict[str, object]:
     }
 
 
-def write_picture(seen: MapSurvey, to: Path) -> None:
+def write_survey_picture(seen: MapSurvey, to: Path) -> None:
     """Draw a map into a file; its suffix says the format.
 
     Raises:
         BadFile: it cannot be written.
     """
-    # Matplotlib takes half a second to load.
-    from matplotlib import rc_context  # noqa: PLC0415
 
-    from thbridge.offline.map_picture import map_picture  # noqa: PLC0415
+    def draw() -> "Figure":
+        from thbridge.offline.map_picture import map_picture  # noqa: PLC0415 - loads matplotlib
 
-    dates = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}
-    undated = dates.get(to.suffix.lower(), {"CreationDate": None, "Creator": None, "Producer": None})
-    try:
-        with rc_context({"svg.hashsalt": "thbridge"}):
-            map_picture(seen).savefig(to, metadata=undated)
-    except OSError as error:
-        problem = f"it cannot be written ({reason_of(error)})"
-        raise BadFile(to, problem, "choose another place by --to") from None
+        return map_picture(seen)
+
+    write_picture(draw, to, "--to")

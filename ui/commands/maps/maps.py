@@ -28,7 +28,8 @@ def maps_check(
     """Check a map: image, rooms, goals and start poses; and tell what it holds."""
     from thbridge.files.map_files import check_map
     from thbridge.offline.map_survey import survey
-    from ui.actions.maps.check import PICTURES, finding_as_json, show_survey, survey_as_json, write_picture
+    from ui.actions.maps.check import finding_as_json, show_survey, survey_as_json, write_survey_picture
+    from ui.actions.pictures import PICTURES
     from ui.settings import map_folder
 
     if to is not None and to.suffix.lower() not in PICTURES:
@@ -50,7 +51,7 @@ def maps_check(
         note(f"{to} is not drawn: first the files must be readable.")
     elif to is not None and seen is not None:
         with bad_input():
-            write_picture(seen, to)
+            write_survey_picture(seen, to)
         note(f"Wrote {to}.")
     if errors:
         raise typer.Exit(BAD_INPUT)

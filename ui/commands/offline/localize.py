@@ -38,6 +38,13 @@ def localize_command(
         Path | None,
         typer.Option("--out", help="Write a TUM trajectory, one line for each update; `-` is standard output."),
     ] = None,
+    updates: Annotated[
+        Path | None,
+        typer.Option(help="Write each update with covariance, agreement and lost flag: .csv or .jsonl (JSON lines)."),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw the path over the map, lost stretches marked: .png, .svg or .pdf.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Localise a robot after the fact (AMCL): where was it in a map, by the scans and the odometry of a bag."""
@@ -45,8 +52,18 @@ def localize_command(
     from thbridge.files.map_files import read_grid
     from thbridge.files.ros.parameters import read_ros_parameters
     from thbridge.hunt.refusals import RequestRefused
+    from thbridge.offline.localization_updates import UpdatesFormat, updates_text
     from thbridge.offline.recording import open_recording
-    from ui.actions.localize import localized_as_json, pose_in, run_localization, show_localized, write_trajectory
+    from ui.actions.localize import (
+        localized_as_json,
+        pose_in,
+        run_localization,
+        show_localized,
+        trajectory_text,
+        write_localization_picture,
+        write_text,
+    )
+    from ui.actions.pictures import PICTURES
     from ui.first_start import announce_compiling
 
     share_no_output(to, as_json)
@@ -55,6 +72,10 @@ def localize_command(
             BAD_INPUT,
             "--initial-pose, --global: just one of the two is needed. Write --initial-pose X Y YAW or --global.",
         )
+    if updates is not None and updates.suffix.lower().strip(".") not in set(UpdatesFormat):
+        fail(BAD_INPUT, f"--updates: {updates} does not say the format. Name a file that ends in .csv or .jsonl.")
+    if plot is not None and plot.suffix.lower() not in PICTURES:
+        fail(BAD_INPUT, f"--plot: {plot} does not say the format. Name a file that ends in {' or '.join(PICTURES)}.")
     with bad_input():
         # What the files leave out is as in ROS, not as in our hunts.
         given = read_ros_parameters(params or [], dataclasses.replace(RobotParameters(), amcl=AmclParameters()))
@@ -73,7 +94,13 @@ def localize_command(
         fail(FAILED, result.sentence)
     if to is not None:
         with bad_input(), destination(to) as file:
-            write_trajectory(file, result)
+            write_text(file, trajectory_text(result), "--out")
+    with bad_input():
+        if updates is not None:
+            kind = UpdatesFormat(updates.suffix.lower().strip("."))
+            write_text(updates, updates_text(result.updates, kind), "--updates")
+        if plot is not None:
+            write_localization_picture(plot, result, grid, bag)
     if as_json:
         print_json(localized_as_json(recording, result, notices))
     elif to != STANDARD_OUTPUT:

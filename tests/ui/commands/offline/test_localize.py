@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 from typer.testing import CliRunner, Result
 
@@ -57,6 +59,47 @@ def test_the_trajectory_has_a_line_for_each_update(folder: Path, tmp_path: Path)
         assert ORIGIN.compose(truth[int(index)]).distance(Pose2(x, y, 0.0)) < 0.3
 
 
+def test_each_update_is_written_with_its_covariance_agreement_and_lost_flag(folder: Path, tmp_path: Path) -> None:
+    table, lines = tmp_path / "updates.csv", tmp_path / "updates.jsonl"
+    told = json.loads(run(folder, "--global", "--json", "--updates", str(table)).stdout)
+    assert run(folder, "--global", "--updates", str(lines)).exit_code == 0
+    rows = pd.read_csv(table)
+    assert len(rows) == told["updates"]
+    assert rows["lost"].dtype == bool
+    assert rows["lost"].sum() == told["lost_updates"] > 0, "it begins anywhere"
+    first = told["lost_stretches"][0]
+    assert rows["stamp"][0] == first["start"]
+    assert rows["lost"][: first["updates"]].all()
+    last = rows.iloc[-1]
+    covariance = [[last.cov_xx, last.cov_xy, last.cov_xa], [last.cov_xy, last.cov_yy, last.cov_ya]]
+    assert covariance == pytest.approx(np.array(told["covariance"][:2]))
+    assert rows["agreement"].between(0.0, 1.0).all()
+    assert last.agreement > 0.8
+    parsed = [json.loads(line) for line in lines.read_text().splitlines()]
+    pd.testing.assert_frame_equal(pd.DataFrame(parsed), rows)
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_the_path_is_drawn_over_the_map_the_same_each_time(folder: Path, tmp_path: Path, suffix: str) -> None:
+    pictures = [tmp_path / f"{number}.{suffix}" for number in range(2)]
+    for picture in pictures:
+        done = run(folder, "--global", "--plot", str(picture))
+        assert done.exit_code == 0, done.output
+    assert pictures[0].read_bytes() == pictures[1].read_bytes()
+
+
+def test_times_without_a_place_are_told(folder: Path) -> None:
+    assert "It was lost at" in run(folder, "--global").stdout
+    assert "It was not lost at any update." in run(folder, *start()).stdout
+
+
+def test_the_only_odometry_is_taken_whatever_its_name(tmp_path: Path) -> None:
+    write(tmp_path / "a.bag", Robot(odom_topic="/vesc/odom"), seconds=4.0)
+    write_map(tmp_path, ORIGIN)
+    told = json.loads(run(tmp_path, *start(), "--json").stdout)
+    assert told["odometry"] == "/vesc/odom"
+
+
 def test_anywhere(folder: Path) -> None:
     done = run(folder, "--global")
     assert done.exit_code == 0, done.output
@@ -71,6 +114,10 @@ def test_anywhere(folder: Path) -> None:
         (["--initial-pose", "nan", "0", "0"], "three finite numbers"),
         (["--global", "--scan-topic", "/base_scan"], "LaserScan is on /scan"),
         (["--global", "--out", "/nowhere/at/all.tum"], "--out"),
+        (["--global", "--updates", "/nowhere/at/all.csv"], "--updates"),
+        (["--global", "--updates", "updates.xlsx"], ".csv or .jsonl"),
+        (["--global", "--plot", "/nowhere/at/all.png"], "--plot"),
+        (["--global", "--plot", "path.bmp"], ".png or .svg or .pdf"),
     ],
 )
 def test_bad_input_is_told_and_ends_with_2(folder: Path, options: list[str], message: str) -> None:

@@ -1,0 +1,54 @@
+"""Updates of a localisation as rows: pose, how sure it is, how well the map explained the scan, and whether the robot
+was lost."""
+
+import csv
+import json
+from collections.abc import Iterable
+from enum import StrEnum
+from io import StringIO
+
+import numpy as np
+
+from thbridge.offline.localize import FilterUpdate
+
+COLUMNS = (
+    "stamp",
+    "x",
+    "y",
+    "yaw",
+    "cov_xx",
+    "cov_xy",
+    "cov_xa",
+    "cov_yy",
+    "cov_ya",
+    "cov_aa",
+    "agreement",
+    "lost",
+)
+"""Seconds; metres and radians in the map frame; m^2, m rad, rad^2; share 0..1; true or false."""
+
+
+class UpdatesFormat(StrEnum):
+    """File format of updates; the suffix of a file says it."""
+
+    CSV = "csv"
+    JSON_LINES = "jsonl"
+
+
+def updates_text(updates: Iterable[FilterUpdate], kind: UpdatesFormat) -> str:
+    """All updates, a line each; CSV has a line of names before them."""
+    rows = (_row(update) for update in updates)
+    if kind is UpdatesFormat.JSON_LINES:
+        return "".join(f"{json.dumps(row)}\n" for row in rows)
+    text = StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: str(value).lower() for name, value in row.items()} for row in rows)
+    return text.getvalue()
+
+
+def _row(update: FilterUpdate) -> dict[str, float | bool]:
+    pose, covariance = update.base_in_map, update.covariance
+    upper = (float(covariance[i, j]) for i, j in zip(*np.triu_indices(3), strict=True))
+    values = (update.stamp_ns / 1e9, pose.x, pose.y, pose.theta, *upper, update.agreement, update.lost)
+    return dict(zip(COLUMNS, values, strict=True))

@@ -1,0 +1,36 @@
+"""Files of pictures: the same picture gives the same bytes."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from thbridge.files.errors import BadFile, reason_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PICTURES = (".png", ".svg", ".pdf")
+"""Suffixes of the formats that can be written."""
+
+
+def write_picture(draw: Callable[[], "Figure"], to: Path, option: str) -> None:
+    """Draw a picture into a file; its suffix, one of `PICTURES`, says the format.
+
+    Args:
+        draw: draws it.
+        to: the file.
+        option: the one that named the file, for the remedy.
+
+    Raises:
+        BadFile: it cannot be written.
+    """
+    from matplotlib import rc_context  # noqa: PLC0415 - it takes half a second to load
+
+    dates = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}
+    undated = dates.get(to.suffix.lower(), {"CreationDate": None, "Creator": None, "Producer": None})
+    try:
+        with rc_context({"svg.hashsalt": "thbridge"}):
+            draw().savefig(to, metadata=undated)
+    except OSError as error:
+        problem = f"it cannot be written ({reason_of(error)})"
+        raise BadFile(to, problem, f"choose another place by {option}") from None
