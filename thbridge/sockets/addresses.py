@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 LOCALHOST = "127.0.0.1"
+DEBIAN_HOST = "127.0.1.1"
+"""Loopback address of a Debian machine's own name, at which the participant's window of 2016 expects the server."""
 TEXT_SERVER_PORT = 6009
 WATCH_PORT = 6010
 ROS_MASTER_PORT = 11311

@@ -25,7 +25,7 @@ from thbridge.protocols.text.router import (
     SendToClient,
     TurnedAway,
 )
-from thbridge.sockets.addresses import LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
+from thbridge.sockets.addresses import DEBIAN_HOST, LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
 
 _log = logging.getLogger(__name__)
@@ -87,11 +87,14 @@ class TextServer:
         self._transports: dict[ConnectionId, Transport] = {}
         self._open: set[Transport] = set()
         self._all_closed = asyncio.Event()
-        self._server: asyncio.Server | None = None
+        self._servers: list[asyncio.Server] = []
         self._watch: asyncio.Task[None] | None = None
 
     async def start(self, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT) -> ListeningAddress | CannotListen:
-        """Begin to serve; port 0 takes any that is free."""
+        """Begin to serve; port 0 takes any that is free.
+
+        Whoever asks for `LOCALHOST` gets `DEBIAN_HOST`, too, where the machine has it and nobody else serves there.
+        """
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
         loop = asyncio.get_running_loop()
@@ -99,23 +102,31 @@ class TextServer:
             server = await loop.create_server(lambda: _Connection(self), host, port, backlog=300)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, port)
-        self._server = server
+        self._servers = [server]
         self._watch = loop.create_task(self._check_idle())
-        address = server.sockets[0].getsockname()
-        return ListeningAddress(address[0], address[1])
+        address = ListeningAddress(*server.sockets[0].getsockname()[:2])
+        if host == LOCALHOST:
+            try:
+                other = await loop.create_server(lambda: _Connection(self), DEBIAN_HOST, address.port, backlog=300)
+                self._servers.append(other)
+            except OSError as error:
+                _log.info("programs that expect the server at %s do not find it: %s", DEBIAN_HOST, error)
+        return address
 
     async def stop(self) -> None:
         """Send the shutdown line to every client, wait a moment for them to close, and close the port."""
-        if self._server is None or self._watch is None:
+        if self._watch is None:
             return
-        self._server.close()
+        for server in self._servers:
+            server.close()
         self._watch.cancel()
         self.perform(self._router.stop())
         while self._open:
             self._all_closed.clear()
             await self._all_closed.wait()
-        await self._server.wait_closed()
-        self._server = None
+        for server in self._servers:
+            await server.wait_closed()
+        self._servers = []
 
     def perform(self, outputs: Iterable[RouterOutput]) -> None:
         """Carry out outputs of the router, and those that follow from them."""

@@ -231,6 +231,28 @@ async def test_a_client_that_ignores_the_farewell_does_not_keep_the_server_from_
 
 
 @run
+async def test_the_window_of_2016_finds_the_server_at_the_address_that_it_was_built_with() -> None:
+    async with serving() as house:
+        reader, writer = await asyncio.open_connection("127.0.1.1", house.address.port)
+        house.clients.append(Client(reader, writer))
+        tabui, simr = house.clients[0], await house.enter("SimR")
+        await tabui.says(b"%%setid TabUI\n")
+        assert await tabui.hears() == ACK
+        await tabui.says(b"%%goto TabUI SimR 0 3 3 45\n")
+        assert await tabui.hears() == ACK
+        assert await simr.hears() == b"%%goto TabUI SimR 0 3 3 45 \n"
+
+
+@run
+async def test_who_has_that_address_keeps_it_and_the_server_serves_all_the_same() -> None:
+    with socket.create_server(("127.0.1.1", 0)) as other:
+        server = TextServer(MessageRouter())
+        address = await server.start("127.0.0.1", other.getsockname()[1])
+        assert isinstance(address, ListeningAddress)
+        await server.stop()
+
+
+@run
 async def test_a_port_in_use_is_told_in_one_line() -> None:
     async with serving() as house:
         refusal = await TextServer(MessageRouter()).start(house.address.host, house.address.port)
