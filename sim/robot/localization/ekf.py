@@ -30,17 +30,15 @@ GATE = 16.27
 _LEAST_INFORMATION = np.diag((1.0, 1.0, 4.0))
 """Keeps a match's covariance finite where a corridor leaves a direction open: one metre, half a radian."""
 
-_SHARED = 1.0
-"""Part of a match's covariance that is common to all near by: they share walls, clutter, and so their errors."""
-
 _LEAST_SHARE = 0.4
 """Share of a scan's points that must lie on the map's walls; a scan from elsewhere hardly ever reaches it."""
 
-_LEARNING = 0.1
+_LEARNING = 0.2
 """Rate at which innovations that are greater or smaller than they should be change the motion's believed noise."""
 
-_MAX_NOISE_SCALE = 100.0
-"""Greatest factor by which the motion's noise may turn out to be more than the parameters say; the least is 1."""
+_MIN_NOISE_SCALE, _MAX_NOISE_SCALE = 0.2, 100.0
+"""Least and greatest factor by which the motion's noise may turn out to differ from what the parameters say. The least
+is that of wheels whose errors in each of the ticks between two predictions are independent."""
 
 _DOUBTING = 1.5
 """Factor on the covariance after a match that fits, but is too far off to be believed: either may be wrong."""
@@ -65,7 +63,8 @@ class GaussianBelief:
         base_in_odom: the odometry then.
         odom_in_map: the correction that makes the two poses agree.
         matched: the odometry when a scan was last weighed in; None before the first.
-        motion_noise_scale: factor by which the motion's variances have turned out to be more than the parameters say.
+        motion_noise_scales: factors by which the variances of distances and of turns have turned out to be more than
+            the parameters say.
         refused: scans that could not be believed since the last one that was.
         poor: scans in a row that fitted badly, believed or not.
     """
@@ -77,7 +76,7 @@ class GaussianBelief:
     base_in_odom: Pose2
     odom_in_map: Pose2
     matched: Pose2 | None
-    motion_noise_scale: float
+    motion_noise_scales: tuple[float, float]
     refused: int
     poor: int
 
@@ -129,6 +128,23 @@ def _residual(measured: FloatArray, predicted: FloatArray) -> FloatArray:
     return difference
 
 
+def _surprise(innovation: FloatArray, expected: FloatArray) -> float:
+    """Squared Mahalanobis distance of an innovation, or of some of its elements, by their covariance."""
+    return float((innovation * solution(expected, innovation[:, np.newaxis])[:, 0]).sum())
+
+
+def _learnt(scales: tuple[float, float], innovation: FloatArray, expected: FloatArray) -> tuple[float, float]:
+    """The factors on the variances of distances and turns, after one more innovation and its (3, 3) covariance."""
+    drive = _surprise(innovation[:2], np.ascontiguousarray(expected[:2, :2])) / 2.0
+    turn = innovation[2] * innovation[2] / expected[2, 2]
+    lessons = (elementary.exp(_LEARNING * (min(each, GATE / 3.0) - 1.0)) for each in (drive, turn))
+    for_drive, for_turn = (
+        min(max(scale * lesson, _MIN_NOISE_SCALE), _MAX_NOISE_SCALE)
+        for scale, lesson in zip(scales, lessons, strict=True)
+    )
+    return for_drive, for_turn
+
+
 class Ekf:
     """One Gaussian hypothesis, cheap and smooth. See `Localizer`.
 
@@ -144,7 +160,7 @@ class Ekf:
         """A filter for one robot, on its static map, for the laser whose scans `update` will bring."""
         self._mount = mount
         self._use(parameters)
-        self._matcher = ScanMatcher.of(grid)
+        self._matcher = ScanMatcher.of(grid, mount.laser_in_base)
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
         self._belief: PosePrior | GaussianBelief = PosePrior(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
         self._turned = 0.0  # radians that the gyroscope has counted since the last prediction
@@ -193,7 +209,7 @@ class Ekf:
                 base_in_odom=odometry.base_in_odom,
                 odom_in_map=odom_in_map,
                 matched=None,
-                motion_noise_scale=1.0,
+                motion_noise_scales=(1.0, 1.0),
                 refused=0,
                 poor=0,
             )
@@ -255,9 +271,9 @@ class Ekf:
         ahead, left = elementary.cos_sin(bearing)
         to_noise = np.array(((ahead, -dy / 2.0), (left, dx / 2.0), (0.0, 1.0)))
         motion = np.array(((1.0, 0.0, -dy), (0.0, 1.0, dx), (0.0, 0.0, 1.0)))
-        scale = belief.motion_noise_scale
+        for_drive, for_turn = belief.motion_noise_scales
         covariance = carried(belief.covariance, motion) + carried(
-            np.diag((scale * drive_variance, scale * turn_variance)), to_noise
+            np.diag((for_drive * drive_variance, for_turn * turn_variance)), to_noise
         )
         mean = Pose2(here.x + dx, here.y + dy, wrap_angle(here.theta + moved.theta + correction))
         return replace(
@@ -272,9 +288,9 @@ class Ekf:
     def _correct(self, belief: GaussianBelief, scan: Scan) -> tuple[GaussianBelief, bool]:
         """Weigh in the pose at which the scan matches the map, if it can be believed; and return whether it could.
 
-        Innovations that are greater than they should be raise `motion_noise_scale`, a factor on the motion's variances
-        that keeps the parameters' proportions; smaller ones lower it. A match too far off is not believed. But each
-        such match that fits widens the covariance, so that after several alike the next one is believed.
+        Innovations that are greater than they should be raise `motion_noise_scales`, factors on the motion's variances;
+        smaller ones lower them. A match too far off is not believed. But each such match that fits widens the
+        covariance, so that after several alike the next one is believed.
 
         Source: Mehra, On the identification of variances and adaptive Kalman filtering (1970), for learning the
             motion's noise from innovations; here as a running mean of its logarithm, which cannot become negative.
@@ -291,12 +307,12 @@ class Ekf:
         noise = _covariance(match)
         measured = match.base_in_map.array()
         innovation = _residual(measured, belief.base_in_map.array())
-        surprise = float((innovation * solution(belief.covariance + noise, innovation[:, np.newaxis])[:, 0]).sum())
-        lesson = _LEARNING * (min(surprise, GATE) / 3.0 - 1.0)
-        scale = min(max(belief.motion_noise_scale * elementary.exp(lesson), 1.0), _MAX_NOISE_SCALE)
+        expected = belief.covariance + noise
+        surprise = _surprise(innovation, expected)
+        scales = _learnt(belief.motion_noise_scales, innovation, expected)
         if surprise > GATE:
             doubting = read_only(_DOUBTING * belief.covariance)
-            return replace(belief, covariance=doubting, motion_noise_scale=scale, refused=belief.refused + 1), False
+            return replace(belief, covariance=doubting, motion_noise_scales=scales, refused=belief.refused + 1), False
         correction, covariance = corrected(belief.covariance, noise, innovation)
         dx, dy, turn = correction.tolist()
         here = belief.base_in_map
@@ -306,10 +322,10 @@ class Ekf:
                 belief,
                 base_in_map=mean,
                 covariance=read_only(covariance),
-                shared=read_only(_SHARED * noise),
+                shared=read_only(match.common * noise),
                 odom_in_map=mean.compose(belief.base_in_odom.inverse()),
                 matched=belief.base_in_odom,
-                motion_noise_scale=scale,
+                motion_noise_scales=scales,
                 refused=0,
             ),
             True,
@@ -331,6 +347,6 @@ class Ekf:
             covariance=_covariance(found),
             odom_in_map=found.base_in_map.compose(belief.base_in_odom.inverse()),
             matched=belief.base_in_odom,
-            motion_noise_scale=1.0,
+            motion_noise_scales=(1.0, 1.0),
             refused=_LOST_AFTER,
         )

@@ -9,14 +9,14 @@ import numpy as np
 from sim.common.distance_fields import distance_field
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid
+from sim.common.raycast import FreeSquares, free_squares_of
 from sim.numerics import elementary, elementary_arrays
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 from sim.numerics.matrices import solution
-
-REACH = 1.0
-"""Metres: farther from any wall the field is flat and points pull nowhere."""
+from sim.robot.localization.bilinear import REACH, interpolate
+from sim.robot.localization.surface_matching import refined
 
 _FINEST, _COARSEST = 0.15, 0.6
 """Metres: points this far from a surface begin to count as something that the map does not show."""
@@ -32,8 +32,6 @@ GOOD, _MARGIN = 0.8, 0.1
 """Share of the points on walls that a pose must reach to be found, and by how much it must be better than others."""
 NEAR = 1.5
 """Metres from its last pose within which a lost robot is looked for first."""
-INDEPENDENT_BEAMS = 6
-"""Points that hold as much information as all do: neighbours lie on the same wall and share the map's errors."""
 _STEPS = 4
 """Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
@@ -46,11 +44,13 @@ class ScanMatch(NamedTuple):
     Attributes:
         base_in_map: the pose.
         information: (3, 3) inverse covariance of it; singular along a direction the scan does not fix.
+        common: share of that covariance that other scans near by have in common; 0 to 1.
         share: share of the points that lie on the map's surfaces there; 0 to 1.
     """
 
     base_in_map: Pose2
     information: FloatArray
+    common: float
     share: float
 
 
@@ -71,30 +71,13 @@ def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
 
 
 @njit(cache=True)
-def _interpolate(field: FloatArray, along: float, across: float) -> tuple[float, float, float]:
-    """Value and slope per cell (columns, rows) between the four centres around a point given in cells.
-
-    Beyond the outermost centres the field is flat: slope 0.
-    """
-    left, below = along - 0.5, across - 0.5
-    col, row = math.floor(left), math.floor(below)
-    if col < 0 or row < 0 or col + 1 >= field.shape[1] or row + 1 >= field.shape[0]:
-        return REACH, 0.0, 0.0
-    u, v = left - col, below - row
-    f00, f01 = field[row, col], field[row, col + 1]
-    f10, f11 = field[row + 1, col], field[row + 1, col + 1]
-    value = (1.0 - v) * ((1.0 - u) * f00 + u * f01) + v * ((1.0 - u) * f10 + u * f11)
-    return value, (1.0 - v) * (f01 - f00) + v * (f11 - f10), (1.0 - u) * (f10 - f00) + u * (f11 - f01)
-
-
-@njit(cache=True)
 def _normal_equations(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
-) -> tuple[FloatArray, FloatArray, float, float]:
-    """Gauss-Newton's matrix and right side, the weighted mean square of the distances, and the points' mean weight."""
+) -> tuple[FloatArray, FloatArray, float]:
+    """Gauss-Newton's matrix and right side, and the points' mean weight."""
     matrix = np.zeros((3, 3))
     right = np.zeros((3, 1))
-    squares, weights = 0.0, 0.0
+    weights = 0.0
     c, s = elementary.cos_sin(theta)
     slopes = np.empty(3)
     for j in range(points.shape[0]):
@@ -103,28 +86,28 @@ def _normal_equations(
         dx, dy = x + px - frame.x, y + py - frame.y
         along = (frame.cos * dx + frame.sin * dy) / frame.resolution
         across = (frame.cos * dy - frame.sin * dx) / frame.resolution
-        distance, by_col, by_row = _interpolate(field, along, across)
+        distance, by_col, by_row = interpolate(field, along, across)
         slopes[0] = (frame.cos * by_col - frame.sin * by_row) / frame.resolution
         slopes[1] = (frame.sin * by_col + frame.cos * by_row) / frame.resolution
         slopes[2] = slopes[1] * px - slopes[0] * py
         # Geman and McClure's weight: what is far from every wall is another robot, and must not pull.
         weight = 1.0 / (1.0 + (distance / width) ** 2) ** 2
         weights += weight
-        squares += weight * distance * distance
         for a in range(3):
             right[a, 0] -= weight * slopes[a] * distance
             for b in range(3):
                 matrix[a, b] += weight * slopes[a] * slopes[b]
-    return matrix, right, squares / weights, weights / points.shape[0]
+    return matrix, right, weights / points.shape[0]
 
 
 @njit(cache=True)
 def _match(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
-) -> tuple[float, float, float, FloatArray, float]:
+) -> tuple[float, float, float, float]:
+    """Pose at which the points lie on surfaces, and the mean weight of the points there."""
     while True:
         for _ in range(_STEPS):
-            matrix, right, _, _ = _normal_equations(field, frame, x, y, theta, points, width)
+            matrix, right, _ = _normal_equations(field, frame, x, y, theta, points, width)
             damping = _DAMPING * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) / 3.0 + 1e-9
             for a in range(3):
                 matrix[a, a] += damping
@@ -135,11 +118,8 @@ def _match(
         if width <= _FINEST:
             break
         width = max(width / 2.0, _FINEST)
-    matrix, _, variance, share = _normal_equations(field, frame, x, y, theta, points, width)
-    # A wall may lie anywhere in its cell.
-    variance = max(variance, frame.resolution**2 / 12.0)
-    independent = min(1.0, INDEPENDENT_BEAMS / points.shape[0])
-    return x, y, wrap_angle(theta), matrix * (independent / variance), share
+    _, _, share = _normal_equations(field, frame, x, y, theta, points, width)
+    return x, y, wrap_angle(theta), share
 
 
 @njit(cache=True)
@@ -154,7 +134,7 @@ def _shares(field: FloatArray, frame: GridFrame, poses: FloatArray, points: Floa
             dy = poses[i, 1] + s * points[j, 0] + c * points[j, 1] - frame.y
             along = (frame.cos * dx + frame.sin * dy) / frame.resolution
             across = (frame.cos * dy - frame.sin * dx) / frame.resolution
-            distance, _, _ = _interpolate(field, along, across)
+            distance, _, _ = interpolate(field, along, across)
             total += 1.0 / (1.0 + (distance / _SEARCHED) ** 2) ** 2
         shares[i] = total / points.shape[0]
     return shares
@@ -167,22 +147,27 @@ class ScanMatcher:
     Attributes:
         field: (rows, cols) metres to the nearest surface, negative inside walls; see `signed_distance`.
         frame: its place in the map.
+        squares: the map's strides for beams.
+        laser: its x and y in the base frame, metres.
         free: (n, 3) poses in free cells, so dense that a match from one of them finds any pose of a robot.
     """
 
     field: FloatArray
     frame: GridFrame
+    squares: FreeSquares
+    laser: tuple[float, float]
     free: FloatArray
 
     @classmethod
-    def of(cls, grid: OccupancyGrid) -> "ScanMatcher":
-        """Prepare a map for matching."""
+    def of(cls, grid: OccupancyGrid, laser_in_base: Pose2) -> "ScanMatcher":
+        """Prepare a map for matching the scans of a laser."""
         step = max(1, round(SPACING / grid.resolution))
         cells = np.argwhere(grid.cells[::step, ::step] == FREE) * step
         headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS) - math.pi
         places = np.repeat(grid.centres_of(cells), _HEADINGS, axis=0)
         free = np.column_stack((places, np.tile(headings, len(cells))))
-        return cls(signed_distance(grid, REACH), grid.frame, free)
+        laser = laser_in_base.x, laser_in_base.y
+        return cls(signed_distance(grid, REACH), grid.frame, free_squares_of(grid), laser, free)
 
     def search(self, points: FloatArray, near: Pose2 | None = None) -> ScanMatch | None:
         """The one pose from which the points lie on the map's walls, anywhere, or first within `NEAR` of a pose.
@@ -203,15 +188,18 @@ class ScanMatcher:
             return None
         shares = _shares(self.field, self.frame, poses, points[:: max(1, len(points) // _FEWEST)])
         guesses = poses[np.argsort(-shares, kind="stable")[:_REFINED]]
-        matches = [self.match(Pose2(x, y, theta), points, _COARSEST) for x, y, theta in guesses.tolist()]
-        best, *others = sorted((match for match in matches if match), key=lambda match: -match.share)
-        here = best.base_in_map
-        for other in others:
-            there = other.base_in_map
+        drawn = [self._drawn(Pose2(x, y, theta), points, _COARSEST) for x, y, theta in guesses.tolist()]
+        (here, best), *others = sorted(drawn, key=lambda match: -match[1])
+        for there, share in others:
             apart = here.distance(there) > SPACING or abs(wrap_angle(here.theta - there.theta)) > SPACING
-            if apart and other.share > best.share - _MARGIN:
+            if apart and share > best - _MARGIN:
                 return None
-        return best if best.share >= GOOD else None
+        return self.match(here, points, _FINEST) if best >= GOOD else None
+
+    def _drawn(self, guess: Pose2, points: FloatArray, width: float) -> tuple[Pose2, float]:
+        """Pose near a guess from which the points lie on the map's walls, and the share of them that do."""
+        x, y, theta, share = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
+        return Pose2(x, y, theta), share
 
     def match(self, guess: Pose2, points: FloatArray, error: float) -> ScanMatch | None:
         """The pose near `guess` from which the points lie on the map's walls.
@@ -223,14 +211,24 @@ class ScanMatcher:
                 pull as well.
 
         Returns:
-            The match; its information takes the noise from the distances that remain, and weakens it by the beams'
-            dependence on one another. None with less than three points, which cannot fix a pose.
+            The match; its information takes the noise from the distances that remain. None with less than three
+            points, which cannot fix a pose.
 
         Source: Kohlbrecher et al., A flexible and scalable SLAM system (2011), section IV: Gauss-Newton on an
-            interpolated grid. Differs: least squares of distances to surfaces, weighed against outliers.
+            interpolated grid. Differs: least squares of distances to surfaces, weighed against outliers, and a last
+            step to the surfaces that beams meet, see `surface_matching`.
         """
         if len(points) < 3:
             return None
-        width = max(_FINEST, min(error, _COARSEST))
-        x, y, theta, information, share = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
-        return ScanMatch(Pose2(x, y, theta), information, share)
+        drawn, share = self._drawn(guess, points, max(_FINEST, min(error, _COARSEST)))
+        x, y, theta, information, growth = refined(
+            self.field,
+            self.frame,
+            self.squares,
+            self.laser,
+            (drawn.x, drawn.y, drawn.theta),
+            points,
+            _FINEST,
+            _DAMPING,
+        )
+        return ScanMatch(Pose2(x, y, theta), information, max(1.0 - 1.0 / growth, 1.0 - share), share)

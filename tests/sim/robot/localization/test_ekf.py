@@ -7,7 +7,7 @@ import pytest
 from filterpy.kalman import ExtendedKalmanFilter
 from scipy.stats import chi2
 
-from sim.common.geometry import Pose2
+from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Imu
 from sim.numerics.elementary import wrap_angle
@@ -56,7 +56,7 @@ def test_before_the_first_scan_it_believes_what_it_was_told(drive):
 
 
 @pytest.mark.parametrize(
-    ("noise", "others", "mean", "worst"), [(1.0, 0, 0.015, 0.08), (5.0, 0, 0.06, 0.25), (1.0, 5, 0.02, 0.1)]
+    ("noise", "others", "mean", "worst"), [(1.0, 0, 0.008, 0.04), (5.0, 0, 0.03, 0.15), (1.0, 5, 0.01, 0.06)]
 )
 @pytest.mark.parametrize("seed", [1, 2])
 def test_it_tracks_through_the_arena(drive, seed, noise, others, mean, worst):
@@ -90,34 +90,54 @@ def squared_errors(localizer, tour):
     return found
 
 
-def assert_honest(nees, lowest):
-    assert lowest < np.mean(nees) < 3.0
-    assert np.mean(np.array(nees) < chi2.ppf(0.95, 3)) > 0.95
+def assert_consistent(tours):
+    """As sure as it is right: means over the runs, update by update, lie within their bounds of 95 %."""
+    runs = [squared_errors(ekf_of(tour), tour) for tour in tours]
+    updates = min(map(len, runs))
+    means = np.mean([run[:updates] for run in runs], axis=0)
+    low, high = chi2.ppf((0.025, 0.975), 3 * len(runs)) / len(runs)
+    assert 2.4 < means.mean() < 3.6
+    assert np.mean((low < means) & (means < high)) > 0.9
 
 
-@pytest.mark.parametrize(("noise", "lowest"), [(0.3, 0.01), (1.0, 0.1), (2.0, 0.4), (5.0, 1.0)])
-def test_it_is_not_surer_than_it_is_right_though_noise_is_not_what_it_believes(drive, noise, lowest):
-    tours = [drive(seed=seed, noise=noise) for seed in (1, 2, 3, 4)]
-    assert_honest([one for tour in tours for one in squared_errors(ekf_of(tour), tour)], lowest)
+def assert_not_too_sure(tours):
+    """Nine of ten errors within the bounds of 95 %: where noise is not what is believed, it must be learnt first."""
+    nees = np.array([one for tour in tours for one in squared_errors(ekf_of(tour), tour)])
+    inside = np.mean(nees < chi2.ppf(0.95, 3))
+    print(f"NEES {nees.mean():.2f}, {inside:.3f} of them within 95 %")
+    assert nees.mean() < 3.6
+    assert inside > 0.9
+
+
+def test_it_is_as_sure_as_it_is_right_where_noise_is_what_it_believes(drive):
+    assert_consistent([drive(seed=seed) for seed in range(1, 9)])
+
+
+@pytest.mark.parametrize(("noise", "others"), [(0.3, 0), (2.0, 0), (5.0, 0), (1.0, 8)])
+def test_it_is_not_surer_than_it_is_right_though_noise_is_not_what_it_believes(drive, noise, others):
+    assert_not_too_sure([drive(seed=seed, noise=noise, others=others) for seed in (1, 2, 3, 4)])
 
 
 def test_it_is_not_surer_than_it_is_right_on_wheels_of_a_wrong_size(drive):
-    tours = [degraded(drive(seed=seed), 1.05, 1.1) for seed in (1, 2, 3, 4)]
-    assert_honest([one for tour in tours for one in squared_errors(ekf_of(tour), tour)], 0.2)
+    assert_not_too_sure([degraded(drive(seed=seed), 1.05, 1.1) for seed in (1, 2, 3, 4)])
+
+
+@pytest.mark.slow
+def test_it_is_as_sure_as_it_is_right_in_many_runs(drive):
+    assert_consistent([drive(seed=seed) for seed in range(1, 31)])
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.1, 0.3, 1.0, 2.0, 5.0])
 @pytest.mark.parametrize("scales", [(1.0, 1.0), (1.05, 1.1), (0.95, 0.9)])
 def test_it_is_not_surer_than_it_is_right_in_many_runs(drive, noise, scales):
-    tours = [degraded(drive(seed=seed, noise=noise), *scales) for seed in range(1, 31)]
-    nees = [one for tour in tours for one in squared_errors(ekf_of(tour), tour)]
-    inside = np.mean(np.array(nees) < chi2.ppf(0.95, 3))
-    print(f"noise {noise}, scales {scales}: NEES {np.mean(nees):.2f}, {inside:.3f} of them within 95 %")
-    # 3 for a filter that is exactly as sure as it may be; room for the worst corner, five times the noise. Errors have
-    # longer tails than the normal law: with twice the noise on wheels of a wrong size 0.919 lie within.
-    assert np.mean(nees) < 3.6
-    assert inside > 0.9
+    assert_not_too_sure([degraded(drive(seed=seed, noise=noise), *scales) for seed in range(1, 31)])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("others", [3, 5, 8])
+def test_it_is_not_surer_than_it_is_right_among_many_robots(drive, others):
+    assert_not_too_sure([drive(seed=seed, others=others) for seed in range(1, 31)])
 
 
 def test_wheels_of_a_wrong_size_do_not_lead_it_astray_in_the_long_run(drive):
@@ -164,7 +184,7 @@ def test_where_two_places_look_the_same_it_does_not_choose():
     cells = np.zeros((80, 160), dtype=np.int8)
     cells[[0, -1], :] = cells[:, [0, 79, 80, -1]] = 100  # two empty rooms of the same size
     grid = OccupancyGrid(cells, 0.05, Pose2(0.0, 0.0, 0.0))
-    matcher = ScanMatcher.of(grid)
+    matcher = ScanMatcher.of(grid, IDENTITY)
     angles = np.linspace(-math.pi, math.pi, 60, endpoint=False)
     reach = 1.0 / np.maximum(abs(np.cos(angles)) / 1.9, abs(np.sin(angles)) / 1.9)
     points = np.column_stack((reach * np.cos(angles), reach * np.sin(angles)))

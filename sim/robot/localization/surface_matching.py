@@ -1,0 +1,197 @@
+"""Refinement of a matched pose by the surfaces that its beams meet, and how sure it is.
+
+A field of distances to the nearest surface draws points that lie deep within a thin wall out at its far side, and so
+errs the more, the noisier the laser is. Here each beam is cast through the map, and its point is compared with the very
+surface that it meets: point-to-line matching (Censi 2008). That converges from near by only, so it comes last.
+"""
+
+import math
+
+import numpy as np
+
+from sim.common.grid import GridFrame
+from sim.common.raycast import FreeSquares, cast_beams
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
+from sim.numerics.matrices import solution
+from sim.robot.localization.bilinear import interpolate
+
+_STEPS = 3
+"""Gauss-Newton steps; each casts the beams anew."""
+_BEFORE = 0.01
+"""Metres before a surface at which its normal is taken: the field has a crease on it."""
+_FLATTEST = 0.3
+"""Least slope of the field, metres a metre, at which it says where a surface faces; at an inner corner it does not."""
+_LEAST_DEVIATION = 0.002
+"""Metres that points are held to scatter by at least."""
+_MOST_LEVERAGE = 0.9
+"""A point that decides the pose nearly alone has no residual to judge it by."""
+_USUAL_CORRELATION = 0.15
+"""Greatest correlation of neighbouring residuals that chance brings about."""
+_GREATEST_CORRELATION = 0.9
+_NEAR_A_SURFACE = 0.25
+"""Weight from which on a point counts as one on a surface of the map."""
+
+
+@njit(cache=True)
+def _weight(distance: float, width: float) -> float:
+    """Geman and McClure's weight."""
+    u = (distance / width) ** 2
+    return 1.0 / (1.0 + u) ** 2
+
+
+@njit(cache=True)
+def _surfaces(
+    field: FloatArray,
+    frame: GridFrame,
+    squares: FreeSquares,
+    laser: tuple[float, float],
+    pose: tuple[float, float, float],
+    points: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """(m, 3) slopes of each point's distance to the surface that its beam meets, and (m,) distances, negative behind.
+
+    All are 0 for a beam that meets no surface near its point.
+    """
+    m = points.shape[0]
+    slopes, distances = np.zeros((m, 3)), np.zeros(m)
+    measured, directions = np.empty(m), np.empty((m, 2))
+    for j in range(m):
+        ahead, left = points[j, 0] - laser[0], points[j, 1] - laser[1]
+        measured[j] = max(elementary.hypot(ahead, left), 1e-9)
+        directions[j, 0], directions[j, 1] = ahead / measured[j], left / measured[j]
+    c, s = elementary.cos_sin(pose[2])
+    sensor = np.array([[pose[0] + c * laser[0] - s * laser[1], pose[1] + s * laser[0] + c * laser[1], pose[2]]])
+    ranges = np.empty((1, m))
+    cast_beams(squares, frame, sensor, directions, measured.max() + 1.0, ranges)
+    for j in range(m):
+        if not math.isfinite(ranges[0, j]):
+            continue
+        along_x = c * directions[j, 0] - s * directions[j, 1]
+        along_y = s * directions[j, 0] + c * directions[j, 1]
+        # The surface's place as seen from the base, then in cells of the grid.
+        px = sensor[0, 0] + ranges[0, j] * along_x - pose[0]
+        py = sensor[0, 1] + ranges[0, j] * along_y - pose[1]
+        dx = pose[0] + px - _BEFORE * along_x - frame.x
+        dy = pose[1] + py - _BEFORE * along_y - frame.y
+        _, by_col, by_row = interpolate(
+            field,
+            (frame.cos * dx + frame.sin * dy) / frame.resolution,
+            (frame.cos * dy - frame.sin * dx) / frame.resolution,
+        )
+        slope = elementary.hypot(by_col, by_row)
+        if slope < _FLATTEST * frame.resolution:
+            continue
+        normal_x = (frame.cos * by_col - frame.sin * by_row) / slope
+        normal_y = (frame.sin * by_col + frame.cos * by_row) / slope
+        slopes[j, 0], slopes[j, 1], slopes[j, 2] = normal_x, normal_y, normal_y * px - normal_x * py
+        distances[j] = (measured[j] - ranges[0, j]) * (normal_x * along_x + normal_y * along_y)
+    return slopes, distances
+
+
+@njit(cache=True)
+def refined(
+    field: FloatArray,
+    frame: GridFrame,
+    squares: FreeSquares,
+    laser: tuple[float, float],
+    pose: tuple[float, float, float],
+    points: FloatArray,
+    width: float,
+    damping: float,
+) -> tuple[float, float, float, FloatArray, float]:
+    """The pose at which points lie on the surfaces that their beams meet.
+
+    Args:
+        field: (rows, cols) signed metres to the nearest surface, see `scan_matching.signed_distance`.
+        frame: its place in the map.
+        squares: the map's strides, see `raycast.free_squares_of`.
+        laser: x and y in the base frame, metres.
+        pose: x, y, theta of the base in the map, a few centimetres from the truth.
+        points: (m, 2) end points of the beams in the base frame.
+        width: metres from a surface at which points begin to count as something that the map does not show.
+        damping: part of the information's mean that is added to its diagonal.
+
+    Returns:
+        x, y, theta; (3, 3) information about them, the inverse of a covariance; and how many times greater that
+        covariance is than it would be if points erred independently, 1 at least.
+
+    Source: Huber, The behavior of maximum likelihood estimates under nonstandard conditions (1967), for a covariance
+        that takes the points' noise from their residuals, whatever law it follows; MacKinnon and White (1985), HC3,
+        for few points. Residuals of neighbours that are alike tell of a map that is wrong, or of clutter: there the
+        covariance grows as the variance of a mean of an autoregressive series does.
+    """
+    x, y, theta = pose
+    for _ in range(_STEPS):
+        slopes, distances = _surfaces(field, frame, squares, laser, (x, y, theta), points)
+        matrix, right = np.zeros((3, 3)), np.zeros((3, 1))
+        for j in range(points.shape[0]):
+            weight = _weight(distances[j], width)
+            for a in range(3):
+                right[a, 0] -= weight * slopes[j, a] * distances[j]
+                for b in range(3):
+                    matrix[a, b] += weight * slopes[j, a] * slopes[j, b]
+        added = damping * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) / 3.0 + 1e-9
+        for a in range(3):
+            matrix[a, a] += added
+        step = solution(matrix, right)
+        x += step[0, 0]
+        y += step[1, 0]
+        theta += step[2, 0]
+    slopes, distances = _surfaces(field, frame, squares, laser, (x, y, theta), points)
+    information, growth = _information(slopes, distances, width)
+    return x, y, wrap_angle(theta), information, growth
+
+
+@njit(cache=True)
+def _information(slopes: FloatArray, distances: FloatArray, width: float) -> tuple[FloatArray, float]:
+    """(3, 3) information of a pose, and the growth of its covariance by residuals that are alike; see `refined`."""
+    m = distances.shape[0]
+    hessian, scatter = np.zeros((3, 3)), np.zeros((3, 3))
+    curvatures = np.empty(m)
+    for j in range(m):
+        # Second derivative of Geman and McClure's loss: points that are far off bend the other way.
+        u = (distances[j] / width) ** 2
+        curvatures[j] = (1.0 - 3.0 * u) / (1.0 + u) ** 3
+        for a in range(3):
+            for b in range(3):
+                hessian[a, b] += curvatures[j] * slopes[j, a] * slopes[j, b]
+    regular = hessian.copy()
+    for a in range(3):
+        regular[a, a] += 1e-3
+    spread = solution(regular, np.ascontiguousarray(slopes.T))
+    squares, products, pairs, counted = 0.0, 0.0, 0, 0
+    for j in range(m):
+        leverage = 0.0
+        for a in range(3):
+            leverage += curvatures[j] * slopes[j, a] * spread[a, j]
+        leverage = min(max(leverage, 0.0), _MOST_LEVERAGE)
+        weight = _weight(distances[j], width)
+        score = weight * distances[j] / (1.0 - leverage)
+        least = weight * _LEAST_DEVIATION
+        for a in range(3):
+            for b in range(3):
+                scatter[a, b] += (score * score + least * least) * slopes[j, a] * slopes[j, b]
+        if weight < _NEAR_A_SURFACE or not slopes[j].any():
+            continue
+        squares += distances[j] * distances[j]
+        counted += 1
+        if j > 0 and _weight(distances[j - 1], width) >= _NEAR_A_SURFACE and slopes[j - 1].any():
+            products += distances[j] * distances[j - 1]
+            pairs += 1
+    growth = 1.0
+    if pairs > 0 and squares > 0.0:
+        alike = (products / pairs) / (squares / counted) - _USUAL_CORRELATION
+        alike = min(max(alike, 0.0), _GREATEST_CORRELATION)
+        growth = (1.0 + alike) / (1.0 - alike)
+    for a in range(3):
+        scatter[a, a] += 1e-9
+    information = np.zeros((3, 3))
+    half = solution(scatter, hessian)
+    for a in range(3):
+        for b in range(3):
+            for k in range(3):
+                information[a, b] += hessian[a, k] * half[k, b] / growth
+    return information, growth
