@@ -40,6 +40,9 @@ _MIN_NOISE_SCALE, _MAX_NOISE_SCALE = 0.2, 100.0
 """Least and greatest factor by which the motion's noise may turn out to differ from what the parameters say. The least
 is that of wheels whose errors in each of the ticks between two predictions are independent."""
 
+_MEMORY = 0.95
+"""Weight of what older scans told of walls that are not where the map has them, for each scan since."""
+
 _DOUBTING = 1.5
 """Factor on the covariance after a match that fits, but is too far off to be believed: either may be wrong."""
 
@@ -65,6 +68,7 @@ class GaussianBelief:
         matched: the odometry when a scan was last weighed in; None before the first.
         motion_noise_scales: factors by which the variances of distances and of turns have turned out to be more than
             the parameters say.
+        walls_off: sums over scans of what `ScanMatch.walls_off` says; the older a scan, the less it counts.
         refused: scans that could not be believed since the last one that was.
         poor: scans in a row that fitted badly, believed or not.
     """
@@ -77,6 +81,7 @@ class GaussianBelief:
     odom_in_map: Pose2
     matched: Pose2 | None
     motion_noise_scales: tuple[float, float]
+    walls_off: tuple[float, float]
     refused: int
     poor: int
 
@@ -210,6 +215,7 @@ class Ekf:
                 odom_in_map=odom_in_map,
                 matched=None,
                 motion_noise_scales=(1.0, 1.0),
+                walls_off=(0.0, 0.0),
                 refused=0,
                 poor=0,
             )
@@ -304,7 +310,10 @@ class Ekf:
         belief = replace(belief, poor=belief.poor + 1 if match.share < GOOD else 0)
         if match.share < _LEAST_SHARE:
             return replace(belief, refused=belief.refused + 1), False
-        noise = _covariance(match)
+        squares, degrees = (_MEMORY * old + new for old, new in zip(belief.walls_off, match.walls_off, strict=True))
+        common = max(0.0, squares / degrees) * match.by_walls if degrees > 0.0 else np.zeros((3, 3))
+        own = _covariance(match)
+        noise = own + common
         measured = match.base_in_map.array()
         innovation = _residual(measured, belief.base_in_map.array())
         expected = belief.covariance + noise
@@ -322,10 +331,11 @@ class Ekf:
                 belief,
                 base_in_map=mean,
                 covariance=read_only(covariance),
-                shared=read_only(match.common * noise),
+                shared=read_only(common + (1.0 - match.share) * own),
                 odom_in_map=mean.compose(belief.base_in_odom.inverse()),
                 matched=belief.base_in_odom,
                 motion_noise_scales=scales,
+                walls_off=(squares, degrees),
                 refused=0,
             ),
             True,

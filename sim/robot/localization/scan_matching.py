@@ -43,14 +43,17 @@ class ScanMatch(NamedTuple):
 
     Attributes:
         base_in_map: the pose.
-        information: (3, 3) inverse covariance of it; singular along a direction the scan does not fix.
-        common: share of that covariance that other scans near by have in common; 0 to 1.
+        information: (3, 3) inverse covariance of it if the map is right; singular along a direction the scan does not
+            fix.
+        by_walls: (3, 3) covariance of it if the map's walls are one metre off (one standard deviation).
+        walls_off: sum of squares that walls are off, and its expectation if they are one metre off.
         share: share of the points that lie on the map's surfaces there; 0 to 1.
     """
 
     base_in_map: Pose2
     information: FloatArray
-    common: float
+    by_walls: FloatArray
+    walls_off: tuple[float, float]
     share: float
 
 
@@ -221,7 +224,7 @@ class ScanMatcher:
         if len(points) < 3:
             return None
         drawn, share = self._drawn(guess, points, max(_FINEST, min(error, _COARSEST)))
-        x, y, theta, information, growth = refined(
+        x, y, theta, information, by_walls, unexplained, degrees = refined(
             self.field,
             self.frame,
             self.squares,
@@ -231,4 +234,4 @@ class ScanMatcher:
             _FINEST,
             _DAMPING,
         )
-        return ScanMatch(Pose2(x, y, theta), information, max(1.0 - 1.0 / growth, 1.0 - share), share)
+        return ScanMatch(Pose2(x, y, theta), information, by_walls, (unexplained, degrees), share)

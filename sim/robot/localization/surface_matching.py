@@ -28,11 +28,10 @@ _LEAST_DEVIATION = 0.002
 """Metres that points are held to scatter by at least."""
 _MOST_LEVERAGE = 0.9
 """A point that decides the pose nearly alone has no residual to judge it by."""
-_USUAL_CORRELATION = 0.15
-"""Greatest correlation of neighbouring residuals that chance brings about."""
-_GREATEST_CORRELATION = 0.9
 _NEAR_A_SURFACE = 0.25
 """Weight from which on a point counts as one on a surface of the map."""
+_SAME_WALL = (0.95, 0.1)
+"""Least cosine between the normals of neighbouring points of one wall, and metres between their planes at most."""
 
 
 @njit(cache=True)
@@ -50,13 +49,14 @@ def _surfaces(
     laser: tuple[float, float],
     pose: tuple[float, float, float],
     points: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """(m, 3) slopes of each point's distance to the surface that its beam meets, and (m,) distances, negative behind.
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """(m, 3) slopes of each point's distance to the surface that its beam meets, (m,) distances, and (m,) offsets.
 
-    All are 0 for a beam that meets no surface near its point.
+    Distances are negative behind the surface; an offset is that of the surface's plane from the base, along its normal.
+    All are 0 for a beam that meets no surface.
     """
     m = points.shape[0]
-    slopes, distances = np.zeros((m, 3)), np.zeros(m)
+    slopes, distances, offsets = np.zeros((m, 3)), np.zeros(m), np.zeros(m)
     measured, directions = np.empty(m), np.empty((m, 2))
     for j in range(m):
         ahead, left = points[j, 0] - laser[0], points[j, 1] - laser[1]
@@ -88,7 +88,8 @@ def _surfaces(
         normal_y = (frame.sin * by_col + frame.cos * by_row) / slope
         slopes[j, 0], slopes[j, 1], slopes[j, 2] = normal_x, normal_y, normal_y * px - normal_x * py
         distances[j] = (measured[j] - ranges[0, j]) * (normal_x * along_x + normal_y * along_y)
-    return slopes, distances
+        offsets[j] = normal_x * px + normal_y * py
+    return slopes, distances, offsets
 
 
 @njit(cache=True)
@@ -101,7 +102,7 @@ def refined(
     points: FloatArray,
     width: float,
     damping: float,
-) -> tuple[float, float, float, FloatArray, float]:
+) -> tuple[float, float, float, FloatArray, FloatArray, float, float]:
     """The pose at which points lie on the surfaces that their beams meet.
 
     Args:
@@ -115,17 +116,16 @@ def refined(
         damping: part of the information's mean that is added to its diagonal.
 
     Returns:
-        x, y, theta; (3, 3) information about them, the inverse of a covariance; and how many times greater that
-        covariance is than it would be if points erred independently, 1 at least.
+        x, y, theta; (3, 3) information about them, the inverse of their covariance if the map is right; and what
+        `_walls` returns, which says by how much it is wrong.
 
     Source: Huber, The behavior of maximum likelihood estimates under nonstandard conditions (1967), for a covariance
         that takes the points' noise from their residuals, whatever law it follows; MacKinnon and White (1985), HC3,
-        for few points. Residuals of neighbours that are alike tell of a map that is wrong, or of clutter: there the
-        covariance grows as the variance of a mean of an autoregressive series does.
+        for few points.
     """
     x, y, theta = pose
     for _ in range(_STEPS):
-        slopes, distances = _surfaces(field, frame, squares, laser, (x, y, theta), points)
+        slopes, distances, _ = _surfaces(field, frame, squares, laser, (x, y, theta), points)
         matrix, right = np.zeros((3, 3)), np.zeros((3, 1))
         for j in range(points.shape[0]):
             weight = _weight(distances[j], width)
@@ -140,14 +140,15 @@ def refined(
         x += step[0, 0]
         y += step[1, 0]
         theta += step[2, 0]
-    slopes, distances = _surfaces(field, frame, squares, laser, (x, y, theta), points)
-    information, growth = _information(slopes, distances, width)
-    return x, y, wrap_angle(theta), information, growth
+    slopes, distances, offsets = _surfaces(field, frame, squares, laser, (x, y, theta), points)
+    information = _information(slopes, distances, width)
+    by_walls, unexplained, degrees = _walls(slopes, distances, offsets, width)
+    return x, y, wrap_angle(theta), information, by_walls, unexplained, degrees
 
 
 @njit(cache=True)
-def _information(slopes: FloatArray, distances: FloatArray, width: float) -> tuple[FloatArray, float]:
-    """(3, 3) information of a pose, and the growth of its covariance by residuals that are alike; see `refined`."""
+def _information(slopes: FloatArray, distances: FloatArray, width: float) -> FloatArray:
+    """(3, 3) information of a pose; see `refined`."""
     m = distances.shape[0]
     hessian, scatter = np.zeros((3, 3)), np.zeros((3, 3))
     curvatures = np.empty(m)
@@ -162,7 +163,6 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> tup
     for a in range(3):
         regular[a, a] += 1e-3
     spread = solution(regular, np.ascontiguousarray(slopes.T))
-    squares, products, pairs, counted = 0.0, 0.0, 0, 0
     for j in range(m):
         leverage = 0.0
         for a in range(3):
@@ -174,18 +174,6 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> tup
         for a in range(3):
             for b in range(3):
                 scatter[a, b] += (score * score + least * least) * slopes[j, a] * slopes[j, b]
-        if weight < _NEAR_A_SURFACE or not slopes[j].any():
-            continue
-        squares += distances[j] * distances[j]
-        counted += 1
-        if j > 0 and _weight(distances[j - 1], width) >= _NEAR_A_SURFACE and slopes[j - 1].any():
-            products += distances[j] * distances[j - 1]
-            pairs += 1
-    growth = 1.0
-    if pairs > 0 and squares > 0.0:
-        alike = (products / pairs) / (squares / counted) - _USUAL_CORRELATION
-        alike = min(max(alike, 0.0), _GREATEST_CORRELATION)
-        growth = (1.0 + alike) / (1.0 - alike)
     for a in range(3):
         scatter[a, a] += 1e-9
     information = np.zeros((3, 3))
@@ -193,5 +181,67 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> tup
     for a in range(3):
         for b in range(3):
             for k in range(3):
-                information[a, b] += hessian[a, k] * half[k, b] / growth
-    return information, growth
+                information[a, b] += hessian[a, k] * half[k, b]
+    return information
+
+
+@njit(cache=True)
+def _walls(
+    slopes: FloatArray, distances: FloatArray, offsets: FloatArray, width: float
+) -> tuple[FloatArray, float, float]:
+    """What the scan says about walls that are not quite where the map has them.
+
+    Points next to each other on one wall share its error. A pose follows such errors, so that they show in what is left
+    of them only: in how far each wall's points lie off it on the mean, more than by their own noise.
+
+    Returns:
+        (3, 3) covariance of the pose for walls that are one metre off (one standard deviation); the sum of squares that
+        walls are off, in m^2; and its expectation for walls that are one metre off. The ratio of the latter two, over
+        many scans, is the variance of the walls' places.
+
+    Source: Henderson, Estimation of variance and covariance components (1953), method 3, for the variance of a random
+        effect, here the walls', by the sums of squares that a fit leaves.
+    """
+    m = distances.shape[0]
+    matrix, pulls, means = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
+    walls, between, within, total = 0, 0.0, 0.0, 0.0
+    j = 0
+    while j < m:
+        weight = _weight(distances[j], width)
+        if weight < _NEAR_A_SURFACE or not slopes[j].any():
+            j += 1
+            continue
+        pull, weights, off, square = np.zeros(3), 0.0, 0.0, 0.0
+        last = j
+        while True:
+            weight = _weight(distances[j], width)
+            weights += weight
+            off += weight * distances[j]
+            square += weight * distances[j] * distances[j]
+            for a in range(3):
+                pull[a] += weight * slopes[j, a]
+                for b in range(3):
+                    matrix[a, b] += weight * slopes[j, a] * slopes[j, b]
+            last = j
+            j += 1
+            if j == m or _weight(distances[j], width) < _NEAR_A_SURFACE or not slopes[j].any():
+                break
+            cosine = slopes[j, 0] * slopes[last, 0] + slopes[j, 1] * slopes[last, 1]
+            if cosine < _SAME_WALL[0] or abs(offsets[j] - offsets[last]) > _SAME_WALL[1]:
+                break
+        walls += 1
+        total += weights
+        between += off * off / weights
+        within += square - off * off / weights
+        for a in range(3):
+            for b in range(3):
+                pulls[a, b] += pull[a] * pull[b]
+                means[a, b] += pull[a] * pull[b] / weights
+    for a in range(3):
+        matrix[a, a] += 1e-3
+    spread, absorbed = solution(matrix, pulls), solution(matrix, means)
+    covariance = solution(matrix, np.ascontiguousarray(spread.T))
+    noise = within / max(total - walls, 1.0)
+    free = walls - (absorbed[0, 0] + absorbed[1, 1] + absorbed[2, 2])
+    degrees = total - (spread[0, 0] + spread[1, 1] + spread[2, 2])
+    return covariance, between - noise * free, degrees

@@ -30,11 +30,12 @@ TOUR = (
 LASER = LaserMount(Pose2(0.1, 0.0, 0.0), -2.35619449, 4.71238898 / 180, 181, 0.05, 8.0)
 
 
-def draw_arena(furnished: bool = False) -> OccupancyGrid:
+def draw_arena(furnished: bool = False, walls_off: float = 0.0, seed: int = 0) -> OccupancyGrid:
     """Sixteen metres by twelve, eight rooms of four metres with open doors, two corridors and a hall.
 
-    Turned by half a circle it is much the same; only furniture tells where one is.
+    Turned by half a circle it is much the same; only furniture tells where one is. Each wall may be some metres off.
     """
+    off = np.random.default_rng(seed)
     resolution, thickness = 0.05, 0.12
     x0, y0, width, height = -5.2, -5.2, 16.4, 12.4
     xs = x0 + (np.arange(round(width / resolution)) + 0.5) * resolution
@@ -45,6 +46,7 @@ def draw_arena(furnished: bool = False) -> OccupancyGrid:
     for line in (f"{WALLS};{FURNITURE}" if furnished else WALLS).split(";"):
         direction, *numbers = line.split()
         at, low, high = map(float, numbers)
+        at += off.normal(0.0, walls_off)
         across, along = (x, y) if direction == "v" else (y, x)
         wall |= (abs(across - at) <= half) & (along >= low - half) & (along <= high + half)
     return OccupancyGrid(np.where(wall, 100, 0).astype(np.int8), resolution, Pose2(x0, y0, 0.0))
