@@ -3,7 +3,15 @@
 import re
 from collections.abc import Iterator
 
-from thbridge.analysis.check.finding import EVO_TYPES, TF_TYPES, BagStructure, BagTool, Finding, FindingSeverity
+from thbridge.analysis.check.finding import (
+    EVO_TYPES,
+    NO_TRAJECTORY,
+    TF_TYPES,
+    BagStructure,
+    BagTool,
+    Finding,
+    FindingSeverity,
+)
 from thbridge.analysis.check.reading import fields_of
 from thbridge.recording.bag.reading.scan import ConnectionRecord
 from thbridge.ros.messages.types import OCCUPANCY_GRID, OWN_TYPES, md5_of, plain_definition
@@ -155,13 +163,12 @@ def clock_recorded(bag: BagStructure) -> Iterator[Finding]:
 
 
 def no_trajectory(bag: BagStructure) -> Iterator[Finding]:
-    """Find bags without poses, which evo cannot use."""
-    types = {connection.msgtype for connections in bag.connections_by_topic().values() for connection in connections}
-    if types and types.isdisjoint(EVO_TYPES):
+    """Find bags without poses that change, which evo cannot use."""
+    moving = [source for source in bag.connections.values() if not source.topic.endswith("tf_static")]
+    types = {source.msgtype for source in moving if bag.counts.get(source.number)}
+    if any(bag.counts.values()) and types.isdisjoint(EVO_TYPES):
         what = f"there is no topic to make a trajectory of: evo reads {', '.join(EVO_TYPES)}"
-        yield Finding(
-            "no-trajectory", FindingSeverity.NOTE, (BagTool.EVO,), None, what, "record odometry or tf with it"
-        )
+        yield Finding(NO_TRAJECTORY, FindingSeverity.NOTE, (BagTool.EVO,), None, what, "record odometry or tf with it")
 
 
 def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:

@@ -44,6 +44,10 @@ EVO_TYPES = (*STAMPED_POSES, *TF_TYPES)
 """Message types from which evo makes trajectories (evo, file_interface.py)."""
 
 
+NO_TRAJECTORY = "no-trajectory"
+"""Rule that finds bags of which evo reads nothing."""
+
+
 @dataclass(frozen=True, slots=True)
 class Finding:
     """A problem of a bag for some tools.

@@ -79,7 +79,8 @@ class BackInTime:
 class HeaderStampOffset:
     """Finds headers whose stamps are far from the time of recording: tools mix the two times.
 
-    Latched topics are left out: their messages may be old when a recording begins.
+    Latched topics are left out, for their messages may be old when a recording begins; and static transforms, which
+    hold at all times, whatever their stamps (tf2, buffer_core.cpp).
     """
 
     def __init__(self) -> None:
@@ -87,8 +88,8 @@ class HeaderStampOffset:
         self._worst_ns: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Listen to every topic that is not latched."""
-        if source.latched:
+        """Listen to every topic that is neither latched nor of static transforms."""
+        if source.latched or source.topic.endswith("tf_static"):
             return None
         topic = source.topic
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from thbridge.analysis.check import BagTool, Finding, FindingSeverity, Judgement
+from thbridge.analysis.check import NO_TRAJECTORY, BagTool, Finding, FindingSeverity, Judgement
 from ui.terminal import say
 
 _VERDICTS = {
@@ -59,8 +59,12 @@ def show_judgements(judgements: Mapping[Path, Judgement]) -> None:
             what = f"{finding.topic or 'the bag'}: {finding.what}{since}"
             remedy = finding.remedy[:1].upper() + finding.remedy[1:]
             say(f"{finding.severity} for {', '.join(finding.tools)}: {what}. {remedy}. [{finding.rule}]")
+    nothing = all(
+        any(finding.rule == NO_TRAJECTORY for finding in judgement.findings) for judgement in judgements.values()
+    )
     for tool, severity in _verdicts(judgements).items():
-        say(f"{tool:<12}{_VERDICTS[severity]}")
+        empty_for_it = nothing and tool is BagTool.EVO
+        say(f"{tool:<12}{'finds no trajectory in it' if empty_for_it else _VERDICTS[severity]}")
 
 
 def _messages(count: int) -> str:

@@ -145,7 +145,7 @@ def test_a_clock_in_the_bag(tmp_path: Path) -> None:
 
 def test_nothing_for_evo(tmp_path: Path) -> None:
     planted = clean()
-    planted.entries = planted.of("/scan")
+    planted.entries = [*planted.of("/scan"), *planted.of("/tf_static")]
     finding = found(judged(tmp_path, planted), "no-trajectory")
     assert (finding.severity, finding.tools) == (FindingSeverity.NOTE, (BagTool.EVO,))
 

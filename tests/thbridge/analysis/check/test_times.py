@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+from sim.common.geometry import IDENTITY
 from tests.thbridge.analysis.planting import (
     SCAN_LINE,
     START,
@@ -15,7 +16,9 @@ from tests.thbridge.analysis.planting import (
     odom_message,
     rules,
     scan_message,
+    tf,
 )
+from tests.thbridge.offline.foreign import transform
 from thbridge.analysis.check import BagTool, FindingSeverity
 
 
@@ -46,6 +49,15 @@ def test_headers_far_from_the_recording(tmp_path: Path) -> None:
 def test_old_headers_of_what_is_latched_are_in_order(tmp_path: Path) -> None:
     planted = clean()
     planted.entries[0] = replace(planted.entries[0], message=grid(START - 60 * 1_000_000_000))
+    assert "header-far" not in rules(judged(tmp_path, planted))
+
+
+def test_static_transforms_hold_at_all_times_whatever_their_stamps(tmp_path: Path) -> None:
+    planted = clean()
+    planted.change("/tf_static", latching="0")
+    old = transform(START - 60 * 1_000_000_000, "base_link", "hokuyo", IDENTITY)
+    at = planted.entries.index(planted.of("/tf_static")[0])
+    planted.entries[at] = replace(planted.entries[at], message=tf(old))
     assert "header-far" not in rules(judged(tmp_path, planted))
 
 

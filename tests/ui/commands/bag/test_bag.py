@@ -30,6 +30,15 @@ def test_check_of_a_clean_bag(bag: Path) -> None:
     assert done.stdout.count("takes it\n") == 5
 
 
+def test_check_does_not_say_that_evo_takes_a_bag_without_a_trajectory(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries = planted.of("/scan")
+    (tmp_path / "a.bag").write_bytes(content(planted))
+    done = RUN.invoke(app, ["bag", "check", str(tmp_path / "a.bag")])
+    assert "evo         finds no trajectory in it" in done.stdout
+    assert "PlotJuggler takes it" in done.stdout
+
+
 def test_check_says_what_where_and_what_to_do(bad: Path) -> None:
     done = RUN.invoke(app, ["bag", "check", str(bad)])
     assert done.exit_code == 1
