@@ -5,11 +5,12 @@ from typing import Annotated
 
 import typer
 
+from ui.recordings import Recording
 from ui.terminal import bad_input
 
 
 def report(
-    bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")],
+    bag: Recording,
     to: Annotated[
         Path | None, typer.Option("--to", help="The page; by default beside the bag. `-` is standard output.")
     ] = None,

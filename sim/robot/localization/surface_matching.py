@@ -189,7 +189,7 @@ def _information(slopes: FloatArray, distances: FloatArray, width: float) -> Flo
 def _walls(
     slopes: FloatArray, distances: FloatArray, offsets: FloatArray, width: float
 ) -> tuple[FloatArray, float, float]:
-    """What the scan says about walls that are not quite where the map has them.
+    """Tell from one scan how far walls are from where the map has them, and what that does to the pose.
 
     Points next to each other on one wall share its error. A pose follows such errors, so that they show in what is left
     of them only: in how far each wall's points lie off it on the mean, more than by their own noise.

@@ -12,16 +12,14 @@ from thbridge.recording.recordings import parts_of
 from ui.commands.group import CommandGroup
 from ui.options import AsJson
 from ui.outputs import STANDARD_OUTPUT, destination, share_no_output
-from ui.terminal import FAILED, bad_input, print_json, say
+from ui.recordings import Recording
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json, say
 
 bag_app = typer.Typer(
     cls=CommandGroup,
     help="Look into recordings and mend them.",
     no_args_is_help=True,
 )
-
-
-Bag = Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split one.")]
 
 
 Out = Annotated[
@@ -40,9 +38,16 @@ class Packing(StrEnum):
     NONE = "none"
 
 
+class Profile(StrEnum):
+    """Generation of ROS that an MCAP file is for."""
+
+    ROS1 = "ros1"
+    ROS2 = "ros2"
+
+
 @bag_app.command("info")
 def bag_info_command(
-    bag: Bag,
+    bag: Recording,
     hashed: Annotated[
         bool, typer.Option("--hash", help="Also the digest of all messages but the session's own record.")
     ] = False,
@@ -67,7 +72,7 @@ def bag_info_command(
 
 
 @bag_app.command("check")
-def bag_check_command(bag: Bag, as_json: AsJson = False) -> None:
+def bag_check_command(bag: Recording, as_json: AsJson = False) -> None:
     """Judge a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
     from thbridge.analysis.check import judge
     from thbridge.recording.bag.reading.scan import scan
@@ -104,7 +109,7 @@ def bag_reindex_command(
 
 @bag_app.command("cut")
 def bag_cut_command(
-    bag: Bag,
+    bag: Recording,
     start: Annotated[float, typer.Option("--from", help="Seconds from its beginning.", min=0.0)] = 0.0,
     end: Annotated[float | None, typer.Option("--until", help="Seconds from its beginning; by default all.")] = None,
     topics: Annotated[str | None, typer.Option(help="Names with commas between; by default all.")] = None,
@@ -134,18 +139,35 @@ def bag_cut_command(
 
 @bag_app.command("to-mcap")
 def bag_to_mcap_command(
-    bag: Bag,
+    bag: Recording,
     compression: Annotated[Packing, typer.Option(help="Of the new file.")] = Packing.ZSTD,
+    profile: Annotated[
+        Profile, typer.Option(help="ros1: a file, for Foxglove; ros2: a folder of rosbag2, for ROS 2.")
+    ] = Profile.ROS1,
     new: Out = None,
     overwrite: Overwrite = False,
     as_json: AsJson = False,
 ) -> None:
-    """Convert a bag to MCAP, for Foxglove."""
+    """Convert a bag to MCAP, for Foxglove and ROS 2."""
     import msgspec
 
     from thbridge.analysis.to_mcap import to_mcap
+    from thbridge.analysis.to_ros2 import to_ros2
 
     share_no_output(new, as_json)
+    if profile is Profile.ROS2:
+        if new == STANDARD_OUTPUT or overwrite or compression is Packing.LZ4:
+            problem = "a folder of rosbag2 goes to a new place on the disk, packed by zstd or not at all"
+            fail(BAD_INPUT, f"--profile ros2: {problem}. Leave `-`, --overwrite and lz4 out.")
+        with bad_input():
+            folder = to_ros2(bag, new or bag.with_name(f"{bag.stem}-ros2"), compression is Packing.ZSTD)
+        if as_json:
+            print_json(msgspec.to_builtins(folder, enc_hook=str))
+            return
+        for topic in folder.left_out:
+            note(f"{topic} is left out: its type cannot be converted.")
+        say(f"Wrote {folder.messages} messages to {folder.path}.")
+        return
     with bad_input(), destination(new or bag.with_suffix(".mcap"), ".mcap") as file:
         done = to_mcap(bag, file, compression, overwrite)
     if as_json:

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from ui.options import AsJson
+from ui.recordings import Recording
 from ui.terminal import bad_input, note, print_json, say
 
 
@@ -19,7 +20,7 @@ class ExportFormat(StrEnum):
 
 
 def bag_export(
-    bag: Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split recording.")],
+    bag: Recording,
     to: Annotated[Path, typer.Option("--to", help="Folder for the files, new or empty.", metavar="FOLDER")],
     topics: Annotated[
         list[str] | None,

@@ -8,6 +8,7 @@ import typer
 
 from thbridge.files.errors import BadFile, reason_of
 from ui.outputs import STANDARD_OUTPUT, destination
+from ui.recordings import Recording
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 
@@ -30,7 +31,7 @@ class FigureWidth(StrEnum):
 
 
 def bag_plot(
-    bag: Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split one.")],
+    bag: Recording,
     what: Annotated[FigureChoice, typer.Option(help="What to plot.")],
     to: Annotated[
         Path,

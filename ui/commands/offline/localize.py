@@ -8,13 +8,14 @@ import typer
 
 from ui.options import AsJson
 from ui.outputs import STANDARD_OUTPUT, destination, share_no_output
+from ui.recordings import Recording
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 Triple = tuple[float, float, float]
 
 
 def localize_command(
-    bag: Annotated[Path, typer.Argument(help="A ROS 1 bag with scans and odometry.")],
+    bag: Recording,
     map_yaml: Annotated[Path, typer.Option("--map", help="The map, a map_server YAML file.")],
     params: Annotated[
         list[Path] | None, typer.Option(help="ROS YAML file with amcl's parameters; may be repeated.")

@@ -19,6 +19,7 @@ from thbridge.recording.bag.damage import check_is_bag, damage_as_bad_file, unfi
 from thbridge.recording.bag.reading.chunk_reader import ChunkInfo, ChunkReader, entries_in
 from thbridge.recording.bag.reading.file_end import FileEnd, read_end
 from thbridge.recording.bag.reading.reader import RawMessage
+from thbridge.recording.bag.ros2 import as_ros1
 from thbridge.recording.recordings import active_of, parts_of
 
 CHUNKS_KEPT = 2048
@@ -276,7 +277,8 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
     publishers: list[IndexedConnection] = []
     chunks: list[ChunkInfo] = []
     try:
-        for number, part in enumerate(parts):
+        for number, named in enumerate(parts):
+            part = as_ros1(named)
             check_is_bag(part)
             with damage_as_bad_file(part):
                 files.append(part.open("rb"))

@@ -13,6 +13,7 @@ from thbridge.recording.bag.damage import check_is_bag, damage_as_bad_file
 from thbridge.recording.bag.reading.chunk_reader import ChunkInfo, ChunkReader
 from thbridge.recording.bag.reading.file_end import FileEnd, read_end
 from thbridge.recording.bag.records import BagConnection
+from thbridge.recording.bag.ros2 import as_ros1, size_of
 from thbridge.recording.recordings import parts_of
 
 BYTES_KEPT = 4 * 1024 * 1024
@@ -117,7 +118,7 @@ def _info_of(path: Path) -> BagInfo:
         start, last = end.start_ns, end.end_ns
         duration = (last - start) / 1e9 if start is not None and last is not None else 0.0
         in_order = tuple(topic for _, topic in sorted(topics.items()))
-        return BagInfo(path, path.stat().st_size, start, last, duration, sum(counts.values()), in_order)
+        return BagInfo(path, size_of(path), start, last, duration, sum(counts.values()), in_order)
 
 
 def _together(one: TopicInfo, other: TopicInfo) -> TopicInfo:
@@ -223,11 +224,12 @@ def _in_order(
 
 @contextmanager
 def opened(path: Path) -> Iterator[tuple[FileEnd, ChunkReader]]:
-    """Open one file: the index at its end, and a reader of its chunks.
+    """Open one file: the index at its end, and a reader of its chunks. A ROS 2 recording is converted first.
 
     Raises:
-        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+        BadFile: there is no such file, it is no recording, or it is cut off or damaged.
     """
+    path = as_ros1(path)
     check_is_bag(path)
     with path.open("rb") as file:
         end = FileEnd()

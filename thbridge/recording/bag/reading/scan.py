@@ -16,6 +16,7 @@ import lz4.frame
 from rosbags.rosbag1.reader import RecordType
 
 from thbridge.recording.bag.damage import MAGIC, VERSION, check_is_bag
+from thbridge.recording.bag.ros2 import as_ros1
 
 _UINT32 = Struct("<I")
 _UINT64 = Struct("<Q")
@@ -173,6 +174,7 @@ def scan(path: Path) -> Iterator[BagRecord]:
     Raises:
         BadFile: there is no such file, or it does not begin like a bag.
     """
+    path = as_ros1(path)
     check_is_bag(path)
     with path.open("rb") as file:
         end = file.seek(0, SEEK_END)

@@ -1,0 +1,187 @@
+"""ROS 2 recordings, and MCAP files, read as the ROS 1 bags that they become.
+
+A recording is converted once in the life of the process, into a folder that ends with it. What reads bags then has one
+format to know. Messages get the types of ROS Noetic; fields that only ROS 2 has are left out, those that only ROS 1 has
+are 0. Publishers whose last message is kept for later subscribers (transient local) become latched ones.
+"""
+
+import errno
+import io
+import tempfile
+from collections.abc import Callable, Mapping
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from mcap.reader import make_reader
+from mcap.well_known import MessageEncoding, SchemaEncoding
+from rosbags.convert.converter import generate_message_converter
+from rosbags.highlevel import AnyReader
+from rosbags.interfaces import QosDurability
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.recording.bag.records import BagConnection
+from thbridge.recording.bag.writing.bag_file import BagFile
+from thbridge.ros.messages.types import md5_of, typestore
+
+METADATA = "metadata.yaml"
+MCAP, SQLITE = ".mcap", ".db3"
+MCAP_MAGIC = b"\x89MCAP0\r\n"
+_DISK_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EFBIG}
+_RENAMED = {"tf/msg/tfMessage": "tf2_msgs/msg/TFMessage"}
+
+
+@dataclass(frozen=True, slots=True)
+class ConvertedRecording:
+    """The ROS 1 bag that another recording has become.
+
+    Attributes:
+        path: of the bag.
+        kind: of the original, a phrase: "a ROS 2 recording".
+        left_out: topics that could not be converted, with the reason.
+    """
+
+    path: Path
+    kind: str
+    left_out: Mapping[str, str]
+
+
+def is_other_recording(path: Path) -> bool:
+    """True for a folder of rosbag2, and for a file of its storages: MCAP and SQLite."""
+    return (path / METADATA).is_file() if path.is_dir() else path.suffix in {MCAP, SQLITE} and path.is_file()
+
+
+def size_of(path: Path) -> int:
+    """Bytes of a recording: of its file, or of all files in its folder."""
+    return sum(file.stat().st_size for file in path.iterdir()) if path.is_dir() else path.stat().st_size
+
+
+def as_ros1(path: Path) -> Path:
+    """The file that holds a recording as a ROS 1 bag: itself, if it is none of ROS 2 or MCAP.
+
+    Raises:
+        BadFile: it cannot be read or converted.
+    """
+    return converted(path).path if is_other_recording(path) else path
+
+
+def converted(path: Path) -> ConvertedRecording:
+    """The ROS 1 bag that a recording of ROS 2, or an MCAP file, becomes.
+
+    Raises:
+        BadFile: it cannot be read or converted.
+    """
+    found = path.stat()
+    return _converted(path.resolve(), found.st_mtime_ns, found.st_size)
+
+
+@lru_cache(maxsize=4)
+def _converted(path: Path, _mtime_ns: int, _size: int) -> ConvertedRecording:
+    bag = _folder() / f"{path.stem}.bag"
+    bag.unlink(missing_ok=True)
+    try:
+        if _is_ros1_mcap(path):
+            _repack(path, bag)
+            return ConvertedRecording(bag, "an MCAP file of ROS 1", {})
+        left_out = _convert(path, bag)
+    except BadFile:
+        raise
+    except Exception as error:  # rosbags and its parsers raise whatever damaged bytes bring about
+        bag.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno in _DISK_FAULTS:
+            remedy = "make room in the folder of temporary files (TMPDIR)"
+            problem = f"there is no place for the bag that it becomes ({reason_of(error)})"
+            raise BadFile(path, problem, remedy) from error
+        remedy = "try `ros2 bag reindex` or `mcap recover`, or name another recording"
+        raise BadFile(path, f"it cannot be read: {_sentence(error)}", remedy) from error
+    return ConvertedRecording(bag, "a ROS 2 recording", left_out)
+
+
+@lru_cache(maxsize=1)
+def _kept() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="thbridge-ros2-")
+
+
+def _folder() -> Path:
+    """A new folder in one that is removed when the process ends."""
+    return Path(tempfile.mkdtemp(dir=_kept().name))
+
+
+def _sentence(error: Exception) -> str:
+    """The first line of an error's text, or its kind where it has none."""
+    return (str(error).splitlines() or [""])[0].rstrip(".") or type(error).__name__
+
+
+def _is_ros1_mcap(path: Path) -> bool:
+    """True for an MCAP file with a schema of ROS 1."""
+    if path.is_dir() or path.suffix != MCAP:
+        return False
+    with path.open("rb") as file:
+        if file.read(len(MCAP_MAGIC)) != MCAP_MAGIC:
+            raise BadFile(path, "this is not an MCAP file", "name a file that a recorder has closed")
+        file.seek(0)
+        summary = make_reader(file).get_summary()
+    schemas = () if summary is None else summary.schemas.values()
+    return any(schema.encoding == SchemaEncoding.ROS1 for schema in schemas)
+
+
+def _repack(path: Path, bag: Path) -> None:
+    """Write the messages of an MCAP file of ROS 1 to a bag, byte for byte."""
+    target = BagFile(bag)
+    connections: dict[int, BagConnection] = {}
+    with path.open("rb") as file:
+        for schema, channel, message in make_reader(file).iter_messages():
+            if schema is None or channel.message_encoding != MessageEncoding.ROS1:
+                continue
+            connection = connections.get(channel.id)
+            if connection is None:
+                text, told = schema.data.decode(), channel.metadata
+                md5 = told.get("md5sum") or md5_of(schema.name, text) or "*"
+                latching = {"true": True, "1": True, "false": False, "0": False}.get(told.get("latching", ""))
+                connection = target.connect(channel.topic, schema.name, md5, text, told.get("callerid"), latching)
+                connections[channel.id] = connection
+            target.write(connection, message.log_time, message.data)
+    target.close()
+
+
+def _convert(path: Path, bag: Path) -> dict[str, str]:
+    """Write the messages of a ROS 2 recording to a bag; the topics that had to be left out, with reasons."""
+    ours = get_typestore(Stores.EMPTY)
+    ours.register(typestore().fielddefs)
+    target = BagFile(bag)
+    ways: dict[int, tuple[BagConnection, Callable[[bytes], memoryview]]] = {}
+    left_out: dict[str, str] = {}
+    # Older recordings have no definitions; those of Humble fit all that does not change.
+    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        for source in reader.connections:
+            try:
+                msgtype, convert = _conversion(source.msgtype, reader.typestore, ours)
+            except (TypesysError, LookupError, ValueError, AttributeError) as error:
+                left_out[source.topic] = f"{source.msgtype}: {_sentence(error)}"
+                continue
+            text, md5 = ours.generate_msgdef(msgtype)
+            profiles = getattr(source.ext, "offered_qos_profiles", ())
+            latching = any(profile.durability is QosDurability.TRANSIENT_LOCAL for profile in profiles)
+            name = msgtype.replace("/msg/", "/")
+            ways[source.id] = target.connect(source.topic, name, md5, text, None, latching), convert
+        known = [source for source in reader.connections if source.id in ways]
+        for source, stamp_ns, data in reader.messages(known) if known else ():
+            connection, convert = ways[source.id]
+            target.write(connection, stamp_ns, bytes(convert(data)))
+    target.close()
+    return left_out
+
+
+def _conversion(msgtype: str, theirs: Typestore, ours: Typestore) -> tuple[str, Callable[[bytes], memoryview]]:
+    """The type that messages of a ROS 2 type become, which is added to ours if it is new; and how."""
+    target = _RENAMED.get(msgtype, msgtype)
+    if target not in ours.fielddefs:
+        text, _ = theirs.generate_msgdef(msgtype, ros_version=1)
+        found = get_types_from_msg(text, target)
+        ours.register({name: fields for name, fields in found.items() if name not in ours.fielddefs})
+    with redirect_stdout(io.StringIO()):  # it tells what it will do
+        convert = generate_message_converter(theirs, ours, msgtype, target, {}, src_is2=True, dst_is2=False)
+    return target, convert
