@@ -1,4 +1,5 @@
-"""The argument that names a recording: a bag of ROS 1, or one of ROS 2, which is read as the bag that it becomes."""
+"""The argument that names a recording: a bag of ROS 1, or one of ROS 2, which is read as the bag that it becomes; and
+options that name topics in it."""
 
 from pathlib import Path
 from typing import Annotated
@@ -26,4 +27,15 @@ Recording = Annotated[
     typer.Argument(
         help="A ROS 1 bag, or the name of a split one; a folder of rosbag2, or an MCAP file.", callback=_converted
     ),
+]
+
+Truth = Annotated[
+    str | None,
+    typer.Option(
+        "--truth", metavar="TOPIC", help="Topic of a robot's true poses (PoseStamped and others); by default by name."
+    ),
+]
+Estimated = Annotated[
+    str | None,
+    typer.Option("--estimate", metavar="TOPIC", help="Topic of its estimated poses; by default by name."),
 ]

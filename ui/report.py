@@ -1,21 +1,35 @@
 """The report of a recording."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from thbridge.files.errors import BadFile
 from thbridge.files.progress import Tell, untold
 from ui.outputs import STANDARD_OUTPUT, destination
 from ui.terminal import note
 
+if TYPE_CHECKING:
+    from thbridge.analysis.report.tracks import TrajectoryTopics
 
-def write_report(bag: Path, page: Path, map_yaml: Path | None = None, tell: Tell = untold) -> None:
-    """Make the report of a bag, on a map of its own if one is given; `tell` takes how far it is.
+
+def write_report(
+    bag: Path, page: Path, map_yaml: Path | None = None, tell: Tell = untold, named: "TrajectoryTopics | None" = None
+) -> None:
+    """Make the report of a bag.
+
+    Args:
+        bag: the recording.
+        page: the file to write.
+        map_yaml: the map, in place of the bag's own.
+        tell: takes how far it is.
+        named: the topics of a robot's trajectories, where somebody has named them.
 
     Raises:
         BadFile: the bag or the map cannot be read, or the page not be written.
     """
     # Half a second of imports that nobody needs who makes no report.
     from thbridge.analysis.report.page import build_report  # noqa: PLC0415
+    from thbridge.analysis.report.tracks import FOUND_BY_NAME  # noqa: PLC0415
 
     if page.exists() and bag.exists() and page.samefile(bag):
         raise BadFile(page, "this is the bag itself", "choose another file by --to")
@@ -24,7 +38,7 @@ def write_report(bag: Path, page: Path, map_yaml: Path | None = None, tell: Tell
         from thbridge.files.map_files import read_grid  # noqa: PLC0415 - 20 MB
 
         grid = read_grid(map_yaml)
-    html = build_report(bag, grid, tell)
+    html = build_report(bag, grid, tell, named or FOUND_BY_NAME)
     try:
         with destination(page) as file:
             file.write_text(html, encoding="utf-8")

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ui.recordings import Recording
+from ui.recordings import Estimated, Recording, Truth
 from ui.terminal import bad_input
 
 
@@ -17,12 +17,16 @@ def report(
     map_yaml: Annotated[
         Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")
     ] = None,
+    truth: Truth = None,
+    estimate: Estimated = None,
 ) -> None:
     """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
+    from thbridge.analysis.report.gathering import trajectory_topics
     from ui.heap import give_large_blocks_back
     from ui.progress import bar_of_progress
     from ui.report import write_report
 
     give_large_blocks_back()
     with bad_input(), bar_of_progress() as tell:
-        write_report(bag, to or bag.with_suffix(".html"), map_yaml, tell)
+        named = trajectory_topics(bag, truth, estimate)
+        write_report(bag, to or bag.with_suffix(".html"), map_yaml, tell, named)

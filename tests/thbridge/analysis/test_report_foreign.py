@@ -10,6 +10,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, Twist
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.report.tracks import TrajectoryTopics
 from thbridge.analysis.report.values import Report, Track
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.pack import Transform
@@ -158,6 +159,35 @@ def test_motion_capture_is_the_truth_and_slam_the_estimate() -> None:
     wanted = [Message(0.0, "/move_base_simple/goal", types.POSE_STAMPED, _pose("map", Pose2(9.0, 9.0, 0.0)))]
     track = only(report(wanted, captured, slam, odometry("/odom", "odom", "base_link")))
     assert track.errors[:, 1].tolist() == pytest.approx([0.3] * 20)
+
+
+def test_named_trajectories_are_compared_whatever_they_are_called() -> None:
+    streams = [
+        [Message(t, topic, types.POSE_STAMPED, _pose(frame, Pose2(t, y, 0.0))) for t in TIMES]
+        for topic, frame, y in (("/lidar/a", "lab", 0.0), ("/fused", "odom", 0.25), ("/other", "odom", 9.0))
+    ]
+    messages = sorted((m for stream in streams for m in stream), key=lambda m: m.stamp_ns)
+    assert read_report(messages).tracks == ()
+    track = only(read_report(messages, named=TrajectoryTopics(truth="/lidar/a", estimate="/fused")))
+    assert track.errors[:, 1].tolist() == pytest.approx([0.25] * 20)
+    assert track.sources[0] == "truth from /lidar/a, as told"
+
+
+def test_of_several_robots_that_one_whose_trajectories_are_named() -> None:
+    streams = [odometry(f"/r{n}/odom", f"r{n}/odom", f"r{n}/base_link") for n in (1, 2)]
+    streams += [
+        [Message(t, f"/r{n}/fused", types.POSE_STAMPED, _pose("map", Pose2(t, n, 0.0))) for t in TIMES] for n in (1, 2)
+    ]
+    messages = sorted((m for stream in streams for m in stream), key=lambda m: m.stamp_ns)
+    track = only(read_report(messages, named=TrajectoryTopics(estimate="/r2/fused")))
+    assert (track.name, ends(track.estimate)) == ("r2", pytest.approx([1.9, 2.0]))
+
+
+def test_a_robot_of_which_only_commands_are_recorded() -> None:
+    commands = [Message(t, "/turtle1/cmd_vel", types.TWIST, pack.command(Twist(0.5, 0.1))) for t in TIMES]
+    track = only(report(commands))
+    assert track.name == "turtle1"
+    assert track.commands[:, 1].tolist() == [0.5] * 20
 
 
 def _pose(frame: str, pose: Pose2) -> bytes:

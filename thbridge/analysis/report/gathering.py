@@ -8,6 +8,7 @@ import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable
+from pathlib import Path
 
 import numpy as np
 
@@ -17,11 +18,12 @@ from sim.numerics.float_array import FloatArray
 from thbridge.analysis.games import OF_A_GAME, game_start
 from thbridge.analysis.report.batches import MessageBatches
 from thbridge.analysis.report.dialogues import DialogueGatherer
-from thbridge.analysis.report.tracks import SeriesByTopic, deviations
+from thbridge.analysis.report.tracks import FOUND_BY_NAME, SeriesByTopic, TrajectoryTopics, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
+from thbridge.files.errors import BadFile
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.rooms import RoomNames
-from thbridge.recording.bag.reading.reader import RawMessage
+from thbridge.recording.bag.reading.reader import RawMessage, info
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
@@ -39,30 +41,58 @@ _TF_OLD = "tf/tfMessage"
 """The older type of tf, with the same fields as tf2's."""
 
 
-def read_report(messages: Iterable[RawMessage], grid: OccupancyGrid | None = None) -> Report:
+TRAJECTORIES = (types.POSE_STAMPED, types.POSE_WITH_COVARIANCE, types.ODOMETRY)
+"""Types of topics that may be named as trajectories."""
+
+
+def trajectory_topics(bag: Path, truth: str | None, estimate: str | None) -> TrajectoryTopics:
+    """The topics that somebody names as a robot's trajectories, `--truth` and `--estimate`.
+
+    Raises:
+        BadFile: the bag has no such topic, or one of another type; or it cannot be read.
+    """
+    if truth is None and estimate is None:
+        return FOUND_BY_NAME
+    kinds = {topic.name: topic.msgtype for topic in info(bag).topics if topic.messages}
+    offered = [name for name, msgtype in kinds.items() if msgtype in TRAJECTORIES]
+    for option, name in (("--truth", truth), ("--estimate", estimate)):
+        if name is None or name in offered:
+            continue
+        problem = f"it is of type {kinds[name]}" if name in kinds else "there is no such topic in the bag"
+        remedy = f"name one of {', '.join(offered)}" if offered else f"only {', '.join(TRAJECTORIES)} will do"
+        raise BadFile(bag, f"{name}: {problem}", remedy, key=option)
+    return TrajectoryTopics(truth, estimate)
+
+
+def read_report(
+    messages: Iterable[RawMessage], grid: OccupancyGrid | None = None, named: TrajectoryTopics = FOUND_BY_NAME
+) -> Report:
     """The report of a bag's messages, oldest first; those that cannot be read are left out and listed.
 
     Args:
         messages: the messages of the bag.
         grid: the map, in place of the bag's own.
+        named: the topics of a robot's trajectories, where somebody has named them.
     """
-    builder = ReportBuilder()
+    builder = ReportBuilder(named)
     for message in messages:
         builder.take(message)
     return builder.report(grid)
 
 
-def read_games(messages: Iterable[RawMessage], grid: OccupancyGrid | None = None) -> tuple[Report, ...]:
+def read_games(
+    messages: Iterable[RawMessage], grid: OccupancyGrid | None = None, named: TrajectoryTopics = FOUND_BY_NAME
+) -> tuple[Report, ...]:
     """The report of each game in a bag, in order; of a bag without games one of the whole. Arguments as `read_report`.
 
     What was recorded before the first game belongs to it, and what comes between two games to the earlier one.
     """
-    return tuple(builder.report(grid) for builder in gather_games(messages))
+    return tuple(builder.report(grid) for builder in gather_games(messages, named))
 
 
-def gather_games(messages: Iterable[RawMessage]) -> list["ReportBuilder"]:
+def gather_games(messages: Iterable[RawMessage], named: TrajectoryTopics = FOUND_BY_NAME) -> list["ReportBuilder"]:
     """Gather what the reports of `read_games` are made of: most of it on disk, where a report is in memory."""
-    builders = [ReportBuilder()]
+    builders = [ReportBuilder(named)]
     for message in messages:
         start = game_start(message)
         if start is not None:
@@ -82,12 +112,12 @@ class ReportBuilder:
         game: number of the game that began; None before.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, named: TrajectoryTopics = FOUND_BY_NAME) -> None:
         self.first_ns: int | None = None
         self.game: int | None = None
         self._begins = 0.0
         self._last_ns = 0
-        self._series = SeriesByTopic()
+        self._series = SeriesByTopic(named)
         self._session: SessionRecord | None = None
         self._grids: dict[str, OccupancyGrid] = {}
         self._score: ScoreRecord | None = None
@@ -123,7 +153,7 @@ class ReportBuilder:
 
     def next_game(self, begins_ns: int) -> "ReportBuilder":
         """The builder of the next game of the recording: with session, map and rooms, which are recorded once."""
-        builder = ReportBuilder()
+        builder = ReportBuilder(self._series.named)
         builder.first_ns = builder._last_ns = begins_ns
         builder._begins = self._begins + self._seconds(begins_ns)
         builder._session, builder._grids, builder._rooms = self._session, self._grids, self._rooms

@@ -16,23 +16,27 @@ from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock, colour
 from thbridge.analysis.report.dialogues import ENDS, RecordedDialogues, RecordedGame
 from thbridge.analysis.report.gathering import gather_games
+from thbridge.analysis.report.tracks import FOUND_BY_NAME, TrajectoryTopics
 from thbridge.analysis.report.values import Report, Track, label_of
 from thbridge.files.progress import Tell, followed, untold
 from thbridge.recording.bag.reading.reader import info, messages
 
 
-def build_report(bag: Path, grid: OccupancyGrid | None = None, tell: Tell = untold) -> str:
+def build_report(
+    bag: Path, grid: OccupancyGrid | None = None, tell: Tell = untold, named: TrajectoryTopics = FOUND_BY_NAME
+) -> str:
     """The report of a bag as HTML, with a part for each game; the same bag gives the same page.
 
     Args:
         bag: a bag of ours or of other robots.
         grid: the map, in place of the bag's own.
         tell: takes how far it is.
+        named: the topics of a robot's trajectories, where somebody has named them.
 
     Raises:
         BadFile: the bag cannot be read; the message has a remedy.
     """
-    games = gather_games(followed(messages(bag), "messages", info(bag).messages, tell))
+    games = gather_games(followed(messages(bag), "messages", info(bag).messages, tell), named)
     count = len(games)
     return _page((games.pop(0).report(grid) for _ in range(count)), count, bag.name, tell)
 

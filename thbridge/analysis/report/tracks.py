@@ -41,6 +41,27 @@ MOST_POSES = 500_000
 """Poses of all robots' paths in a report; of longer recordings every second, third, ... is kept."""
 
 
+@dataclass(frozen=True, slots=True)
+class TrajectoryTopics:
+    """Topics that somebody has named as a robot's trajectories, whatever they are called.
+
+    Attributes:
+        truth: that of its true poses; None: found by its name.
+        estimate: that of its estimated poses; None: found by its name.
+    """
+
+    truth: str | None = None
+    estimate: str | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Those that are named."""
+        return tuple(name for name in (self.truth, self.estimate) if name is not None)
+
+
+FOUND_BY_NAME = TrajectoryTopics()
+
+
 @dataclass(slots=True)
 class PoseSeries:
     """The poses of one topic or transform over time.
@@ -69,6 +90,7 @@ class SeriesByTopic:
     """Data of robots over time, by topic.
 
     Attributes:
+        named: the topics of one robot's trajectories, if somebody has named them: then it is the only one.
         spool: where their numbers go.
         odometry: poses of type nav_msgs/Odometry.
         poses: poses of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
@@ -81,6 +103,7 @@ class SeriesByTopic:
         ways_made: times in which robots made way for others.
     """
 
+    named: TrajectoryTopics = FOUND_BY_NAME
     spool: SpoolFile = field(default_factory=SpoolFile)
     odometry: dict[str, PoseSeries] = field(default_factory=dict)
     poses: dict[str, PoseSeries] = field(default_factory=dict)
@@ -106,7 +129,8 @@ class SeriesByTopic:
     def tracks(self, duration: float) -> Iterator[Track]:
         """Yield the track of each robot, in the order of their numbers."""
         robots = self._robots()
-        return (self._track(robot, robots, duration) for robot in sorted(robots, key=by_number))
+        wanted = {owner_of(self.named.names[0], robots) if robots else ""} if self.named.names else robots
+        return (self._track(robot, robots | wanted, duration) for robot in sorted(wanted, key=by_number))
 
     def thinned_tracks(self, duration: float) -> tuple[Track, ...]:
         """The tracks of all robots, with at most `MOST_POSES` poses of a kind together."""
@@ -117,7 +141,9 @@ class SeriesByTopic:
         """Names of the robots: prefixes of frames, and namespaces; "" for a robot without either."""
         odometry = {topic: poses.child for topic, poses in self.odometry.items()}
         edges = (key for key, poses in self.edges.items() if is_odom_frame(poses.frame))
-        return robots_among(odometry, edges, (*self.energy, *self.goals, *self.attempts, *_estimates(self.poses)))
+        found = robots_among(odometry, edges, (*self.energy, *self.goals, *self.attempts, *_estimates(self.poses)))
+        # A robot of which nothing is known but what it was told.
+        return found or robots_among({}, (), (topic for topic in self.commands if last_word(topic) in COMMANDS))
 
     def _track(self, robot: str, robots: frozenset[str], duration: float) -> Track:
         sources = _Sources(self, robot, robots)
@@ -161,6 +187,7 @@ class _Sources:
     def __init__(self, by_topic: SeriesByTopic, robot: str, robots: frozenset[str]) -> None:
         self.notes: list[str] = []
         self._robot, self._robots = robot, robots
+        self._named, self._all = by_topic.named, {**by_topic.odometry, **by_topic.poses}
         self._nothing = by_topic.poses_of("", "")
         self._odometry = self._own_poses(by_topic.odometry)
         self._poses = self._own_poses(by_topic.poses)
@@ -176,6 +203,8 @@ class _Sources:
 
     def truth(self) -> PoseSeries:
         """Its true poses; without rows if there are none."""
+        if self._named.truth is not None:
+            return self._by_name("truth", self._named.truth)
 
         def known(topic: str, _: PoseSeries) -> bool:
             return is_truth(topic)
@@ -196,6 +225,8 @@ class _Sources:
 
         Preferably odometry with the corrections of map -> odom.
         """
+        if self._named.estimate is not None:
+            return self._by_name("estimate", self._named.estimate).rows.table(4), NEVER
         corrections = _chosen(
             self._edges,
             lambda _, series: is_map_frame(series.frame) and frame_name(series.child) == frame_name(odometry.frame),
@@ -212,6 +243,11 @@ class _Sources:
         """(d, 3) table of the standard deviations that its localiser reports; see `PoseSeries.deviations`."""
         names = usual_first(_estimates(self._poses), ESTIMATES)
         return self._poses[names[0]].deviations.table(3) if names else np.empty((0, 3))
+
+    def _by_name(self, what: str, topic: str) -> PoseSeries:
+        """The poses of a topic that somebody has named."""
+        self.notes.append(f"{what} from {topic}, as told")
+        return self._all.get(topic, self._nothing)
 
     def _own_poses(self, by_topic: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
         """The poses of the robot: by the prefix of their frame if it is a robot's, else by the namespace."""

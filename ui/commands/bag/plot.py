@@ -8,7 +8,7 @@ import typer
 
 from thbridge.files.errors import BadFile, reason_of
 from ui.outputs import STANDARD_OUTPUT, destination
-from ui.recordings import Recording
+from ui.recordings import Estimated, Recording, Truth
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 
@@ -46,11 +46,13 @@ def bag_plot(
     game: Annotated[
         int | None, typer.Option(help="Number of the game to plot, where there are several; times count from it.")
     ] = None,
+    truth: Truth = None,
+    estimate: Estimated = None,
 ) -> None:
     """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
     from thbridge.analysis.plot.figures import FigureKind, draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
-    from thbridge.analysis.report.gathering import read_games
+    from thbridge.analysis.report.gathering import read_games, trajectory_topics
     from thbridge.files.map_files import read_grid
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.recording.bag.reading.reader import messages
@@ -61,7 +63,7 @@ def bag_plot(
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
     with bad_input():
         grid = None if map_yaml is None else read_grid(map_yaml)
-        games = read_games(messages(bag), grid)
+        games = read_games(messages(bag), grid, trajectory_topics(bag, truth, estimate))
     report = games[0] if len(games) == 1 and game is None else next((one for one in games if one.game == game), None)
     if report is None:
         numbers = ", ".join(str(one.game) for one in games if one.game is not None) or "none"

@@ -36,6 +36,26 @@ def test_what_the_bag_lacks_is_told_and_nothing_written(folder: Path, tmp_path: 
     assert not (tmp_path / "error.pdf").exists()
 
 
+def test_trajectories_that_are_named(folder: Path, tmp_path: Path) -> None:
+    to = tmp_path / "error.png"
+    done = run(folder, "--what", "error", "--to", str(to), "--truth", "/odom", "--estimate", "/odom")
+    assert done.exit_code == 0, done.output
+    assert "truth from /odom, as told" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--truth", "/scan"], "--truth: /scan: it is of type sensor_msgs/LaserScan. Name one of /odom."),
+        (["--estimate", "/none"], "--estimate: /none: there is no such topic in the bag. Name one of /odom."),
+    ],
+)
+def test_topics_that_hold_no_trajectory(folder: Path, tmp_path: Path, options: list[str], message: str) -> None:
+    done = run(folder, "--what", "error", "--to", str(tmp_path / "error.png"), *options)
+    assert done.exit_code == 2
+    assert message in " ".join(done.stderr.split())
+
+
 def test_no_figure_but_these_three(folder: Path, tmp_path: Path) -> None:
     done = run(folder, "--what", "paths", "--to", str(tmp_path / "paths.jpg"))
     assert done.exit_code == 2
