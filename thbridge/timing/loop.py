@@ -14,6 +14,8 @@ from thbridge.timing.pacer import Pacer
 _TURN = 0.0005
 """Longest time in seconds for which another thread, for example one that packs a recording, may hold the interpreter;
 Python's default of 5 ms is a fourth of a tick."""
+_turns_before: list[float] = []
+"""The time that each loop under way has found when it began; the first of them is the usual one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +90,18 @@ def _standing_spared() -> Iterator[None]:
 
 @contextmanager
 def _short_turns() -> Iterator[None]:
-    """Shorten the time for which other threads may hold the interpreter."""
-    usual = sys.getswitchinterval()
-    sys.setswitchinterval(min(usual, _TURN))
+    """Shorten the time for which other threads may hold the interpreter.
+
+    Of loops that overlap in one process the last to end puts back what the first found.
+    """
+    _turns_before.append(sys.getswitchinterval())
+    sys.setswitchinterval(min(_turns_before[0], _TURN))
     try:
         yield
     finally:
-        sys.setswitchinterval(usual)
+        # What a later loop found was short already, so it does not matter whose entry is taken.
+        before = _turns_before.pop()
+        if not _turns_before:
+            sys.setswitchinterval(before)
+        else:
+            _turns_before[0] = max(before, *_turns_before)

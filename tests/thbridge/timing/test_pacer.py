@@ -7,7 +7,7 @@ import signal
 import sys
 from collections.abc import Awaitable, Callable
 
-from thbridge.timing.loop import LoopResult, run_ticks
+from thbridge.timing.loop import LoopResult, _short_turns, run_ticks
 from thbridge.timing.pacer import Pacer
 
 PATIENCE = 20
@@ -125,6 +125,32 @@ def test_other_threads_soon_let_the_ticks_go_on_and_only_as_long_as_there_are_an
     usual = sys.getswitchinterval()
     driven(drive)
     assert turns[0] < usual / 5 == sys.getswitchinterval() / 5
+
+
+def test_of_loops_that_overlap_the_last_to_end_puts_the_turns_back():
+    usual = sys.getswitchinterval()
+
+    async def both() -> None:
+        first, second = asyncio.Event(), asyncio.Event()
+
+        async def one(begun: asyncio.Event, end: asyncio.Event) -> None:
+            with _short_turns():
+                begun.set()
+                await end.wait()
+
+        started, later = asyncio.Event(), asyncio.Event()
+        early = asyncio.create_task(one(started, first))
+        await started.wait()
+        late = asyncio.create_task(one(later, second))
+        await later.wait()
+        first.set()
+        await early
+        assert sys.getswitchinterval() < usual
+        second.set()
+        await late
+
+    asyncio.run(both())
+    assert sys.getswitchinterval() == usual
 
 
 def test_a_paused_program_can_be_stopped():
