@@ -47,6 +47,7 @@ from sim.robot.localization.ekf import Ekf
 from sim.robot.localization.estimate import Localizer, carried_on
 from sim.robot.localization.fake_localization import FakeLocalization
 from sim.robot.navigator.move_base import Navigator
+from sim.robot.navigator.recovery import RecoveryProgress
 from sim.robot.software import Robot, RobotOutput
 from sim.world.physics import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
 from sim.world.sensors import Sensors, mount_of
@@ -189,9 +190,19 @@ class Team:
         return tuple(self._parameters)
 
     @property
+    def recoveries(self) -> tuple[RecoveryProgress, ...]:
+        """Progress of each robot's recovery."""
+        return tuple(robot.navigator.recovery for robot in self._robots)
+
+    @property
     def worlds(self) -> tuple[WorldParameters, ...]:
         """Present truth about each robot's body, motors and sensors."""
         return tuple(self._worlds)
+
+    def believed_pose(self, robot: int) -> Pose2:
+        """Pose in the map where a robot believes it is; before its first tick where it was put."""
+        output = self._outputs[robot]
+        return Pose2(*self._state.poses[robot].tolist()) if output is None else output.estimate.base_in_map
 
     def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
         """Make a plan of a robot's on request (ROS: move_base/make_plan); nothing that follows changes by it.
@@ -205,9 +216,7 @@ class Team:
         Returns:
             (m, 3) poses in the map, or why there are none.
         """
-        output = self._outputs[robot]
-        # Before its first tick it knows no more than where it was put.
-        base_in_map = Pose2(*self._state.poses[robot].tolist()) if output is None else output.estimate.base_in_map
+        base_in_map = self.believed_pose(robot)
         return self._robots[robot].navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:

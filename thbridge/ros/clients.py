@@ -12,10 +12,12 @@ from typing import TypeVar
 import numpy as np
 
 from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
 from sim.common.observations import Twist
 from sim.numerics import elementary
 from sim.numerics.float_array import FloatArray
 from thbridge.ros.messages.cursor import FLOAT32, Cursor
+from thbridge.ros.messages.unpack.robots import read_grid
 from thbridge.ros.names import MAP_FRAME, frame_name
 
 T = TypeVar("T")
@@ -43,6 +45,22 @@ class PoseEstimate:
 
     base_in_map: Pose2
     covariance: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapRequest:
+    """nav_msgs/SetMap: a map, and the robot's pose in it."""
+
+    grid: OccupancyGrid
+    estimate: PoseEstimate
+
+
+@dataclass(frozen=True, slots=True)
+class LoggerLevel:
+    """roscpp/SetLoggerLevel: a logger's name and its new level, a word."""
+
+    logger: str
+    level: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +105,18 @@ def _decoder(decode: Callable[[Cursor], T | InvalidMessage]) -> Callable[[bytes]
 @_decoder
 def pose_estimate(cursor: Cursor) -> PoseEstimate | InvalidMessage:
     """geometry_msgs/PoseWithCovarianceStamped, of `initialpose` and of robot_localization's `set_pose`."""
+    return _pose_estimate(cursor)
+
+
+@_decoder
+def map_request(cursor: Cursor) -> MapRequest | InvalidMessage:
+    """The request of nav_msgs/SetMap."""
+    grid = read_grid(cursor)
+    estimate = _pose_estimate(cursor)
+    return estimate if isinstance(estimate, InvalidMessage) else MapRequest(grid, estimate)
+
+
+def _pose_estimate(cursor: Cursor) -> PoseEstimate | InvalidMessage:
     _, frame = cursor.header()
     pose = _pose_in_map(cursor, frame)
     covariance = cursor.reals(36).reshape(6, 6)[_PLANAR]
@@ -139,6 +169,12 @@ def velocity(cursor: Cursor) -> Twist | InvalidMessage:
     if not np.isfinite(six).all():
         return InvalidMessage("it is not finite")
     return Twist(float(six[0]), float(six[5]))
+
+
+@_decoder
+def logger_level(cursor: Cursor) -> LoggerLevel | InvalidMessage:
+    """The request of roscpp/SetLoggerLevel."""
+    return LoggerLevel(cursor.string(), cursor.string())
 
 
 @_decoder

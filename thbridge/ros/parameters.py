@@ -5,13 +5,13 @@ Parameters of `amcl` are `/robot1/amcl/...`; those of move_base and of all that 
 """
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
 from pathlib import PurePath
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 from sim.parameters import RobotParameters
-from thbridge.ros.names import RobotNames
+from thbridge.ros.names import MAP, MAP_FRAME, RobotNames
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -22,20 +22,97 @@ Tree: TypeAlias = dict[str, ParameterValue]
 NODES = ("amcl", "ekf", "fake_localization")
 """Sections that are separate nodes in ROS."""
 MOVE_BASE = "move_base"
+DEFAULT_RECOVERY = ("conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery")
+"""move_base's recovery behaviours by default (move_base.cpp, loadDefaultRecoveryBehaviors)."""
 
 
-def robot_tree(software: RobotParameters) -> Tree:
-    """The parameters under a robot's namespace: its software, by node."""
+_LAYERS = {
+    "static_layer": "costmap_2d::StaticLayer",
+    "obstacle_layer": "costmap_2d::ObstacleLayer",
+    "inflation_layer": "costmap_2d::InflationLayer",
+}
+"""Layers that ROS's costmaps have, too, in their order, with the classes of their plugins."""
+_RECOVERIES = {
+    "conservative_reset": "clear_costmap_recovery/ClearCostmapRecovery",
+    "rotate_recovery": "rotate_recovery/RotateRecovery",
+    "aggressive_reset": "clear_costmap_recovery/ClearCostmapRecovery",
+}
+_DRIVES_AHEAD: Mapping[str, Tree] = {
+    "TrajectoryPlannerROS": {"holonomic_robot": False},
+    "DWAPlannerROS": {"max_vel_y": 0.0, "min_vel_y": 0.0, "vy_samples": 1},
+}
+"""Parameters by which ROS's planners know that a robot cannot drive sideways: by default they think it can."""
+_LOWEST = -1.0
+"""Metres below the base from which on readings of a laser count: rounding must not put the floor's plane out."""
+
+
+def robot_tree(software: RobotParameters, named: RobotNames, body: Sequence[Sequence[float]]) -> Tree:
+    """The parameters under a robot's namespace, as ROS's own amcl and move_base read them.
+
+    Beside what the study's parameters say, these are the frames, topics and plugins with which real nodes start in the
+    robot's namespace, in the place of ours.
+
+    Args:
+        software: of the robot.
+        named: its names.
+        body: corners of its true body, metres in its base frame, for costmaps that are told no other footprint.
+    """
     whole = tree_of(software)
-    nodes: Tree = {name: whole[name] for name in NODES}
-    own = cast(Tree, whole[MOVE_BASE])
+    nodes: Tree = {name: cast(Tree, whole[name]) for name in NODES}
+    frames: Tree = {"global_frame_id": MAP_FRAME, "odom_frame_id": named.odom, "base_frame_id": named.base_footprint}
+    nodes["amcl"] = {**cast(Tree, whole["amcl"]), **frames}
+    nodes["fake_localization"] = {**cast(Tree, whole["fake_localization"]), **frames}
     inside = {
-        field.name: whole[field.name]
+        field.name: cast(Tree, whole[field.name]) | _DRIVES_AHEAD.get(field.name, {})
         for field in dataclasses.fields(software)
         if field.name not in (*NODES, MOVE_BASE) and isinstance(whole[field.name], dict)
     }
+    for name, rolling in (("global_costmap", False), ("local_costmap", True)):
+        inside[name] = _costmap(inside[name], named, body, rolling)
     plain = {name: value for name, value in whole.items() if not isinstance(value, dict)}
-    return {**plain, **nodes, MOVE_BASE: {**own, **inside}}
+    return {**plain, **nodes, MOVE_BASE: {**_navigator(cast(Tree, whole[MOVE_BASE])), **inside}}
+
+
+def _costmap(own: Tree, named: RobotNames, body: Sequence[Sequence[float]], rolling: bool) -> Tree:
+    """A costmap's parameters as costmap_2d reads them."""
+    tree: Tree = {
+        **own,
+        "plugins": [{"name": name, "type": kind} for name, kind in _LAYERS.items() if cast(Tree, own[name])["enabled"]],
+        "global_frame": MAP_FRAME,
+        "robot_base_frame": named.base_footprint,
+        "rolling_window": rolling,
+    }
+    tree["static_layer"] = {**cast(Tree, own["static_layer"]), "map_topic": MAP}
+    layer = dict(cast(Tree, own["obstacle_layer"]))
+    layer["min_obstacle_height"] = _LOWEST
+    for source in cast(str, layer["observation_sources"]).split():
+        told = dict(cast(Tree, layer[source]))
+        del told["name"]
+        seen: Tree = {"topic": named.topic("scan"), "data_type": "LaserScan", "min_obstacle_height": _LOWEST}
+        layer[source] = {**told, **seen}
+    tree["obstacle_layer"] = layer
+    if not tree["footprint"]:
+        # costmap_2d takes an empty list for a footprint, and gives up.
+        del tree["footprint"]
+        if "robot_radius" not in tree:
+            tree["footprint"] = [[float(x), float(y)] for x, y in body]
+    return tree
+
+
+def _navigator(own: Tree) -> Tree:
+    """move_base's own parameters, but for what runs inside it."""
+    tree = dict(own)
+    names = [cast(str, cast(Tree, each)["name"]) for each in cast("list[ParameterValue]", own["recovery_behaviors"])]
+    if tuple(names) == DEFAULT_RECOVERY:
+        # It knows them by itself, and refuses a list with a name that comes twice.
+        del tree["recovery_behaviors"]
+        return tree
+    listed: list[ParameterValue] = []
+    for number, name in enumerate(names):
+        again = names[:number].count(name)
+        listed.append({"name": f"{name}_{again + 1}" if again else name, "type": _RECOVERIES[name]})
+    tree["recovery_behaviors"] = listed
+    return tree
 
 
 def tree_of(section: "DataclassInstance") -> Tree:

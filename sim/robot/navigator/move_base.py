@@ -50,7 +50,7 @@ from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, 
 from sim.robot.navigator.making_way import MakingWay
 from sim.robot.navigator.navigation import Navigation, NavigatorState
 from sim.robot.navigator.progress import GoalProgress
-from sim.robot.navigator.recovery import OscillationDetector, RecoveryBehaviours
+from sim.robot.navigator.recovery import OscillationDetector, RecoveryBehaviours, RecoveryProgress
 from sim.robot.navigator.rotated_map import RotatedMap
 from sim.robot.navigator.stale_neighbours import StaleNeighbours
 from sim.robot.navigator.states import (
@@ -271,6 +271,11 @@ class Navigator:
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
         """Take in broadcasts of the last tick, in which no step was due: some of them are the last of their robots."""
         self._stale.update(self._tick, self._rotated.neighbours_in_grid(neighbours))
+
+    @property
+    def recovery(self) -> RecoveryProgress:
+        """The recovery behaviours, and how many of them have been tried."""
+        return self._recovery.progress
 
     @property
     def _team(self) -> int:

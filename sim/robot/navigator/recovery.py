@@ -7,10 +7,24 @@ robot between two closed doors would drive to and fro for ever.
 """
 
 import math
+from dataclasses import dataclass
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters import MoveBaseParameters
+
+
+@dataclass(frozen=True, slots=True)
+class RecoveryProgress:
+    """State of a goal's recovery.
+
+    Attributes:
+        tried: number of behaviours that have been tried since something went well.
+        names: all behaviours, in order.
+    """
+
+    tried: int
+    names: tuple[str, ...]
 
 
 class RecoveryBehaviours:
@@ -39,6 +53,11 @@ class RecoveryBehaviours:
     def restart(self) -> None:
         """Begin the list again."""
         self._next = 0
+
+    @property
+    def progress(self) -> RecoveryProgress:
+        """The behaviours, and how many of them have been tried."""
+        return RecoveryProgress(self._next, tuple(self._names))
 
     def next(self) -> str | None:
         """Return the behaviour to try now; None when all have been tried."""

@@ -47,6 +47,32 @@ said["impossible"] = [client.get_state(), client.get_goal_status_text()]
 print(json.dumps(said))
 """
 
+PARAMETERS = """
+import json, sys
+import rospy
+
+rospy.init_node("reader")
+print(json.dumps({name: rospy.get_param(name) for name in rospy.get_param_names() if name.startswith(sys.argv[1])}))
+"""
+
+SET_MAP = """
+import json, sys
+import rospy
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.srv import GetMap, SetMap
+
+rospy.init_node("mapper")
+rospy.wait_for_service("/static_map")
+whole = rospy.ServiceProxy("/static_map", GetMap)().map
+whole.info.width -= int(sys.argv[1])
+whole.data = whole.data[: whole.info.width * whole.info.height]
+pose = PoseWithCovarianceStamped()
+pose.header.frame_id = "map"
+pose.pose.pose.orientation.w = 1.0
+pose.pose.covariance = [0.01 if i in (0, 7, 35) else 0.0 for i in range(36)]
+print(json.dumps({"success": rospy.ServiceProxy("/robot2/set_map", SetMap)(whole, pose).success}))
+"""
+
 TF_LISTENER = """
 import json, sys
 import rospy, tf2_ros

@@ -79,6 +79,55 @@ def test_a_parameter_that_cannot_be_is_put_back(beside: Ros) -> None:
     assert beside.says("rosparam", "get", "/robot1/amcl/laser_model_type") == before
 
 
+def test_rosparam_dumps_and_loads_all_parameters_and_nothing_changes(beside: Ros, tmp_path: Path) -> None:
+    first, second = tmp_path / "first.yaml", tmp_path / "second.yaml"
+    beside.says("rosparam", "dump", str(first))
+    beside.says("rosparam", "load", str(first))
+    beside.says("rosparam", "dump", str(first.with_name("robot2.yaml")), "/robot2")
+    beside.says("rosparam", "load", str(first.with_name("robot2.yaml")), "/robot2")
+    beside.says("rosparam", "dump", str(second))
+    assert second.read_text() == first.read_text()
+
+
+def test_a_clients_view_of_every_parameter_is_one_that_a_real_node_can_start_from(beside: Ros) -> None:
+    told = beside.script(live.PARAMETERS, "/robot1")
+    assert isinstance(told, dict)
+    assert told["/robot1/move_base/global_costmap/robot_base_frame"] == "robot1/base_footprint"
+    assert len(told["/robot1/move_base/local_costmap/footprint"]) >= 3
+    assert {each["type"] for each in told["/robot1/move_base/local_costmap/plugins"]} >= {"costmap_2d::ObstacleLayer"}
+    assert len(told) > 150
+    # An empty list or nothing at all stops a real costmap or planner at its start.
+    assert [name for name, value in told.items() if value in ([], "", None)] == []
+
+
+def test_amcls_set_map_takes_the_pose_and_refuses_another_map(beside: Ros) -> None:
+    assert beside.script(live.SET_MAP, "0") == {"success": True}
+    assert beside.script(live.SET_MAP, "1") == {"success": False}
+
+
+def test_levels_of_logs_are_asked_and_set(beside: Ros) -> None:
+    assert 'name: "thbridge"' in beside.says("rosservice", "call", "/thbridge/get_loggers")
+    beside.says("rosservice", "call", "/thbridge/set_logger_level", "{logger: sim, level: debug}")
+    told = beside.says("rosservice", "call", "/thbridge/get_loggers").splitlines()
+    at = next(number for number, line in enumerate(told) if 'name: "sim"' in line)
+    assert 'level: "debug"' in told[at + 1]
+
+
+def test_the_goal_under_way_is_said_by_itself_too(beside: Ros) -> None:
+    with beside.running("rostopic", "echo", "-n", "1", "/robot2/move_base/current_goal") as listener:
+        goal = "{header: {frame_id: map}, pose: {position: {x: -2.0, y: 0.0}, orientation: {w: 1.0}}}"
+        command = ("rostopic", "pub", "-r", "1", "/robot2/move_base_simple/goal", "geometry_msgs/PoseStamped", goal)
+        with beside.running(*command):
+            listener.wait(PATIENCE)
+        assert listener.stdout is not None
+        told = listener.stdout.read()
+    assert 'frame_id: "map"' in told
+    assert "x: 2.0" in told
+    assert (
+        beside.says("rostopic", "type", "/robot2/move_base/recovery_status").strip() == "move_base_msgs/RecoveryStatus"
+    )
+
+
 def test_services_answer(beside: Ros) -> None:
     assert "width: 320" in beside.says("rosservice", "call", "/static_map")
     assert beside.says("rosservice", "type", "/robot1/global_localization").strip() == "std_srvs/Empty"

@@ -13,11 +13,13 @@ from itertools import count
 
 import numpy as np
 
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
 from sim.numerics.float_array import FloatArray
 from sim.robot.global_planning.path import PlanRefusal as NoPlan
 from sim.team import Team
+from thbridge.app.live_graph.live_loggers import offer_loggers
 from thbridge.app.live_graph.live_parameters import LiveParameters, sendable
 from thbridge.app.live_graph.rate_limiter import RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
@@ -53,11 +55,13 @@ class TeamDescription:
         topics: to advertise.
         grid: the map.
         rest: parameters of the study beside the robots'.
+        body: corners of a robot's body, metres in its base frame.
     """
 
     topics: Sequence[Topic]
     grid: OccupancyGrid
     rest: Tree
+    body: Sequence[Sequence[float]]
 
 
 class LiveGraph:
@@ -94,6 +98,17 @@ class LiveGraph:
             topic.name: self._node.advertise(topic.name, topic.msgtype, topic.latched)
             for topic in (CLOCK, *description.topics)
         }
+        self._recoveries = [progress.tried for progress in team.recoveries]
+        self._recovery_status = [
+            self._node.advertise(named.topic("move_base/recovery_status"), types.RECOVERY_STATUS, latched=False)
+            for named in self._robots
+        ]
+        self._current_goals = {
+            named.topic("move_base/goal"): self._node.advertise(
+                named.topic("move_base/current_goal"), types.POSE_STAMPED, latched=False
+            )
+            for named in self._robots
+        }
         self._offer_map()
         for robot, named in enumerate(self._robots):
             self._subscribe_to_clients(robot, named)
@@ -102,7 +117,8 @@ class LiveGraph:
             self._offer_services(robot, named)
         node.declare_param(names.USE_SIM_TIME, True)
         node.declare_param(CALLER, sendable(description.rest))
-        self._parameters = LiveParameters(self._node, team.parameters, self._limiter, ask)
+        self._parameters = LiveParameters(self._node, team.parameters, description.body, self._limiter, ask)
+        offer_loggers(self._node)
 
     async def start(self) -> NodeStarted | CannotListen:
         """Join the graph; its master need not be there yet."""
@@ -131,6 +147,23 @@ class LiveGraph:
         for message in messages:
             if not message.foreign:
                 self._publications[message.topic.name].publish(message.data)
+            current = self._current_goals.get(message.topic.name)
+            if current is not None:
+                goal = clients.action_goal(message.data)
+                if isinstance(goal, clients.ActionGoal) and isinstance(goal.pose, Pose2):
+                    current.publish(pack.pose_stamped(tick, MAP_FRAME, goal.pose))
+        self._tell_of_recoveries()
+
+    def _tell_of_recoveries(self) -> None:
+        """Publish each recovery behaviour that a robot has begun in the last tick."""
+        for robot, progress in enumerate(self._team.recoveries):
+            before, self._recoveries[robot] = self._recoveries[robot], progress.tried
+            # Where the list was begun again in the same tick, what has been tried since is new.
+            first = before if progress.tried >= before else 0
+            for number in range(first, progress.tried):
+                name, base = progress.names[number], self._team.believed_pose(robot)
+                status = pack.recovery_status(self._tick, MAP_FRAME, base, number, len(progress.names), name)
+                self._recovery_status[robot].publish(status)
 
     # Messages of clients
 
@@ -221,6 +254,7 @@ class LiveGraph:
         ):
             name = named.topic(service)
             self._node.serve(name, types.EMPTY, partial(self._pass_on, name, request))
+        self._node.serve(named.topic("set_map"), types.SET_MAP, partial(self._set_map, robot))
         self._node.serve(named.topic("set_pose"), types.SET_POSE, partial(self._set_pose, robot))
         for service in ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
             self._node.serve(named.topic(service), types.GET_PLAN, self._turns.wrap(partial(self._make_plan, robot)))
@@ -239,6 +273,20 @@ class LiveGraph:
             return ServiceFailed(found.sentence)
         self._ask(service, SetPoseEstimate(robot, found.base_in_map, found.covariance))
         return b""
+
+    def _set_map(self, robot: int, data: bytes) -> bytes | ServiceFailed:
+        """Serve amcl's set_map: the pose counts, for the map must be the one that all robots have."""
+        service = self._robots[robot].topic("set_map")
+        if not self._limiter.admits(service, "clients"):
+            return ServiceFailed("it is asked too often")
+        found = clients.map_request(data)
+        if isinstance(found, InvalidMessage):
+            return ServiceFailed(found.sentence)
+        if found.grid != self._description.grid:
+            self._complaints.warn(f"{service}: another map cannot be set while a session is under way")
+            return pack.boolean(False)
+        self._ask(service, SetPoseEstimate(robot, found.estimate.base_in_map, found.estimate.covariance))
+        return pack.boolean(True)
 
     def _make_plan(self, robot: int, data: bytes) -> bytes | ServiceFailed:
         question = clients.plan_request(data)

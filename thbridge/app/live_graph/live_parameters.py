@@ -5,7 +5,7 @@ A change by either acts as a request that the session takes and records, and the
 
 import json
 import logging
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import cast
 
@@ -37,6 +37,7 @@ class LiveParameters:
     Args:
         node: of the session.
         software: parameters of each robot at the start.
+        body: corners of a robot's body, metres in its base frame.
         limiter: limits the rate of changes.
         ask: takes requests, with the name of the parameters or of the service.
     """
@@ -45,11 +46,13 @@ class LiveParameters:
         self,
         node: TypedNode,
         software: Sequence[RobotParameters],
+        body: Sequence[Sequence[float]],
         limiter: RateLimiter,
         ask: Callable[[str, Request], None],
     ) -> None:
         self._node = node
         self._software = list(software)
+        self._body = body
         self._limiter = limiter
         self._ask = ask
         self._complaints = WarnOnce(_log)
@@ -61,11 +64,18 @@ class LiveParameters:
             for robot, named in enumerate(self._robots)
             for section in reconfigure.reconfigure_servers()
         }
+        self._declared = [self._as_nodes_read(robot) for robot in range(len(software))]
         for robot, named in enumerate(self._robots):
-            node.ros.declare_param(named.namespace, sendable(robot_tree(self._software[robot])))
+            node.ros.declare_param(named.namespace, sendable(robot_tree(self._software[robot], named, body)))
             node.ros.subscribe_param(named.namespace, partial(self._set, robot))
             for section in reconfigure.reconfigure_servers():
                 self._offer(robot, section)
+
+    def _as_nodes_read(self, robot: int) -> dict[str, ParameterValue]:
+        """Each parameter of a robot that the parameter server has, with its full name."""
+        named = self._robots[robot]
+        tree = robot_tree(self._software[robot], named, self._body)
+        return cast(dict[str, ParameterValue], dict(leaves(named.namespace, tree)))
 
     def follow(self, software: Sequence[RobotParameters]) -> None:
         """Publish changes of the last tick from any client, and changes that a dead robot did not take."""
@@ -92,21 +102,29 @@ class LiveParameters:
         if isinstance(changes, InvalidMessage):
             return ServiceFailed(changes.sentence)
         self._change(robot, changes, service)
-        self._declare(robot, (path for path, _ in changes))
+        self._declare(robot)
         return self._publish(robot, section)
 
     def _set(self, robot: int, key: str, value: XmlRpcValue) -> None:
         """Take a change of a parameter, or of many below one key: valid changes act, the rest is set back."""
-        named, before = self._robots[robot], self._software[robot]
-        given = [
-            (path, _readable(leaf)) for name, leaf in leaves(key.rstrip("/"), value) if (path := path_of(named, name))
+        named, before, key = self._robots[robot], self._software[robot], key.rstrip("/")
+        declared, given = self._declared[robot], dict(leaves(key, value))
+        # What is set to what it says already is no change, so that a dump can be loaded.
+        told = {name: leaf for name, leaf in given.items() if leaf != declared.get(name)}
+        changes = [
+            (path, _readable(leaf))
+            for name, leaf in told.items()
+            if (path := path_of(named, name)) and has(before, path)
         ]
-        # Other nodes may keep parameters of their own beside these.
-        changes = [(path, leaf) for path, leaf in given if has(before, path) and leaf != value_at(before, path)]
+        for name in told.keys() & declared.keys() - {name_of(named, path) for path, _ in changes}:
+            self._complaints.warn(f"{name} keeps its value: it is fixed for robots of this study")
         if self._limiter.admits(key, "clients"):
             self._change(robot, changes, named.topic("parameters"))
-        # Also values that did not change: a restarted master gets them only from this node.
-        self._publish_changes(robot, [path for path, _ in changes])
+        # Whoever sets a whole section removes what is not in it.
+        replaced = {name for name in declared if name == key or name.startswith(f"{key}/")}
+        self._publish_changes(
+            robot, [path for path, _ in changes], {n for n in replaced if declared[n] != given.get(n)}
+        )
 
     def _change(self, robot: int, changes: Sequence[tuple[str, SetValue]], sender: str) -> None:
         """Change parameters: if they are not valid together, one by one as far as they are."""
@@ -119,20 +137,27 @@ class LiveParameters:
                 self._software[robot] = after
                 self._ask(sender, SetParameters(robot, tuple(values)))
 
-    def _publish_changes(self, robot: int, paths: Sequence[str]) -> None:
-        """Publish the values of some parameters, on the parameter server and by dynamic_reconfigure."""
-        self._declare(robot, paths)
+    def _publish_changes(self, robot: int, paths: Sequence[str], lost: Collection[str] = ()) -> None:
+        """Publish the values of some parameters, on the parameter server and by dynamic_reconfigure.
+
+        Args:
+            robot: its index.
+            paths: of the parameters.
+            lost: names of parameters that the server has lost, or of which it has another value.
+        """
+        self._declare(robot, lost)
         touched = {path.rpartition(".")[0] for path in paths}
         for section in reconfigure.reconfigure_servers():
             if section.path in touched:
                 self._publish(robot, section)
 
-    def _declare(self, robot: int, paths: Iterable[str]) -> None:
-        """Set the values of some parameters on the parameter server."""
-        for path in paths:
-            now = value_at(self._software[robot], path)
-            if now is not None:
-                self._node.ros.declare_param(name_of(self._robots[robot], path), sendable(now))
+    def _declare(self, robot: int, lost: Collection[str] = ()) -> None:
+        """Set on the parameter server what has changed, and what it has lost."""
+        before, now = self._declared[robot], self._as_nodes_read(robot)
+        self._declared[robot] = now
+        for name, value in now.items():
+            if name in lost or value != before.get(name):
+                self._node.ros.declare_param(name, sendable(value))
 
     def _publish(self, robot: int, section: ReconfigureServer) -> bytes:
         """Publish a section's values to dynamic_reconfigure's clients; return the message."""

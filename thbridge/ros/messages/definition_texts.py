@@ -88,6 +88,13 @@ uint8 system_status
     "nav_msgs/GetPlanResponse": "Path plan",
     "dynamic_reconfigure/ReconfigureRequest": "Config config",
     "dynamic_reconfigure/ReconfigureResponse": "Config config",
+    "roscpp/Logger": "string name\nstring level",
+    "roscpp/GetLoggersRequest": "",
+    "roscpp/GetLoggersResponse": "Logger[] loggers",
+    "roscpp/SetLoggerLevelRequest": "string logger\nstring level",
+    "roscpp/SetLoggerLevelResponse": "",
+    "move_base_msgs/RecoveryStatus": "geometry_msgs/PoseStamped pose_stamped\nuint16 current_recovery_number\n"
+    "uint16 total_number_of_recoveries\nstring recovery_behavior_name",
     "robot_localization/SetPoseRequest": "geometry_msgs/PoseWithCovarianceStamped pose",
     "robot_localization/SetPoseResponse": "",
 }

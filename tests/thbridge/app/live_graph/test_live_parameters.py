@@ -3,6 +3,7 @@
 import asyncio
 import struct
 from collections.abc import Callable, Coroutine
+from copy import deepcopy
 from dataclasses import replace
 
 import pytest
@@ -23,6 +24,7 @@ from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 
 PATIENCE = 30.0
 AMCL = "/robot2/amcl"
+BODY = ((0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25), (0.25, -0.25))
 
 
 class Beside:
@@ -58,7 +60,7 @@ class Beside:
         return {row.name: row.value for row in rows}[name]
 
     def param(self, key: str) -> object:
-        return self.master.call("getParam", "/somebody", key).value
+        return deepcopy(self.master.call("getParam", "/somebody", key).value)
 
     def set_param(self, key: str, value: object) -> None:
         self.master.call("setParam", "/somebody", key, value)
@@ -90,6 +92,7 @@ def beside(test: Callable[[Beside], Coroutine[None, None, None]]) -> None:
             parameters = LiveParameters(
                 TypedNode(ours, Definitions(())),
                 [RobotParameters()] * 2,
+                BODY,
                 door,
                 lambda sender, what: asks.append((sender, what)),
             )
@@ -213,5 +216,58 @@ def test_who_turns_too_often_between_two_ticks_is_not_heard_until_the_next() -> 
         assert len(graph.asks) == 2 * REQUESTS_PER_TICK
         graph.door.tick()
         assert not isinstance(await graph.reconfigure(AMCL, kld_err=0.05), ServiceFailed)
+
+    beside(test)
+
+
+def test_what_was_dumped_can_be_loaded_again_and_changes_nothing(caplog: pytest.LogCaptureFixture) -> None:
+    async def test(graph: Beside) -> None:
+        await graph.until(lambda: graph.param("/robot1/amcl/kld_err") == 0.05)
+        dump = graph.param("/robot1")
+        assert isinstance(dump, dict)
+        graph.set_param("/robot1", dump)
+        for node, values in dump.items():
+            graph.set_param(f"/robot1/{node}", values)
+        graph.set_param("/robot1/amcl/kld_err", 0.5)
+        await graph.until(lambda: len(graph.asks) == 1)
+        assert graph.asks[0][1] == SetParameters(0, (("amcl.kld_err", 0.5),))
+        await graph.until(lambda: graph.param("/robot1/amcl/kld_err") == 0.5)
+        dump["amcl"]["kld_err"] = 0.5
+        assert graph.param("/robot1") == dump
+
+    beside(test)
+    assert "keeps its value" not in caplog.text
+
+
+def test_a_changed_dump_changes_what_can_change_and_the_rest_is_put_back(caplog: pytest.LogCaptureFixture) -> None:
+    async def test(graph: Beside) -> None:
+        await graph.until(lambda: graph.param("/robot1/amcl/kld_err") == 0.05)
+        dump = graph.param("/robot1")
+        assert isinstance(dump, dict)
+        before = graph.param("/robot1")
+        dump["amcl"]["kld_err"] = 0.3
+        dump["amcl"]["odom_frame_id"] = "wheels"
+        dump["move_base"]["local_costmap"]["plugins"] = []
+        dump["somebody"] = {"elses": 1}
+        graph.set_param("/robot1", dump)
+        await graph.until(lambda: graph.param("/robot1/amcl/odom_frame_id") == "robot1/odom")
+        await graph.until(lambda: graph.param("/robot1/move_base/local_costmap/plugins") != [])
+        assert [ask for _, ask in graph.asks] == [SetParameters(0, (("amcl.kld_err", 0.3),))]
+        before["amcl"]["kld_err"] = 0.3  # type: ignore[index]
+        assert graph.param("/robot1") == {**before, "somebody": {"elses": 1}}  # type: ignore[dict-item]
+
+    beside(test)
+    assert "/robot1/amcl/odom_frame_id keeps its value" in caplog.text
+    assert "/robot1/move_base/local_costmap/plugins keeps its value" in caplog.text
+
+
+def test_a_footprint_that_is_set_is_the_robots_from_then_on() -> None:
+    async def test(graph: Beside) -> None:
+        name = "/robot1/move_base/local_costmap/footprint"
+        await graph.until(lambda: graph.param(name) == [list(corner) for corner in BODY])
+        smaller = [[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]]
+        graph.set_param(name, smaller)
+        await graph.until(lambda: len(graph.asks) == 1)
+        await graph.until(lambda: graph.param(name) == smaller)
 
     beside(test)

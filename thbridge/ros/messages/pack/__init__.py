@@ -13,6 +13,7 @@ from thbridge.ros.messages.pack.actions import (
     move_base_feedback,
     move_base_goal,
     move_base_result,
+    recovery_status,
 )
 from thbridge.ros.messages.pack.fields import (
     POSE_BYTES,

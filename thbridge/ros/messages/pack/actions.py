@@ -2,11 +2,14 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
+from struct import Struct
 
 from sim.common.geometry import Pose2
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus
 from thbridge.ros.messages.pack.fields import UINT32, header, stamp, string
 from thbridge.ros.messages.pack.motion import pose_stamped
+
+_TWO_UINT16 = Struct("<HH")
 
 
 def goal_id(goal: GoalId) -> bytes:
@@ -23,6 +26,11 @@ def _status(entry: GoalStatus) -> bytes:
 def move_base_goal(tick: int, goal: GoalId, frame: str, pose: Pose2) -> bytes:
     """move_base_msgs/MoveBaseActionGoal: drive to a pose in `frame`."""
     return header(tick) + goal_id(goal) + pose_stamped(tick, frame, pose)
+
+
+def recovery_status(tick: int, frame: str, base: Pose2, number: int, total: int, behaviour: str) -> bytes:
+    """move_base_msgs/RecoveryStatus: which of so many recovery behaviours, counted from 0, begins at a pose."""
+    return pose_stamped(tick, frame, base) + _TWO_UINT16.pack(number, total) + string(behaviour)
 
 
 def goal_status_array(tick: int, entries: Sequence[GoalStatus]) -> bytes:

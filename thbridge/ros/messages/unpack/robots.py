@@ -181,7 +181,12 @@ def pose_stamped(data: bytes) -> PoseInFrame:
 
 def occupancy_grid(data: bytes) -> OccupancyGrid:
     """nav_msgs/OccupancyGrid."""
-    cursor = Cursor.behind_header(data)
+    return read_grid(Cursor(data))
+
+
+def read_grid(cursor: Cursor) -> OccupancyGrid:
+    """The nav_msgs/OccupancyGrid that begins here."""
+    cursor.header()
     cursor.stamp()
     resolution = round(cursor.real(), 6)  # a float32 of 0.05 is not 0.05, and grids are placed by it
     cols, rows = cursor.integer(UINT32), cursor.integer(UINT32)

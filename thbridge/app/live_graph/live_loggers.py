@@ -1,0 +1,50 @@
+"""The levels of a session's logs, for rqt_logger_level and rosservice: roscpp's services of every node."""
+
+import logging
+
+from thbridge.app.live_graph.typed_node import TypedNode
+from thbridge.protocols.rosgraph.links import ServiceFailed
+from thbridge.ros import clients
+from thbridge.ros.clients import InvalidMessage
+from thbridge.ros.messages import types
+from thbridge.ros.messages.pack.fields import UINT32, string
+from thbridge.ros.names import CALLER
+
+LOGGERS = ("thbridge", "sim", "ui")
+"""Loggers whose level can be asked and set: one for each package."""
+_LEVELS = {
+    "debug": logging.DEBUG,
+    "info": logging.INFO,
+    "warn": logging.WARNING,
+    "error": logging.ERROR,
+    "fatal": logging.CRITICAL,
+}
+
+
+def offer_loggers(node: TypedNode) -> None:
+    """Serve `get_loggers` and `set_logger_level` of our node."""
+    node.serve(f"{CALLER}/get_loggers", types.GET_LOGGERS, _get)
+    node.serve(f"{CALLER}/set_logger_level", types.SET_LOGGER_LEVEL, _set)
+
+
+def _get(request: bytes) -> bytes:
+    rows = [string(name) + string(_word(logging.getLogger(name).getEffectiveLevel())) for name in LOGGERS]
+    return UINT32.pack(len(rows)) + b"".join(rows)
+
+
+def _word(level: int) -> str:
+    """ROS's word for the highest of its levels that is not above a level of Python's."""
+    return next((word for word, known in reversed(_LEVELS.items()) if known <= level), "debug")
+
+
+def _set(request: bytes) -> bytes | ServiceFailed:
+    asked = clients.logger_level(request)
+    if isinstance(asked, InvalidMessage):
+        return ServiceFailed(asked.sentence)
+    level = _LEVELS.get(asked.level.lower())
+    if level is None:
+        return ServiceFailed(f"there is no level {asked.level!r}; name one of {', '.join(_LEVELS)}")
+    if asked.logger not in LOGGERS:
+        return ServiceFailed(f"there is no logger {asked.logger!r}; name one of {', '.join(LOGGERS)}")
+    logging.getLogger(asked.logger).setLevel(level)
+    return b""
