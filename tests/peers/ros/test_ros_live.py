@@ -122,7 +122,7 @@ def test_the_goal_under_way_is_said_by_itself_too(beside: Ros) -> None:
         assert listener.stdout is not None
         told = listener.stdout.read()
     assert 'frame_id: "map"' in told
-    assert "x: 2.0" in told
+    assert "x: -2.0" in told
     assert (
         beside.says("rostopic", "type", "/robot2/move_base/recovery_status").strip() == "move_base_msgs/RecoveryStatus"
     )
