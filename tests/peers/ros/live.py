@@ -66,10 +66,8 @@ rospy.wait_for_service("/static_map")
 whole = rospy.ServiceProxy("/static_map", GetMap)().map
 whole.info.width -= int(sys.argv[1])
 whole.data = whole.data[: whole.info.width * whole.info.height]
-pose = PoseWithCovarianceStamped()
-pose.header.frame_id = "map"
-pose.pose.pose.orientation.w = 1.0
-pose.pose.covariance = [0.01 if i in (0, 7, 35) else 0.0 for i in range(36)]
+# The robot is told what it believes: told another place it would be lost for those who come next.
+pose = rospy.wait_for_message("/robot2/amcl_pose", PoseWithCovarianceStamped, 60)
 print(json.dumps({"success": rospy.ServiceProxy("/robot2/set_map", SetMap)(whole, pose).success}))
 """
 
