@@ -56,6 +56,7 @@ def drive(
     from sim.common.geometry import Pose2
     from sim.world.physics import Misplaced
     from thbridge.files.map_files import read_grid
+    from thbridge.files.ros.defaults import sentences_of
     from thbridge.offline.drive import DriveResult, DriveTask
     from thbridge.offline.drive import drive as driven
     from ui.actions.drive import corners_in, read_parameters
@@ -66,7 +67,10 @@ def drive(
             fail(BAD_INPUT, f"{option}: not a finite number. Write metres, radians, seconds.")
     with bad_input():
         grid = read_grid(map_yaml)
-        given = read_parameters(params or [])
+        files = read_parameters(params or [])
+    for sentence in (*files.notices, *sentences_of(files.defaults)):
+        note(sentence)
+    given = files.parameters
     world = given.world if footprint is None else dataclasses.replace(given.world, footprint=corners_in(footprint))
     announce_compiling()
     errand = DriveTask(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
@@ -75,7 +79,11 @@ def drive(
         result = DriveResult(False, False, 0.0, 0.0, 0.0, f"the start is not free: {result.sentence}")
     if as_json:
         clearance = result.min_clearance if math.isfinite(result.min_clearance) else None
-        print_json(dataclasses.asdict(result) | {"min_clearance": clearance})
+        told = dataclasses.asdict(result) | {"min_clearance": clearance}
+        if params:
+            told["notices"] = list(files.notices)
+            told["ros_defaults"] = [default.as_json() for default in files.defaults]
+        print_json(told)
         return
     out.print("Reached." if result.reached else f"Not reached: {result.reason}.", highlight=False, soft_wrap=True)
     note(
