@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import cast
 
 from sim.parameters import RobotParameters, parameters_of
-from thbridge.files.ros.parameters import COSTMAPS
+from thbridge.files.ros.parameters import COSTMAPS, PLANNERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +42,11 @@ def ros_defaults(
     """
     known, begun = dict(parameters_of(robot)), dict(parameters_of(start))
     chosen = {robot.move_base.base_global_planner, robot.move_base.base_local_planner}
-    planners = {name.rpartition("/")[2] for name in chosen}
+    idle = {kind.rpartition("/")[2] for kinds in PLANNERS.values() for kind in kinds if kind not in chosen}
 
     def matters(name: str) -> bool:
         section, _, own = name.partition(".")
-        if section.endswith(("Planner", "ROS")) and section not in planners:
+        if section in idle:
             return False
         layer, dot, _ = own.partition(".")
         if dot and own != f"{layer}.enabled" and known[f"{section}.{layer}.enabled"] is False:

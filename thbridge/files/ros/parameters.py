@@ -17,10 +17,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Never, TypeVar, cast, get_type_hints
 
-from sim.parameters import CostmapParameters, RobotParameters, with_ros_defaults
+from sim.parameters import CostmapParameters, MoveBaseParameters, RobotParameters, with_ros_defaults
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.ros.normalize import Entry, RosYamlNormalizer
 from thbridge.files.ros.recoveries import behaviour_names, with_our_behaviours
+from thbridge.files.yaml.declarations import choices_of
 from thbridge.files.yaml.load import load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
 
@@ -43,6 +44,12 @@ NODES = (
     (*COSTMAPS, "NavfnROS", "GlobalPlanner", "TrajectoryPlannerROS", "DWAPlannerROS", "move_base"),
 )
 """Sections by the node of ROS that reads them."""
+PLANNERS: Mapping[str, tuple[str, ...]] = {
+    field.name: choices_of(str, field.metadata)
+    for field in dataclasses.fields(MoveBaseParameters)
+    if field.name.startswith("base_")
+}
+"""Planners that there are, by the parameter of move_base that chooses one."""
 
 _NAMESPACE = re.compile(rf"(?P<folder>.*/)?(?P<namespace>{'|'.join(SECTIONS)}):(?P<file>.+)")
 
@@ -55,9 +62,16 @@ LAYERS = {
 
 _PERIOD = "the time between commands: here it is always as move_base's controller_frequency says"
 _UNREAD = "ROS does not read it there; probably meant is "
+_SIDEWAYS = "ROS does not read it there; the speeds sideways are TrajectoryPlannerROS's y_vels"
 WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
     "move_base": {"recovery_behaviour_enabled": f"{_UNREAD}recovery_behavior_enabled"},
-    "TrajectoryPlannerROS": {"acc_lim_th": f"{_UNREAD}acc_lim_theta", "controller_frequency": _PERIOD},
+    "TrajectoryPlannerROS": {
+        "acc_lim_th": f"{_UNREAD}acc_lim_theta",
+        "controller_frequency": _PERIOD,
+        "max_vel_y": _SIDEWAYS,
+        "min_vel_y": _SIDEWAYS,
+        "publish_cost_grid": f"{_UNREAD}publish_cost_grid_pc",
+    },
     "DWAPlannerROS": {
         "acc_lim_th": f"{_UNREAD}acc_lim_theta",
         "max_vel_rot": f"{_UNREAD}max_vel_theta",
@@ -71,6 +85,14 @@ WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
     "local_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
 }
 """Parameters that files of well-known robots have where no ROS package reads them, with a remark for each."""
+LAYERS_WITHOUT_EFFECT: Mapping[str, str] = {
+    "robot_radius": f"{_UNREAD}the costmap's",
+    "footprint": f"{_UNREAD}the costmap's",
+    "publish_observations": "a parameter of a layer that there is not here",
+}
+"""The same in layers of costmaps."""
+_PLANNER = re.compile(r"\w*(Planner|Follower|Controller)\w*")
+"""Name of a section of a planner, among them those of packages that are not ROS's own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +187,18 @@ class RosFiles:
             written.update(loaded.lines)
         if faults:
             raise BadFiles(tuple(_once(faults)))
+        notices.extend(self._about_planners(value, written))
         return RosParameters(_with_layers(value, self.listed), tuple(_once(notices)), frozenset(written))
+
+    def _about_planners(self, value: RobotParameters, written: Collection[str]) -> Iterator[str]:
+        """Yield a sentence for each planner that files describe and none chooses, as where a launch file does that."""
+        for key, kinds in PLANNERS.items():
+            chosen = cast(str, getattr(value.move_base, key))
+            for kind in kinds:
+                section = kind.rpartition("/")[2]
+                if kind != chosen and section in self.sections and f"move_base.{key}" not in written:
+                    remedy = f"if a launch file chooses it, add a file with `{key}: {kind}`"
+                    yield f"{section} has no effect: no file has {key}, so it is {chosen}; {remedy}"
 
 
 def parse_ros_files(paths: Sequence[Path]) -> RosFiles:
@@ -286,8 +319,12 @@ class _Sorter:
         ranked = sorted(SECTIONS, key=lambda section: -scores[section])
         for key, child in flat:
             home = next((section for section in ranked if key.text in known[section]), None)
-            if home is None and isinstance(child, Section):
-                homes.setdefault("", []).append((key, child))
+            layer = ranked[0] in COSTMAPS and scores[ranked[0]] > 0.0 and self.unlisted(key.text)
+            if home is None and isinstance(child, Section) and not layer:
+                if _PLANNER.fullmatch(key.text) and not difflib.get_close_matches(key.text, SECTIONS, cutoff=0.85):
+                    self.tell(key, f"{key.text} has no effect here: there is no such planner")
+                else:
+                    homes.setdefault("", []).append((key, child))
                 continue
             home = home or ranked[0]
             for section in COSTMAPS if home in COSTMAPS else (home,):
@@ -317,8 +354,22 @@ class _Sorter:
             if meaning is None:
                 yield key, child
             else:
-                notice = f"{section}.{key.text} has no effect here: {meaning}"
-                self.notices.append(f"{self.path}, line {key.line}: {notice}")
+                self.tell(key, f"{section}.{key.text} has no effect here: {meaning}")
+
+    def tell(self, key: Scalar, sentence: str) -> None:
+        self.notices.append(f"{self.path}, line {key.line}: {sentence}")
+
+    def of_layer(self, place: str, layer: Section) -> list[Entry]:
+        """The entries of a layer without those in `LAYERS_WITHOUT_EFFECT`, for each of which there is a notice."""
+        for key, _ in layer.entries:
+            if key.text in LAYERS_WITHOUT_EFFECT:
+                self.tell(key, f"{place}.{key.text} has no effect here: {LAYERS_WITHOUT_EFFECT[key.text]}")
+        return [entry for entry in layer.entries if entry[0].text not in LAYERS_WITHOUT_EFFECT]
+
+    def unlisted(self, name: str) -> bool:
+        """Return True for a layer that ROS does not load, since lists of plugins have others."""
+        names = [field.name for field in dataclasses.fields(CostmapParameters)]
+        return bool(self.layers) and not difflib.get_close_matches(name, [*names, *self.layers], cutoff=0.8)
 
     def layer_of(self, name: str) -> str | None:
         return self.layers[name] if name in self.layers else _layer_like(name)
@@ -338,16 +389,16 @@ class _Sorter:
             if key.text == "plugins":
                 self.listed[section] = frozenset(_plugins(child).values())
             elif layer == "":
-                notice = f"{section}.{key.text} has no effect here: there is no such kind of layer"
-                self.notices.append(f"{self.path}, line {key.line}: {notice}")
+                self.tell(key, f"{section}.{key.text} has no effect here: there is no such kind of layer")
+            elif layer is None and isinstance(child, Section) and key.text not in sources and self.unlisted(key.text):
+                self.tell(key, f"{section}.{key.text} has no effect, as in ROS: no `plugins` lists it")
             elif layer is None or not isinstance(child, Section):
                 shaped.append((key, child))
             elif layer in layers:
-                layers[layer] = _joined(layers[layer], child.entries)
-                notice = f"{section}.{key.text} is taken into the one {layer} that there is here"
-                self.notices.append(f"{self.path}, line {key.line}: {notice}")
+                layers[layer] = _joined(layers[layer], self.of_layer(f"{section}.{key.text}", child))
+                self.tell(key, f"{section}.{key.text} is taken into the one {layer} that there is here")
             else:
-                layers[layer] = child.entries
+                layers[layer] = self.of_layer(f"{section}.{key.text}", child)
         if "static_layer" in layers and any(key.text == "track_unknown_space" for key, _ in shaped):
             # ROS hands the costmap's down over the layer's own (costmap_2d_ros.cpp, copyParentParameters).
             own = layers["static_layer"]

@@ -72,6 +72,9 @@ def drive(
         note(sentence)
     given = files.parameters
     world = given.world if footprint is None else dataclasses.replace(given.world, footprint=corners_in(footprint))
+    if footprint is None and (believed := given.robot.local_costmap.footprint) not in {(), world.footprint}:
+        corners = [list(corner) for corner in believed]
+        note(f"local_costmap.footprint is not the simulated body; to drive that one, add --footprint '{corners}'")
     announce_compiling()
     errand = DriveTask(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
     result = driven(grid, world, given.robot, errand, seed)

@@ -451,3 +451,45 @@ def test_a_colon_alone_makes_no_namespace(tmp_path: Path) -> None:
     assert namespace_in(Path("a:b/c.yaml")) == ("", Path("a:b/c.yaml"))
     assert namespace_in(Path("global_costmap:/a/c.yaml")) == ("global_costmap", Path("/a/c.yaml"))
     assert namespace_in(Path("a:b/move_base:c/d.yaml")) == ("move_base", Path("a:b/c/d.yaml"))
+
+
+def test_a_planner_that_only_a_launch_file_chooses_is_told(tmp_path: Path) -> None:
+    planner = "DWAPlannerROS: {max_vel_x: 0.2}\n"
+    (notice,) = read(tmp_path, planner).notices
+    assert "DWAPlannerROS has no effect" in notice
+    assert "base_local_planner: dwa_local_planner/DWAPlannerROS" in notice
+    assert read(tmp_path, planner, "base_local_planner: dwa_local_planner/DWAPlannerROS").notices == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("TebLocalPlannerROS: {max_vel_x: 0.4}\nNavfnROS: {allow_unknown: true}\n", "TebLocalPlannerROS has no effect"),
+        ("TrajectoryPlannerROS: {max_vel_y: 0.0}", "max_vel_y has no effect"),
+        (
+            "plugins: [{name: a, type: 'costmap_2d::ObstacleLayer'}]\nvirtual_walls_map: {x: 1}\n",
+            "no `plugins` lists it",
+        ),
+        (
+            "inflater: {robot_radius: 0.3, inflation_radius: 0.7}\nstatic_map: true\n",
+            "inflater.robot_radius has no effect",
+        ),
+    ],
+)
+def test_what_ros_does_not_read_either_is_told_and_no_fault(tmp_path: Path, text: str, told: str) -> None:
+    assert told in " ".join(read(tmp_path, text).notices)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("TrajectoryPlanerROS: {max_vel_x: 0.4}", "TrajectoryPlanerROS: unknown key"),
+        ("plugins: [{name: walls, type: 'costmap_2d::StaticLayer'}]\nwals: {use_maximum: true}\n", "wals: unknown key"),
+        (
+            "base_local_planner: teb_local_planner/TebLocalPlannerROS\nplanner_patience: 1.0\n",
+            "'teb_local_planner/TebLocalPlannerROS' is no choice here",
+        ),
+    ],
+)
+def test_names_that_are_nearly_right_are_faults(tmp_path: Path, text: str, told: str) -> None:
+    assert told in fault(tmp_path, text)
