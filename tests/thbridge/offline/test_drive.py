@@ -76,6 +76,22 @@ def test_a_goal_that_cannot_be_reached_is_given_up_with_its_reason() -> None:
     assert "wall" in str(outcome.reason)
 
 
+@pytest.mark.parametrize(
+    ("start", "goal", "told"),
+    [
+        ((1.0, 1.0), (5.0, 0.02), "the goal lies in the map's outermost row or column of cells"),
+        ((1.0, 0.02), (5.0, 1.0), "the robot stands in the map's outermost row or column of cells"),
+        ((1.0, 1.0), (5.0, 0.2), "; the goal lies 0.20 m from the map's edge, which is nearer than the body's radius"),
+    ],
+)
+def test_ends_at_the_edge_of_a_map_are_named(start, goal, told) -> None:
+    """Two rooms that go on to the map's edge, with a wall without a door between them."""
+    cells = np.zeros((40, 120), np.int8)
+    cells[:, 60] = 100
+    outcome = driven(OccupancyGrid(cells, 0.05, Pose2(0.0, 0.0, 0.0)), errand((*start, 0.0), (*goal, 0.0)))
+    assert told in str(outcome.reason)
+
+
 def test_a_robot_that_is_too_slow_is_still_under_way() -> None:
     outcome = driven(two_rooms(), errand((1.0, 1.0, 0.0), (5.0, 3.0, 0.0), timeout=2.0))
     assert (outcome.reached, outcome.seconds) == (False, 2.0)
