@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import get_args, get_type_hints
 
-from sim.parameters import RobotParameters
+from sim.parameters import RobotParameters, not_in_ros
 from sim.parameters.reconfiguration import is_live
 from thbridge.files.yaml.declarations import allowed, ros_only_of, sections_named_in
 
@@ -27,10 +27,17 @@ the classes in `sim/parameters`, which the study file's reader and its error mes
   dynamic_reconfigure (but for the goal tolerances of TrajectoryPlannerROS). **accepted**: means something inside ROS
   only; files may have it, and are told that it changes nothing. **ours**: ROS has no such name.
 * *ROS* is the default that really applies in ROS noetic, from a node's code or from its `.cfg`, whichever wins there.
-  `thbridge localize` begins there. *Hunts* is what a study begins with, where that is something else.
+  *Hunts* is what a study begins with, where that is something else.
 * Files of ROS are read as they are: `thbridge localize --params amcl.yaml`, `thbridge drive --params`, and in a study
-  `ros_parameters: [amcl.yaml, costmap_common_params.yaml, move_base_params.yaml]`. What they leave out stays as the
-  study has it.
+  `ros_parameters: [amcl.yaml, costmap_common_params.yaml, move_base_params.yaml]`. Where a launch file loads one into a
+  namespace (`ns="local_costmap"`), name it with that: `local_costmap:costmap_local.yaml`.
+* **What files of ROS leave out is as in ROS**: a node that any of them is for (amcl; or move_base with its costmaps and
+  planners) begins with the column *ROS*, and those of these defaults that hunts do not have are told, also by `--json`
+  (`ros_defaults`). `thbridge localize` begins there without files too. Presets of noise and lines of the study win over
+  that. Other nodes, and names that ROS does not have, stay as in hunts; so does what the sections `world` and `robot`
+  of a study leave out.
+* Layers and sensors are as in ROS, too: without `plugins`, a costmap has the map only by `static_map: true`, without
+  `observation_sources` it sees nothing. A costmap of which no file says anything keeps map, laser and the robot's body.
 """
 
 TITLES = {
@@ -45,7 +52,6 @@ TITLES = {
     ("move_base",): "move_base",
 }
 """Headings, by the sections under them; the costmaps have nearly all parameters in common."""
-WITHOUT_ROS = {"ekf"}
 OURS = "not ROS's"
 NOTHING = "–"
 
@@ -79,14 +85,14 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
     """
     into = type(standard)
     hints = get_type_hints(into)
-    ours = ours or OURS in (into.__doc__ or "")
     for field in dataclasses.fields(standard):
         own, other = getattr(standard, field.name), getattr(hunts, field.name)
         name, help_text = prefix + field.name, field.metadata["help"]
         live = is_live(field)
-        state = f"ours{', live' if live else ''}" if ours or OURS in help_text else "live" if live else "yes"
+        theirs = not ours and field.name not in not_in_ros(into)
+        state = ("live" if live else "yes") if theirs else f"ours{', live' if live else ''}"
         if dataclasses.is_dataclass(own):
-            yield from rows(own, other, f"{name}.", ours)
+            yield from rows(own, other, f"{name}.", not theirs)
             continue
         item = next(iter(get_args(hints[field.name])), None)
         if dataclasses.is_dataclass(item):
@@ -159,7 +165,7 @@ def document() -> str:
             own = getattr(robot, section, None)
             if own is None:
                 continue
-            tables.append(list(rows(type(own)(), own, ours=section in WITHOUT_ROS)))
+            tables.append(list(rows(type(own)(), own, ours=section in not_in_ros(RobotParameters))))
             headings.append(f"`{section}`: {(type(own).__doc__ or '').splitlines()[0]}")
         if not tables:
             continue

@@ -118,13 +118,14 @@ class Team:
     """The simulation environment: N robots, one world.
 
     Args:
-        grid: the map, true and known to every robot.
+        grid: the map that every robot knows.
         world: the truth about bodies, motors and sensors.
         robots: each robot's own software parameters.
         starts: a start pose a robot, map frame.
         seed: seed of all noise in here.
         charge: the energy each starts with.
         schedule: inputs known beforehand; they act before those that come in at the same tick.
+        true_grid: the true map where it is not the one that robots know.
 
     Raises:
         ValueError: robots and starts differ in number, or a start is not free.
@@ -139,11 +140,12 @@ class Team:
         seed: int,
         charge: float,
         schedule: Sequence[ScheduledInput] = (),
+        true_grid: OccupancyGrid | None = None,
     ) -> None:
         if len(robots) != len(starts):
             raise ValueError(f"{len(robots)} robots but {len(starts)} start poses")
-        self._world = World(grid, world, seed, charge)
-        self._sensors = Sensors(grid, world, seed, charge)
+        self._world = World(true_grid or grid, world, seed, charge)
+        self._sensors = Sensors(true_grid or grid, world, seed, charge)
         self._parameters = list(robots)
         self._worlds = [world] * len(robots)
         state = self._world.start(starts)

@@ -66,6 +66,7 @@ class ObstacleParameters:
         "publish_voxel_map": _VOXELS,
     }
     sections_named_in: ClassVar[str] = "observation_sources"
+    not_in_ros: ClassVar[frozenset[str]] = frozenset({"explained_distance", "clear_between_beams"})
 
     enabled: bool = live(True, "whether what the laser sees counts")
     footprint_clearing_enabled: bool = live(True, "the robot's own place is free")
@@ -151,6 +152,7 @@ class CostmapParameters:
         "cost_scaling_factor": "inflation_layer.cost_scaling_factor",
         "inflation_radius": "inflation_layer.inflation_radius",
     }
+    not_in_ros: ClassVar[frozenset[str]] = frozenset({"robots_layer"})
 
     footprint: tuple[tuple[float, float], ...] = live((), "corners of the robot; none: a circle of robot_radius", "m")
     robot_radius: float | None = live(

@@ -8,10 +8,15 @@ that ROS still reads, and the present one. `passed_on: ClassVar[Mapping[str, str
 part, over the part's own value, and the path there: `obstacle_range` to `obstacle_layer.obstacle_range`.
 `sections_named_in: ClassVar[str]`: a field that holds a tuple of sections, each with a `name`; in a file it is a text
 of the names with blanks between, and each section stands under its name beside it.
+
+`not_in_ros: ClassVar[frozenset[str]]` names the fields that ROS does not have.
 """
 
-from dataclasses import field
-from typing import TypeVar
+from dataclasses import field, is_dataclass
+from typing import TYPE_CHECKING, TypeGuard, TypeVar
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 T = TypeVar("T")
 
@@ -53,3 +58,8 @@ def live(
     """
     metadata = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices, "live": True}
     return field(default=default, metadata=metadata)
+
+
+def is_section(value: object) -> "TypeGuard[DataclassInstance]":
+    """Return True for a section of parameters, which holds more of them."""
+    return is_dataclass(value) and not isinstance(value, type)

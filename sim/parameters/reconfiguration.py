@@ -11,8 +11,9 @@ import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeGuard, TypeVar, cast, get_args, get_type_hints
+from typing import TYPE_CHECKING, Literal, TypeVar, cast, get_args, get_type_hints
 
+from sim.parameters.declaration import is_section
 from sim.parameters.robot import MIN_MAX_PAIRS, RobotParameters
 from sim.parameters.world import WorldParameters
 
@@ -139,14 +140,10 @@ def _differences(before: "DataclassInstance", after: "DataclassInstance", path: 
         one, other = cast(object, getattr(before, field.name)), cast(object, getattr(after, field.name))
         if one == other or is_live(field):
             continue
-        if _is_section(one) and _is_section(other):
+        if is_section(one) and is_section(other):
             yield from _differences(one, other, place)
         else:
             yield place
-
-
-def _is_section(value: object) -> "TypeGuard[DataclassInstance]":
-    return dataclasses.is_dataclass(value) and not isinstance(value, type)
 
 
 def _value_at(section: object, path: str) -> object:
@@ -166,7 +163,7 @@ def _changed(section: _Section, names: list[str], path: str, value: object) -> _
         return ParameterRejection(path, "unknown", f"there is no parameter {path}")
     own = cast(object, getattr(section, name))
     if inner:
-        if not _is_section(own):
+        if not is_section(own):
             return ParameterRejection(path, "unknown", f"there is no parameter {path}")
         inside = _changed(own, inner, path, value)
         return inside if isinstance(inside, ParameterRejection) else dataclasses.replace(section, **{name: inside})

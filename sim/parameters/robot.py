@@ -1,6 +1,7 @@
 """One robot's own software."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from sim.parameters.amcl import AmclParameters
 from sim.parameters.costmap_2d import (
@@ -41,6 +42,8 @@ MIN_MAX_PAIRS = (
 @dataclass(frozen=True, slots=True)
 class RobotParameters:
     """One robot's own software."""
+
+    not_in_ros: ClassVar[frozenset[str]] = frozenset({"localization", "ekf"})
 
     localization: str = param(
         "amcl",

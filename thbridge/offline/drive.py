@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from scipy.spatial import cKDTree
 from sim.common.geometry import Pose2
 from sim.common.grid import OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
-from sim.inputs import SendGoal
+from sim.inputs import PutThing, ScheduledInput, SendGoal, TeamInput
 from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
@@ -41,11 +42,11 @@ class DriveResult:
 
     Attributes:
         reached: True when the robot reported that it stands at the goal.
-        collided: True when its body ever touched a wall.
+        collided: True when its body ever touched a wall or an obstacle.
         seconds: simulated seconds until it arrived or gave up.
         distance: true distance driven, metres.
-        min_clearance: least true distance of the body's outline from a wall during the drive, metres; inf without
-            walls.
+        min_clearance: least true distance of the body's outline during the drive from a wall, of the map or not in
+            it, metres; inf without walls. Obstacles that move do not count.
         reason: why it did not arrive, as a sentence; None if it did.
     """
 
@@ -58,29 +59,41 @@ class DriveResult:
 
 
 def drive(
-    grid: OccupancyGrid, world: WorldParameters, robot: RobotParameters, task: DriveTask, seed: int
+    grid: OccupancyGrid,
+    world: WorldParameters,
+    robot: RobotParameters,
+    task: DriveTask,
+    seed: int,
+    true_grid: OccupancyGrid | None = None,
+    schedule: Sequence[ScheduledInput] = (),
 ) -> DriveResult | Misplaced:
-    """Drive to a goal, alone on the map; or return why the robot cannot stand at its start.
+    """Drive to a goal, the only robot on the map; or return why it cannot stand at its start.
 
     Args:
-        grid: the map, true and known to the robot; its origin may be turned.
+        grid: the map that the robot knows; its origin may be turned.
         world: bodies, motors and sensors.
         robot: the software that drives.
         task: start and goal.
         seed: seed of all random numbers.
+        true_grid: the true map where it is not the robot's; its origin is the same.
+        schedule: obstacles that come and go (`PutThing`, `RemoveThing`), map frame.
     """
+    true_grid = true_grid or grid
     if grid.origin.theta != 0.0:
         # Navigators need maps that are not rotated: drive in the grid's own frame, in which all lengths are the same.
         in_grid = grid.origin.inverse()
         task = dataclasses.replace(task, start=in_grid.compose(task.start), goal=in_grid.compose(task.goal))
-        grid = OccupancyGrid(grid.cells, grid.resolution, Pose2(0.0, 0.0, 0.0))
+        schedule = [ScheduledInput(timed.tick, _moved(timed.input, in_grid)) for timed in schedule]
+        grid, true_grid = (
+            OccupancyGrid(each.cells, each.resolution, Pose2(0.0, 0.0, 0.0)) for each in (grid, true_grid)
+        )
     if task.any_heading:
         robot = _heedless_of_heading(robot)
-    placed = World(grid, world, seed, charge=math.inf).start([task.start])
+    placed = World(true_grid, world, seed, charge=math.inf).start([task.start])
     if isinstance(placed, Misplaced):
         return placed
-    team = Team(grid, world, [robot], [task.start], seed, charge=math.inf)
-    room = _Room(grid, np.array(world.footprint, dtype=np.float64))
+    team = Team(grid, world, [robot], [task.start], seed, math.inf, schedule, true_grid)
+    room = _Room(true_grid, np.array(world.footprint, dtype=np.float64))
     room.enter(placed.poses[0])
     inputs = [SendGoal(0, Goal(0, task.goal))]
     before, distance, collided = placed.poses[0], 0.0, False
@@ -100,6 +113,16 @@ def drive(
             reason = result.sentence
             break
     return DriveResult(False, collided, round(tick * TICK, 2), distance, room.least, reason)
+
+
+def _moved(event: TeamInput, by: Pose2) -> TeamInput:
+    """The event in another frame, if it has a place."""
+    if not isinstance(event, PutThing):
+        return event
+    thing = event.thing
+    path = by.transform(np.array(thing.path)).tolist() if thing.path else ()
+    moved = dataclasses.replace(thing, base_in_map=by.compose(thing.base_in_map), path=tuple((x, y) for x, y in path))
+    return PutThing(moved)
 
 
 def _heedless_of_heading(robot: RobotParameters) -> RobotParameters:

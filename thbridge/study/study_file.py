@@ -6,7 +6,7 @@ error messages and the commented file that `thbridge study init` writes all come
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -19,7 +19,8 @@ from sim.parameters import MIN_MAX_PAIRS, RobotParameters, WorldParameters, para
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.files.errors import BadFile, BadFiles
-from thbridge.files.ros.parameters import read_ros_parameters
+from thbridge.files.ros.defaults import ros_defaults, sentences_of
+from thbridge.files.ros.parameters import RosParameters, parse_ros_files
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
 from thbridge.hunt.rules import MOST_ROBOTS
@@ -348,25 +349,49 @@ def study_before(path: Path, tree: Node) -> StudyFile:
     Raises:
         BadFile: one of those files cannot be read.
     """
-    return StudyFile.of(_start(path, tree).value)
+    return StudyFile.of(_start(path, tree).study)
 
 
 def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
     """Read a study from a parsed text; see `load_study`."""
     start = _start(path, tree)
-    written = load_tree(path, tree, StudyFile, StudyFile.of(start.value))
-    loaded = Loaded(path, _gathered(written), written.lines, start.notices + written.notices)
+    written = load_tree(path, tree, StudyFile, StudyFile.of(start.study))
+    study = _gathered(written)
+    loaded = Loaded(path, study, written.lines, (*start.notices_about(study, written.lines), *written.notices))
     faults = (*_given_twice(written), *_contradictions(loaded))
     if faults:
         raise BadFiles(faults)
     return loaded
 
 
-def _start(path: Path, tree: Node) -> Loaded[Study]:
+@dataclass(frozen=True, slots=True)
+class _Start:
+    """The values before a study's own lines count.
+
+    Attributes:
+        study: these values.
+        begun: the software before presets and files of ROS: hunts' or ROS's.
+        ros: what the files of ROS say.
+    """
+
+    study: Study
+    begun: RobotParameters
+    ros: RosParameters
+
+    def notices_about(self, study: Study, lines: Iterable[str]) -> Iterator[str]:
+        """Yield sentences about the files of ROS, given the whole study and the keys of its own lines."""
+        yield from self.ros.notices
+        own = {TARGET_PATHS.get(line.removeprefix("noise."), line).removeprefix("robot.") for line in lines}
+        yield from sentences_of(ros_defaults(study.robot, self.begun, RobotParameters(), self.ros.written | own))
+
+
+def _start(path: Path, tree: Node) -> _Start:
+    files = parse_ros_files(_ros_files(path, tree))
     standard = Study()
-    start = with_noise(preset(preset_in(tree), noise_section_of(standard)), standard)
-    ros = read_ros_parameters(_ros_files(path, tree), start.robot)
-    return Loaded(path, dataclasses.replace(start, robot=ros.value), {}, ros.notices)
+    begun = dataclasses.replace(standard, robot=files.start(standard.robot))
+    start = with_noise(preset(preset_in(tree), noise_section_of(begun)), begun)
+    ros = files.over(start.robot)
+    return _Start(dataclasses.replace(start, robot=ros.value), begun.robot, ros)
 
 
 def _ros_files(path: Path, tree: Node) -> list[Path]:

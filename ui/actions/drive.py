@@ -1,4 +1,4 @@
-"""Parameters and footprint for `thbridge drive`."""
+"""Parameters, footprint and obstacles for `thbridge drive`."""
 
 import json
 import math
@@ -7,12 +7,19 @@ from pathlib import Path
 
 import numpy as np
 
+from sim.common.grid import OccupancyGrid
 from sim.common.traversability import Polygon, area, crosses_itself, inside
+from sim.inputs import ScheduledInput
 from sim.parameters import RobotParameters, WorldParameters, param
-from thbridge.files.ros.parameters import read_ros_parameters
-from thbridge.files.yaml.load import load_tree
+from thbridge.files.errors import BadFiles
+from thbridge.files.map_files import read_grid
+from thbridge.files.ros.defaults import RosDefault, ros_defaults
+from thbridge.files.ros.parameters import namespace_in, parse_ros_files
+from thbridge.files.yaml.load import load, load_tree
 from thbridge.files.yaml.tree import Section, parse, read_text
-from ui.terminal import BAD_INPUT, fail, note
+from thbridge.offline.unmapped import with_unmapped
+from thbridge.study.things import ThingEntry, faults_of_things, schedule_of
+from ui.terminal import BAD_INPUT, fail
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,24 +30,84 @@ class DriveParameters:
     robot: RobotParameters = param(RobotParameters(), "the software that drives")
 
 
-def read_parameters(files: list[Path]) -> DriveParameters:
+@dataclass(frozen=True, slots=True)
+class ParameterFiles:
+    """Parameters of some files, with what there is to tell of them.
+
+    Attributes:
+        parameters: all parameters.
+        notices: sentences about parameters without effect.
+        defaults: ROS's defaults that hold because files of ROS leave these parameters out.
+    """
+
+    parameters: DriveParameters
+    notices: tuple[str, ...]
+    defaults: tuple[RosDefault, ...]
+
+
+def read_parameters(files: list[Path]) -> ParameterFiles:
     """Parameters of the files; those of ROS first, so that sections of a study win, as in a study."""
     ours = {file: _is_ours(file) for file in files}
-    ros = read_ros_parameters([file for file in files if not ours[file]], RobotParameters())
-    given, notices = DriveParameters(robot=ros.value), ros.notices
+    hunts = RobotParameters()
+    of_ros = parse_ros_files([file for file in files if not ours[file]])
+    start = of_ros.start(hunts)
+    ros = of_ros.over(start)
+    given, notices, written = DriveParameters(robot=ros.value), ros.notices, set(ros.written)
     for file in files:
         if ours[file]:
             loaded = load_tree(file, parse(file, read_text(file)), DriveParameters, given)
             given, notices = loaded.value, notices + loaded.notices
-    for notice in notices:
-        note(notice)
-    return given
+            written.update(line.removeprefix("robot.") for line in loaded.lines)
+    return ParameterFiles(given, notices, ros_defaults(given.robot, start, hunts, written))
 
 
 def _is_ours(file: Path) -> bool:
     """Return True when a file has sections of a study, and not parameters of ROS."""
+    if namespace_in(file)[0]:
+        return False
     tree = parse(file, read_text(file), ros=True)
     return isinstance(tree, Section) and any(key.text in {"world", "robot"} for key, _ in tree.entries)
+
+
+@dataclass(frozen=True, slots=True)
+class MovingObstacles:
+    """The contents of a file of obstacles: things, as a study has them."""
+
+    things: tuple[ThingEntry, ...] = param((), "bodies in the way that no map shows: each is a line - {key: value}")
+
+
+def read_moving(path: Path, grid: OccupancyGrid) -> tuple[ScheduledInput, ...]:
+    """Obstacles that appear, walk and vanish on a map, by a file of them.
+
+    Raises:
+        BadFiles: every fault of the file, places outside the map among them; or one BadFile.
+    """
+    loaded = load(path, MovingObstacles)
+    things = loaded.value.things
+    faults = list(faults_of_things(loaded, things))
+    if not things:
+        faults.append(loaded.fault("things", "there is none", "Write things: and a line - {name: ..., ...} for each"))
+    for index, entry in enumerate(things):
+        key = f"things[{index}]"
+        places = [(f"{key}.path[{number}]", point) for number, point in enumerate(entry.path)]
+        if entry.at is not None:
+            places = [(f"{key}.at", entry.at[:2])]
+        for place, (x, y) in places:
+            if not grid.contains(*grid.cell_of(x, y)):
+                faults.append(loaded.fault(place, f"({x:g}, {y:g}) is outside the map", "Write metres in its frame"))
+    if faults:
+        raise BadFiles(tuple(faults))
+    return schedule_of(things, ())
+
+
+def read_unmapped(path: Path, grid: OccupancyGrid) -> tuple[OccupancyGrid, tuple[str, ...]]:
+    """The true map, with the obstacles of a file in it; and what there is to tell of them.
+
+    Raises:
+        BadFile: it cannot be read, or does not fit the map.
+    """
+    true_grid, outside = with_unmapped(grid, read_grid(path), path)
+    return true_grid, (f"{path}: {outside} occupied cells lie outside the map and stand nowhere",) if outside else ()
 
 
 def corners_in(text: str) -> Polygon:

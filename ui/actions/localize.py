@@ -1,5 +1,6 @@
 """Poses, the filter's run and its results for `thbridge localize`."""
 
+import dataclasses
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,9 +11,11 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.numerics.elementary import wrap_angle
-from sim.parameters import AmclParameters
+from sim.parameters import AmclParameters, RobotParameters, with_ros_defaults
 from sim.robot.localization.amcl import Amcl
 from thbridge.files.errors import BadFile
+from thbridge.files.ros.defaults import RosDefault, ros_defaults
+from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, localize, warm_up
 from thbridge.offline.recording import LocalizationBag
@@ -35,6 +38,19 @@ def pose_in(triple: tuple[float, float, float]) -> Pose2:
         fail(BAD_INPUT, f"{triple} is not a pose. Write three finite numbers X Y YAW.")
     x, y, yaw = triple
     return Pose2(x, y, wrap_angle(yaw))
+
+
+def read_amcl_parameters(files: list[Path]) -> tuple[AmclParameters, tuple[str, ...], tuple[RosDefault, ...]]:
+    """amcl's parameters in files of ROS, notices about all of them, and the defaults of ROS that hunts do not have.
+
+    What no file says is as in ROS, also without files.
+    """
+    hunts = RobotParameters()
+    of_ros = parse_ros_files(files)
+    start = dataclasses.replace(of_ros.start(hunts), amcl=with_ros_defaults(hunts.amcl))
+    ros = of_ros.over(start)
+    defaults = ros_defaults(ros.value, start, hunts, ros.written) if files else ()
+    return ros.value.amcl, ros.notices, tuple(default for default in defaults if default.name.startswith("amcl."))
 
 
 def run_localization(

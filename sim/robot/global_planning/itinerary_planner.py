@@ -36,7 +36,7 @@ from sim.robot.global_planning.itinerary import (
     keeps_separation,
     timed_itinerary,
 )
-from sim.robot.global_planning.path import Path, PathPlanner, PathSearch, PlanRefusal
+from sim.robot.global_planning.path import Path, PathPlanner, PathSearch, PlanRefusal, with_edge
 from sim.robot.global_planning.safe_interval import BoolArray, Roadmap, make_roadmap, refuge, route
 
 PLANNED_GAP = 0.16
@@ -218,11 +218,14 @@ class ItineraryPlanner:
 
     def _refusal(self, attempt: _Attempt, refused: PlanRefusal) -> PlanRefusal | None:
         """Return the refusal itself, unless the map alone has a path: then an obstacle that was seen is the cause."""
-        if not self.costmap.obstacles.any_marks:
-            return refused
-        bare = self._path(attempt, "without observations", self._walls)
-        if bare is None or isinstance(bare, PlanRefusal):
-            return bare
+        bare: Path | PlanRefusal | None = refused
+        if self.costmap.obstacles.any_marks:
+            bare = self._path(attempt, "without observations", self._walls)
+        if isinstance(bare, PlanRefusal):
+            shape, radius = self._walls.shape, self.costmap.circumscribed_radius
+            return with_edge(bare, shape, self._frame, attempt.start, attempt.goal, radius)
+        if bare is None:
+            return None
         return PlanRefusal("blocked_by_obstacle", "an obstacle that is not on the map blocks the way")
 
     def obstructed(self, points: FloatArray) -> bool:

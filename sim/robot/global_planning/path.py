@@ -30,6 +30,9 @@ _SENTENCES: dict[PlanRefusalCode, str] = {
     "robots_in_the_way": "other robots stand in the way",
 }
 
+OUTERMOST = "in the map's outermost row or column of cells, where planners lead no path"
+"""End of a sentence about a place there."""
+
 
 @dataclass(frozen=True, slots=True)
 class Path:
@@ -63,6 +66,35 @@ class PlanRefusal:
 def plan_refusal(code: PlanRefusalCode) -> PlanRefusal:
     """Make the refusal of this code, with its sentence."""
     return PlanRefusal(code, _SENTENCES[code])
+
+
+def with_edge(
+    refusal: PlanRefusal, shape: tuple[int, ...], frame: CostFrame, start: Pose2, goal: Pose2, radius: float = 0.0
+) -> PlanRefusal:
+    """The refusal, and in its sentence that an end lies at the map's edge, where planners and bodies have limits.
+
+    Args:
+        refusal: why there is no path.
+        shape: rows and columns of the map.
+        frame: their place.
+        start: pose of the base.
+        goal: pose at the end.
+        radius: that of the body; an end nearer to the edge is told. 0: the outermost cells alone.
+    """
+    if refusal.sentence != _SENTENCES.get(refusal.code) or refusal.code in {"start_outside", "goal_outside"}:
+        return refusal
+    height, width = shape[0] * frame.resolution, shape[1] * frame.resolution
+    for what, place in (("the goal lies", goal), ("the robot stands", start)):
+        x, y = place.x - frame.x, place.y - frame.y
+        away = min(x, y, width - x, height - y)
+        if away < frame.resolution:
+            edge = f"{what} {OUTERMOST}"
+        elif away < radius:
+            edge = f"{what} {away:.2f} m from the map's edge, which is nearer than the body's radius of {radius:.2f} m"
+        else:
+            continue
+        return PlanRefusal(refusal.code, f"{refusal.sentence}; {edge}")
+    return refusal
 
 
 PathSearch = Generator[None, None, Path | PlanRefusal]

@@ -17,7 +17,7 @@ from sim.common.geometry import Pose2
 from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
-from sim.robot.global_planning.path import Path, PathSearch, PlanRefusal, plan_refusal
+from sim.robot.global_planning.path import OUTERMOST, Path, PathSearch, PlanRefusal, plan_refusal, with_edge
 from sim.robot.global_planning.wave import BLOCKED, UNREACHED, CellCosts, Points, Potential, Workspace, prepare
 
 MAX_CELLS = 1e9
@@ -137,7 +137,12 @@ class PotentialPlanner:
         blocked = not goal_within or rim or method.table[costs[goal_row, goal_col]] == BLOCKED
         at_goal = (row, col) == (goal_row, goal_col)
         if blocked and method.tolerance == 0.0 and not at_goal:
-            return plan_refusal("goal_occupied")
+            only_rim = rim and goal_within and method.table[costs[goal_row, goal_col]] != BLOCKED
+            return (
+                PlanRefusal("goal_occupied", f"the goal lies {OUTERMOST}")
+                if only_rim
+                else plan_refusal("goal_occupied")
+            )
         if costs[row, col] == LETHAL:
             return plan_refusal("start_occupied")
         if at_goal:
@@ -155,7 +160,8 @@ class PotentialPlanner:
             if blocked or space.potential[goal_row * cols + goal_col] >= UNREACHED:
                 nearest = _nearest_reached(space, goal_x, goal_y, method.tolerance / frame.resolution)
                 if nearest is None:
-                    return plan_refusal("no_way" if goal_within else "goal_outside")
+                    refusal = plan_refusal("no_way" if goal_within else "goal_outside")
+                    return with_edge(refusal, costs.shape, frame, start, goal)
                 goal_x, goal_y = float(nearest[0]), float(nearest[1])
                 end = Pose2(
                     frame.x + (goal_x + 0.5) * frame.resolution, frame.y + (goal_y + 0.5) * frame.resolution, goal.theta

@@ -7,9 +7,11 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.polygons import placed_at
+from sim.inputs import PutThing, RemoveThing, ScheduledInput
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.local_planning.braking import gap
 from sim.world.physics import Misplaced
+from sim.world.thing import Thing
 from thbridge.files.map_files import read_map
 from thbridge.offline.drive import DriveResult, DriveTask, _to_squares, drive
 
@@ -74,6 +76,22 @@ def test_a_goal_that_cannot_be_reached_is_given_up_with_its_reason() -> None:
     assert "wall" in str(outcome.reason)
 
 
+@pytest.mark.parametrize(
+    ("start", "goal", "told"),
+    [
+        ((1.0, 1.0), (5.0, 0.02), "the goal lies in the map's outermost row or column of cells"),
+        ((1.0, 0.02), (5.0, 1.0), "the robot stands in the map's outermost row or column of cells"),
+        ((1.0, 1.0), (5.0, 0.2), "; the goal lies 0.20 m from the map's edge, which is nearer than the body's radius"),
+    ],
+)
+def test_ends_at_the_edge_of_a_map_are_named(start, goal, told) -> None:
+    """Two rooms that go on to the map's edge, with a wall without a door between them."""
+    cells = np.zeros((40, 120), np.int8)
+    cells[:, 60] = 100
+    outcome = driven(OccupancyGrid(cells, 0.05, Pose2(0.0, 0.0, 0.0)), errand((*start, 0.0), (*goal, 0.0)))
+    assert told in str(outcome.reason)
+
+
 def test_a_robot_that_is_too_slow_is_still_under_way() -> None:
     outcome = driven(two_rooms(), errand((1.0, 1.0, 0.0), (5.0, 3.0, 0.0), timeout=2.0))
     assert (outcome.reached, outcome.seconds) == (False, 2.0)
@@ -95,6 +113,49 @@ def test_clearance_is_that_of_the_outline_from_the_sides_of_cells() -> None:
         at = placed_at(body, *rng.uniform(-0.2, 0.2, 2), rng.uniform(-3.0, 3.0))
         squares = centres[:, np.newaxis] + half * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])
         assert _to_squares(at, centres, half) == pytest.approx(min(gap(at, square) for square in squares))
+
+
+def boxed(grid: OccupancyGrid, *boxes: tuple[int, int, int, int]) -> OccupancyGrid:
+    """The map with boxes of rows and columns that the robot does not know."""
+    cells = grid.cells.copy()
+    for top, bottom, left, right in boxes:
+        cells[top:bottom, left:right] = 100
+    return OccupancyGrid(cells, grid.resolution, grid.origin)
+
+
+def test_an_obstacle_that_the_map_does_not_show_is_seen_and_gone_round() -> None:
+    grid = two_rooms()
+    box = boxed(grid, (17, 33, 30, 36))
+    straight = errand((0.6, 1.2, 0.0), (2.6, 1.2, 0.0))
+    free = driven(grid, straight)
+    outcome = drive(grid, WorldParameters(), RobotParameters(), straight, 1, box)
+    assert isinstance(outcome, DriveResult)
+    assert (outcome.reached, outcome.collided) == (True, False)
+    assert outcome.distance > free.distance + 0.2
+    assert 0.0 < outcome.min_clearance < 0.3
+
+
+def test_an_unknown_obstacle_in_the_only_door_leaves_no_way() -> None:
+    grid = two_rooms()
+    shut = boxed(grid, (25, 55, 60, 62))
+    outcome = drive(grid, WorldParameters(), RobotParameters(), THROUGH, 1, shut)
+    assert isinstance(outcome, DriveResult)
+    assert (outcome.reached, outcome.collided) == (False, False)
+    assert outcome.seconds > 3.0
+
+
+@pytest.mark.parametrize("origin", [Pose2(0.0, 0.0, 0.0), Pose2(-3.0, 2.0, 0.7)], ids=["straight", "turned"])
+def test_what_comes_and_goes_is_waited_for(origin: Pose2) -> None:
+    """Also on a map that is turned: places of obstacles are in its frame."""
+    task = DriveTask(*(origin.compose(Pose2(x, 1.2, 0.0)) for x in (0.6, 2.4)), any_heading=True, timeout=60.0)
+    alone = driven(two_rooms(origin), task)
+    corners = ((0.05, 1.9), (-0.05, 1.9), (-0.05, -1.9), (0.05, -1.9))
+    barrier = PutThing(Thing("barrier", corners, origin.compose(Pose2(1.6, 2.0, 0.0))))
+    schedule = [ScheduledInput(0, barrier), ScheduledInput(300, RemoveThing("barrier"))]
+    outcome = drive(two_rooms(origin), WorldParameters(), RobotParameters(), task, 1, None, schedule)
+    assert isinstance(outcome, DriveResult)
+    assert (outcome.reached, outcome.collided) == (True, False)
+    assert outcome.seconds > alone.seconds + 1.0
 
 
 @pytest.mark.parametrize("seed", [1, 2])

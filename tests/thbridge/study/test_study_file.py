@@ -9,10 +9,19 @@ from hypothesis import strategies as st
 from sim.parameters import OdometryNoise, RobotParameters, WorldParameters
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.load import load_text
+from thbridge.files.yaml.tree import parse
 from thbridge.recording.bag.options import Compression, DefinitionTexts, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.noise import NoisePreset
-from thbridge.study.study_file import GameSection, ParticipantSection, ShowsSection, Study, load_study, read_study_text
+from thbridge.study.study_file import (
+    GameSection,
+    ParticipantSection,
+    ShowsSection,
+    Study,
+    load_study,
+    load_study_tree,
+    read_study_text,
+)
 from thbridge.study.text import commented_study, resolved
 
 STUDY = Path("study.yaml")
@@ -374,6 +383,30 @@ def test_software_may_come_from_files_of_ros(tmp_path: Path) -> None:
     study = load_study(study_file).value
     assert (study.robot.amcl.max_particles, study.robot.amcl.kld_err) == (700, 0.03)
     assert read_study_text(tmp_path / "elsewhere" / "study.yaml", resolved(study)) == study
+
+
+def test_what_files_of_ros_leave_out_is_as_in_ros_and_told(tmp_path: Path) -> None:
+    """Below presets and lines of the study; what the study has itself is not told."""
+    (tmp_path / "ros.yaml").write_text("local_costmap: {static_map: true}\namcl: {kld_z: 0.9}\n")
+    text = "ros_parameters: [ros.yaml]\nnoise: {preset: perfect}\nrobot: {amcl: {max_particles: 700}}\n"
+    (tmp_path / "study.yaml").write_text(text)
+    loaded = load_study(tmp_path / "study.yaml")
+    robot = loaded.value.robot
+    assert (robot.amcl.kld_err, robot.amcl.laser_sigma_hit, robot.amcl.max_particles) == (0.01, 0.05, 700)
+    assert (robot.move_base.oscillation_timeout, robot.local_costmap.width) == (0.0, 10.0)
+    (of_amcl,) = [notice for notice in loaded.notices if notice.startswith("amcl: left out")]
+    assert "kld_err 0.01 (0.05)" in of_amcl
+    assert not [word for word in ("max_particles", "laser_sigma_hit", "kld_z") if word in of_amcl]
+    assert robot.local_costmap.obstacle_layer.observation_sources == ()
+    assert read_study_text(tmp_path / "elsewhere" / "study.yaml", resolved(loaded.value)) == loaded.value
+
+
+def test_a_study_without_files_of_ros_begins_as_hunts_do() -> None:
+    loaded = load_study_tree(STUDY, parse(STUDY, "robot: {amcl: {kld_z: 0.9}}\n"))
+    assert loaded.notices == ()
+    assert loaded.value.robot == dataclasses.replace(
+        RobotParameters(), amcl=dataclasses.replace(RobotParameters().amcl, kld_z=0.9)
+    )
 
 
 def test_a_fault_in_a_file_of_ros_is_told_there(tmp_path: Path) -> None:

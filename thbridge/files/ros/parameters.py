@@ -1,22 +1,27 @@
 """Parameters from the YAML files of a ROS navigation stack.
 
 A file may be for a node's own namespace (`min_particles: 500`), for the root (`amcl: {min_particles: 500}`), or for
-move_base with all that runs in it; costmap parameters without a section are for both costmaps. Layers may have any
-name. Words are read as by ROS's loader: `yes` is true, `!degrees 90` and `deg(90)` are angles.
+move_base with all that runs in it; costmap parameters without a section are for both costmaps, unless the file is
+named with its namespace, `local_costmap:costmap.yaml`. Layers may have any name. Words are read as by ROS's loader:
+`yes` is true, `!degrees 90` and `deg(90)` are angles.
+
+What the files leave out of a node that they are for is as in ROS; see `RosFiles.start`.
 """
 
 import dataclasses
 import difflib
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Never, TypeVar, cast, get_type_hints
 
-from sim.parameters import RobotParameters
+from sim.parameters import CostmapParameters, MoveBaseParameters, RobotParameters, with_ros_defaults
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.ros.normalize import Entry, RosYamlNormalizer
 from thbridge.files.ros.recoveries import behaviour_names, with_our_behaviours
+from thbridge.files.yaml.declarations import choices_of
 from thbridge.files.yaml.load import load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
 
@@ -33,6 +38,21 @@ SECTIONS: Mapping[str, type] = {
 }
 """The sections of a robot's parameters, each a namespace in ROS."""
 
+NODES = (
+    ("amcl",),
+    ("fake_localization",),
+    (*COSTMAPS, "NavfnROS", "GlobalPlanner", "TrajectoryPlannerROS", "DWAPlannerROS", "move_base"),
+)
+"""Sections by the node of ROS that reads them."""
+PLANNERS: Mapping[str, tuple[str, ...]] = {
+    field.name: choices_of(str, field.metadata)
+    for field in dataclasses.fields(MoveBaseParameters)
+    if field.name.startswith("base_")
+}
+"""Planners that there are, by the parameter of move_base that chooses one."""
+
+_NAMESPACE = re.compile(rf"(?P<folder>.*/)?(?P<namespace>{'|'.join(SECTIONS)}):(?P<file>.+)")
+
 LAYERS = {
     "static_layer": ("static",),
     "obstacle_layer": ("obstacle", "voxel", "laser", "scan"),
@@ -42,9 +62,16 @@ LAYERS = {
 
 _PERIOD = "the time between commands: here it is always as move_base's controller_frequency says"
 _UNREAD = "ROS does not read it there; probably meant is "
+_SIDEWAYS = "ROS does not read it there; the speeds sideways are TrajectoryPlannerROS's y_vels"
 WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
     "move_base": {"recovery_behaviour_enabled": f"{_UNREAD}recovery_behavior_enabled"},
-    "TrajectoryPlannerROS": {"acc_lim_th": f"{_UNREAD}acc_lim_theta", "controller_frequency": _PERIOD},
+    "TrajectoryPlannerROS": {
+        "acc_lim_th": f"{_UNREAD}acc_lim_theta",
+        "controller_frequency": _PERIOD,
+        "max_vel_y": _SIDEWAYS,
+        "min_vel_y": _SIDEWAYS,
+        "publish_cost_grid": f"{_UNREAD}publish_cost_grid_pc",
+    },
     "DWAPlannerROS": {
         "acc_lim_th": f"{_UNREAD}acc_lim_theta",
         "max_vel_rot": f"{_UNREAD}max_vel_theta",
@@ -58,6 +85,14 @@ WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
     "local_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
 }
 """Parameters that files of well-known robots have where no ROS package reads them, with a remark for each."""
+LAYERS_WITHOUT_EFFECT: Mapping[str, str] = {
+    "robot_radius": f"{_UNREAD}the costmap's",
+    "footprint": f"{_UNREAD}the costmap's",
+    "publish_observations": "a parameter of a layer that there is not here",
+}
+"""The same in layers of costmaps."""
+_PLANNER = re.compile(r"\w*(Planner|Follower|Controller)\w*")
+"""Name of a section of a planner, among them those of packages that are not ROS's own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,42 +102,166 @@ class RosParameters:
     Attributes:
         value: the robot's parameters, with those of the files applied.
         notices: sentences about parameters without effect, and about those that were interpreted.
+        written: the paths of all parameters that stand in the files: `amcl.kld_err`.
     """
 
     value: RobotParameters
     notices: tuple[str, ...]
+    written: frozenset[str]
 
 
-def read_ros_parameters(paths: Sequence[Path], start: RobotParameters) -> RosParameters:
-    """Apply files of ROS one after the other; the last value wins, as on the parameter server.
+@dataclass(frozen=True, slots=True)
+class RosFiles:
+    """Files of ROS, sorted into the sections of `RobotParameters`.
 
-    Args:
-        paths: the files, in the order in which a launch file loads them.
-        start: the parameters for all that the files leave out.
+    Attributes:
+        trees: the entries of each file, in the order in which a launch file loads them.
+        listed: our layers in each costmap that has `plugins`.
+        notices: sentences about parameters without effect, and about those that were interpreted.
+    """
+
+    trees: tuple[tuple[Path, Section], ...]
+    listed: Mapping[str, frozenset[str]]
+    notices: tuple[str, ...]
+
+    @property
+    def sections(self) -> frozenset[str]:
+        """Sections of `RobotParameters` of which the files say anything."""
+        return frozenset(key.text for _, tree in self.trees for key, _ in tree.entries if key.text in SECTIONS)
+
+    def start(self, standard: RobotParameters) -> RobotParameters:
+        """The parameters that hold where these files say nothing.
+
+        A node of which they say anything has ROS's defaults throughout. Without `plugins`, a costmap has the map only
+        by `static_map: true` (costmap_2d_ros.cpp, loadOldParameters). A costmap of which they say nothing would have
+        neither the map nor a sensor in ROS, so it keeps these and the robot's body.
+
+        Args:
+            standard: the parameters of other nodes, and those that ROS does not have.
+        """
+        changes: dict[str, object] = {}
+        for node in NODES:
+            for section in node if self.sections.intersection(node) else ():
+                own = cast("DataclassInstance", getattr(standard, section))
+                ros = with_ros_defaults(own)
+                if isinstance(own, CostmapParameters) and isinstance(ros, CostmapParameters):
+                    ros = self._costmap(section, own, ros)
+                changes[section] = ros
+        return cast(RobotParameters, _replaced(standard, changes))
+
+    def _costmap(self, section: str, standard: CostmapParameters, ros: CostmapParameters) -> CostmapParameters:
+        if section in self.listed:
+            return ros
+        if section in self.sections:
+            return dataclasses.replace(ros, static_layer=dataclasses.replace(ros.static_layer, enabled=False))
+        sources = standard.obstacle_layer.observation_sources
+        return dataclasses.replace(
+            ros,
+            footprint=standard.footprint,
+            robot_radius=standard.robot_radius,
+            static_layer=dataclasses.replace(ros.static_layer, enabled=standard.static_layer.enabled),
+            obstacle_layer=dataclasses.replace(ros.obstacle_layer, observation_sources=sources),
+        )
+
+    def over(self, start: RobotParameters) -> RosParameters:
+        """Apply the files one after the other; the last value wins, as on the parameter server.
+
+        Args:
+            start: the parameters for all that the files leave out.
+
+        Raises:
+            BadFiles: every fault of all files.
+        """
+        notices = list(self.notices)
+        faults: list[BadFile] = []
+        written: set[str] = set()
+        value = start
+        for path, tree in self.trees:
+            try:
+                loaded = load_tree(path, tree, RobotParameters, value)
+            except BadFiles as found:
+                faults.extend(found.faults)
+                continue
+            value = loaded.value
+            notices.extend(loaded.notices)
+            written.update(loaded.lines)
+        if faults:
+            raise BadFiles(tuple(_once(faults)))
+        notices.extend(self._about_planners(value, written))
+        return RosParameters(_with_layers(value, self.listed), tuple(_once(notices)), frozenset(written))
+
+    def _about_planners(self, value: RobotParameters, written: Collection[str]) -> Iterator[str]:
+        """Yield a sentence for each planner that files describe and none chooses, as where a launch file does that."""
+        for key, kinds in PLANNERS.items():
+            chosen = cast(str, getattr(value.move_base, key))
+            for kind in kinds:
+                section = kind.rpartition("/")[2]
+                if kind != chosen and section in self.sections and f"move_base.{key}" not in written:
+                    remedy = f"if a launch file chooses it, add a file with `{key}: {kind}`"
+                    yield f"{section} has no effect: no file has {key}, so it is {chosen}; {remedy}"
+
+
+def parse_ros_files(paths: Sequence[Path]) -> RosFiles:
+    """Read files of ROS, each named by its path, or with the namespace into which it is loaded: `NAMESPACE:PATH`.
+
+    Raises:
+        BadFile: one cannot be read at all.
+    """
+    notices: list[str] = []
+    trees = [_parsed(path, notices) for path in paths]
+    layers = {name: layer for _, tree in trees for name, layer in _layers_listed(tree).items()}
+    shaped: list[tuple[Path, Section]] = []
+    listed: dict[str, frozenset[str]] = {}
+    for path, tree in trees:
+        sorter = _Sorter(path, layers, notices)
+        shaped.append((path, sorter.shaped(tree)))
+        listed |= sorter.listed
+    trees = [(path, _without_static_map(path, tree, listed, notices)) for path, tree in shaped]
+    return RosFiles(tuple(trees), listed, tuple(notices))
+
+
+def read_ros_parameters(paths: Sequence[Path], standard: RobotParameters) -> RosParameters:
+    """Read files of ROS; what they leave out is as in ROS, and for other nodes as in `standard`.
 
     Raises:
         BadFiles: every fault of all files; or one BadFile when one cannot be read at all.
     """
-    notices: list[str] = []
-    trees = [(path, RosYamlNormalizer(path, notices).section(parse(path, read_text(path), ros=True))) for path in paths]
-    layers = {name: layer for _, tree in trees for name, layer in _layers_listed(tree).items()}
-    faults: list[BadFile] = []
-    value = start
-    listed: dict[str, set[str]] = {}
-    for path, tree in trees:
-        sorter = _Sorter(path, layers, notices)
-        shaped = sorter.shaped(tree)
-        listed |= sorter.listed
-        try:
-            loaded = load_tree(path, shaped, RobotParameters, value)
-        except BadFiles as found:
-            faults.extend(found.faults)
-            continue
-        value = loaded.value
-        notices.extend(loaded.notices)
-    if faults:
-        raise BadFiles(tuple(_once(faults)))
-    return RosParameters(_with_layers(value, listed), tuple(_once(notices)))
+    files = parse_ros_files(paths)
+    return files.over(files.start(standard))
+
+
+def namespace_in(path: Path) -> tuple[str, Path]:
+    """The namespace that stands before a file's name, `local_costmap:costmap.yaml`, or "", and the file's path."""
+    found = None if path.exists() else _NAMESPACE.fullmatch(str(path))
+    return ("", path) if found is None else (found["namespace"], Path(found["folder"] or "") / found["file"])
+
+
+def _parsed(path: Path, notices: list[str]) -> tuple[Path, Section]:
+    """The file that a path names, and its entries, under the namespace that stands before it."""
+    namespace, file = namespace_in(path)
+    tree = _normal(file, notices)
+    if namespace:
+        tree = Section(tree.line, [(Scalar(namespace, plain=True, line=tree.line), tree)])
+    return file, tree
+
+
+def _normal(path: Path, notices: list[str]) -> Section:
+    return RosYamlNormalizer(path, notices).section(parse(path, read_text(path), ros=True))
+
+
+def _without_static_map(path: Path, tree: Section, listed: Collection[str], notices: list[str]) -> Section:
+    """The entries without `static_map` in costmaps that list their layers: ROS then does not read it."""
+    sections: list[Entry] = []
+    for key, child in tree.entries:
+        kept = child
+        if key.text in listed and isinstance(child, Section):
+            kept = Section(child.line, [entry for entry in child.entries if entry[0].text != "static_map"])
+            for name, _ in child.entries:
+                if name.text == "static_map":
+                    notice = f"{key.text}.static_map has no effect, as in ROS: `plugins` lists the layers"
+                    notices.append(f"{path}, line {name.line}: {notice}")
+        sections.append((key, kept))
+    return Section(tree.line, sections)
 
 
 def _once(notice: Sequence[T]) -> list[T]:
@@ -122,7 +281,7 @@ class _Sorter:
     path: Path
     layers: Mapping[str, str]
     notices: list[str]
-    listed: dict[str, set[str]] = dataclasses.field(default_factory=dict)
+    listed: dict[str, frozenset[str]] = dataclasses.field(default_factory=dict)
 
     def shaped(self, tree: Section) -> Section:
         parts: dict[str, list[Entry]] = {}
@@ -160,8 +319,12 @@ class _Sorter:
         ranked = sorted(SECTIONS, key=lambda section: -scores[section])
         for key, child in flat:
             home = next((section for section in ranked if key.text in known[section]), None)
-            if home is None and isinstance(child, Section):
-                homes.setdefault("", []).append((key, child))
+            layer = ranked[0] in COSTMAPS and scores[ranked[0]] > 0.0 and self.unlisted(key.text)
+            if home is None and isinstance(child, Section) and not layer:
+                if _PLANNER.fullmatch(key.text) and not difflib.get_close_matches(key.text, SECTIONS, cutoff=0.85):
+                    self.tell(key, f"{key.text} has no effect here: there is no such planner")
+                else:
+                    homes.setdefault("", []).append((key, child))
                 continue
             home = home or ranked[0]
             for section in COSTMAPS if home in COSTMAPS else (home,):
@@ -191,8 +354,22 @@ class _Sorter:
             if meaning is None:
                 yield key, child
             else:
-                notice = f"{section}.{key.text} has no effect here: {meaning}"
-                self.notices.append(f"{self.path}, line {key.line}: {notice}")
+                self.tell(key, f"{section}.{key.text} has no effect here: {meaning}")
+
+    def tell(self, key: Scalar, sentence: str) -> None:
+        self.notices.append(f"{self.path}, line {key.line}: {sentence}")
+
+    def of_layer(self, place: str, layer: Section) -> list[Entry]:
+        """The entries of a layer without those in `LAYERS_WITHOUT_EFFECT`, for each of which there is a notice."""
+        for key, _ in layer.entries:
+            if key.text in LAYERS_WITHOUT_EFFECT:
+                self.tell(key, f"{place}.{key.text} has no effect here: {LAYERS_WITHOUT_EFFECT[key.text]}")
+        return [entry for entry in layer.entries if entry[0].text not in LAYERS_WITHOUT_EFFECT]
+
+    def unlisted(self, name: str) -> bool:
+        """Return True for a layer that ROS does not load, since lists of plugins have others."""
+        names = [field.name for field in dataclasses.fields(CostmapParameters)]
+        return bool(self.layers) and not difflib.get_close_matches(name, [*names, *self.layers], cutoff=0.8)
 
     def layer_of(self, name: str) -> str | None:
         return self.layers[name] if name in self.layers else _layer_like(name)
@@ -210,18 +387,22 @@ class _Sorter:
         for key, child in entries:
             layer = self.layer_of(key.text) if isinstance(child, Section) and key.text not in sources else None
             if key.text == "plugins":
-                self.listed[section] = set(_plugins(child).values())
+                self.listed[section] = frozenset(_plugins(child).values())
             elif layer == "":
-                notice = f"{section}.{key.text} has no effect here: there is no such kind of layer"
-                self.notices.append(f"{self.path}, line {key.line}: {notice}")
+                self.tell(key, f"{section}.{key.text} has no effect here: there is no such kind of layer")
+            elif layer is None and isinstance(child, Section) and key.text not in sources and self.unlisted(key.text):
+                self.tell(key, f"{section}.{key.text} has no effect, as in ROS: no `plugins` lists it")
             elif layer is None or not isinstance(child, Section):
                 shaped.append((key, child))
             elif layer in layers:
-                layers[layer] = _joined(layers[layer], child.entries)
-                notice = f"{section}.{key.text} is taken into the one {layer} that there is here"
-                self.notices.append(f"{self.path}, line {key.line}: {notice}")
+                layers[layer] = _joined(layers[layer], self.of_layer(f"{section}.{key.text}", child))
+                self.tell(key, f"{section}.{key.text} is taken into the one {layer} that there is here")
             else:
-                layers[layer] = child.entries
+                layers[layer] = self.of_layer(f"{section}.{key.text}", child)
+        if "static_layer" in layers and any(key.text == "track_unknown_space" for key, _ in shaped):
+            # ROS hands the costmap's down over the layer's own (costmap_2d_ros.cpp, copyParentParameters).
+            own = layers["static_layer"]
+            layers["static_layer"] = [entry for entry in own if entry[0].text != "track_unknown_space"]
         for layer, inner in layers.items():
             line = inner[0][0].line if inner else shaped[0][0].line if shaped else 1
             shaped.append((Scalar(layer, plain=True, line=line), Section(line, inner)))
@@ -286,7 +467,7 @@ def _joined(first: list[Entry], second: list[Entry]) -> list[Entry]:
     return joined
 
 
-def _with_layers(value: RobotParameters, listed: Mapping[str, set[str]]) -> RobotParameters:
+def _with_layers(value: RobotParameters, listed: Mapping[str, frozenset[str]]) -> RobotParameters:
     """The parameters with those layers disabled that a costmap's `plugins` leaves out."""
     for section, layers in listed.items():
         costmap = cast("DataclassInstance", getattr(value, section))

@@ -366,7 +366,10 @@ def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> M
 
 
 def _handed_down(node: Section, into: type) -> Section:
-    """The section with the entries moved to its parts that ROS passes on to them; they replace the parts' own."""
+    """The section with the entries moved to its parts that ROS passes on to them; they replace the parts' own.
+
+    Of a name that the section has itself, the part's own value stays: a whole study in a recording has both.
+    """
     # As costmap_2d does with parameters of a costmap that its layers read (costmap_2d_ros.cpp, resetOldParameters).
     passed_on = cast(Mapping[str, str], getattr(into, "passed_on", {}))
     parts: dict[str, list[tuple[Scalar, Node]]] = {}
@@ -386,8 +389,11 @@ def _handed_down(node: Section, into: type) -> Section:
     result = [entry for entry in node.entries if entry[0].text not in gone | set(parts)]
     for part, entries in parts.items():
         for key, own in [entry for entry in node.entries if entry[0].text == part]:
-            handed = {entry[0].text for entry in entries}
             if isinstance(own, Section):
+                written = {entry[0].text for entry in own.entries}
+                both = written & {field.name for field in dataclasses.fields(into)}
+                entries[:] = [entry for entry in entries if entry[0].text not in both]
+                handed = {entry[0].text for entry in entries}
                 entries.extend(entry for entry in own.entries if entry[0].text not in handed)
             elif not (isinstance(own, Scalar) and own.absent):
                 result.append((key, own))

@@ -49,6 +49,13 @@ def drive(
         list[Path] | None,
         typer.Option(help="ROS YAML file, or one with sections `world` and `robot` of a study; may be repeated."),
     ] = None,
+    unmapped: Annotated[
+        Path | None,
+        typer.Option(help="A map.yaml of obstacles that stand in the world and not in the robot's map.", metavar="MAP"),
+    ] = None,
+    moving: Annotated[
+        Path | None, typer.Option(help="YAML file of obstacles that appear, walk and vanish: `things` of a study.")
+    ] = None,
     seed: Annotated[int, typer.Option(help="Same seed, same drive.", min=0, max=2**31 - 1)] = 1,
     as_json: AsJson = False,
 ) -> None:
@@ -56,9 +63,10 @@ def drive(
     from sim.common.geometry import Pose2
     from sim.world.physics import Misplaced
     from thbridge.files.map_files import read_grid
+    from thbridge.files.ros.defaults import sentences_of
     from thbridge.offline.drive import DriveResult, DriveTask
     from thbridge.offline.drive import drive as driven
-    from ui.actions.drive import corners_in, read_parameters
+    from ui.actions.drive import corners_in, read_moving, read_parameters, read_unmapped
     from ui.first_start import announce_compiling
 
     for option, numbers in (("--start", start), ("--goal", (*goal, goal_yaw or 0.0)), ("--timeout", (timeout,))):
@@ -66,16 +74,28 @@ def drive(
             fail(BAD_INPUT, f"{option}: not a finite number. Write metres, radians, seconds.")
     with bad_input():
         grid = read_grid(map_yaml)
-        given = read_parameters(params or [])
+        files = read_parameters(params or [])
+        true_grid, told_of_unmapped = (grid, ()) if unmapped is None else read_unmapped(unmapped, grid)
+        schedule = () if moving is None else read_moving(moving, grid)
+    for sentence in (*files.notices, *sentences_of(files.defaults), *told_of_unmapped):
+        note(sentence)
+    given = files.parameters
     world = given.world if footprint is None else dataclasses.replace(given.world, footprint=corners_in(footprint))
+    if footprint is None and (believed := given.robot.local_costmap.footprint) not in {(), world.footprint}:
+        corners = [list(corner) for corner in believed]
+        note(f"local_costmap.footprint is not the simulated body; to drive that one, add --footprint '{corners}'")
     announce_compiling()
     errand = DriveTask(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
-    result = driven(grid, world, given.robot, errand, seed)
+    result = driven(grid, world, given.robot, errand, seed, true_grid, schedule)
     if isinstance(result, Misplaced):
         result = DriveResult(False, False, 0.0, 0.0, 0.0, f"the start is not free: {result.sentence}")
     if as_json:
         clearance = result.min_clearance if math.isfinite(result.min_clearance) else None
-        print_json(dataclasses.asdict(result) | {"min_clearance": clearance})
+        told = dataclasses.asdict(result) | {"min_clearance": clearance}
+        if params:
+            told["notices"] = list(files.notices)
+            told["ros_defaults"] = [default.as_json() for default in files.defaults]
+        print_json(told)
         return
     out.print("Reached." if result.reached else f"Not reached: {result.reason}.", highlight=False, soft_wrap=True)
     note(

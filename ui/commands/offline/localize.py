@@ -1,6 +1,5 @@
 """`thbridge localize`: where was the robot, by any bag with scans and odometry."""
 
-import dataclasses
 from pathlib import Path
 from typing import Annotated
 
@@ -49,15 +48,15 @@ def localize_command(
     as_json: AsJson = False,
 ) -> None:
     """Localise a robot after the fact (AMCL): where was it in a map, by the scans and the odometry of a bag."""
-    from sim.parameters import AmclParameters, RobotParameters
     from thbridge.files.map_files import read_grid
-    from thbridge.files.ros.parameters import read_ros_parameters
+    from thbridge.files.ros.defaults import sentences_of
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.offline.localization_updates import UpdatesFormat, updates_text
     from thbridge.offline.recording import open_recording
     from ui.actions.localize import (
         localized_as_json,
         pose_in,
+        read_amcl_parameters,
         run_localization,
         show_localized,
         trajectory_text,
@@ -78,15 +77,13 @@ def localize_command(
     if plot is not None and plot.suffix.lower() not in PICTURES:
         fail(BAD_INPUT, f"--plot: {plot} does not say the format. Name a file that ends in {' or '.join(PICTURES)}.")
     with bad_input():
-        # What the files leave out is as in ROS, not as in our hunts.
-        given = read_ros_parameters(params or [], dataclasses.replace(RobotParameters(), amcl=AmclParameters()))
-        parameters = given.value.amcl
+        parameters, told, defaults = read_amcl_parameters(params or [])
         grid = read_grid(map_yaml)
         seat = None if laser_pose is None else pose_in(laser_pose)
         recording = open_recording(bag, scan_topic, odom_topic, seat)
-    notices = (*given.notices, *recording.notices)
-    for notice in notices:
-        note(notice)
+    notices = (*told, *recording.notices)
+    for sentence in (*notices, *sentences_of(defaults)):
+        note(sentence)
     announce_compiling()
     start = None if initial_pose is None else pose_in(initial_pose)
     with bad_input():
@@ -103,6 +100,7 @@ def localize_command(
         if plot is not None:
             write_localization_picture(plot, result, grid, bag)
     if as_json:
-        print_json(localized_as_json(recording, result, notices))
+        ros = {"ros_defaults": [default.as_json() for default in defaults]} if params else {}
+        print_json(localized_as_json(recording, result, notices) | ros)
     elif to != STANDARD_OUTPUT:
         show_localized(recording, result)

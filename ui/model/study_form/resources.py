@@ -17,7 +17,7 @@ from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.map_files import read_map
 from thbridge.files.map_times import MAP_TIMES
 from thbridge.files.resources import shipped
-from thbridge.files.ros.parameters import read_ros_parameters
+from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.files.template_files import read_template_set
 from thbridge.files.treasure_files import PICTURES
 from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_in, read_language
@@ -131,7 +131,7 @@ def _ros_parameters(draft: StudyDraft) -> Iterator[NamedResource]:
     """Yield files that change robots' parameters; studies, which lie beside them, are none."""
     for path in sorted(path for path in draft.path.parent.iterdir() if path.suffix in _YAML and path.is_file()):
         with suppress(BadFile):
-            if read_ros_parameters((path,), _USUAL).value != _USUAL:
+            if parse_ros_files((path,)).over(_USUAL).value != _USUAL:
                 yield NamedResource(f"[{path.name}]", "parameters of ROS nodes")
 
 

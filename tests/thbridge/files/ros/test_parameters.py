@@ -8,18 +8,46 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.parameters import RobotParameters
+from sim.parameters import (
+    AmclParameters,
+    DwaPlannerParameters,
+    GlobalCostmapParameters,
+    GlobalPlannerParameters,
+    LocalCostmapParameters,
+    MoveBaseParameters,
+    NavfnParameters,
+    RobotParameters,
+    TrajectoryPlannerParameters,
+    parameters_of,
+)
 from thbridge.files.errors import BadFile, BadFiles
-from thbridge.files.ros.parameters import RosParameters, read_ros_parameters
+from thbridge.files.ros.defaults import ros_defaults, sentences_of
+from thbridge.files.ros.parameters import RosParameters, namespace_in, parse_ros_files, read_ros_parameters
 
 START = RobotParameters()
 
 
-def read(folder: Path, *texts: str, start: RobotParameters = START) -> RosParameters:
+ROS = RobotParameters(
+    amcl=AmclParameters(),
+    global_costmap=GlobalCostmapParameters(),
+    local_costmap=LocalCostmapParameters(),
+    NavfnROS=NavfnParameters(),
+    GlobalPlanner=GlobalPlannerParameters(),
+    TrajectoryPlannerROS=TrajectoryPlannerParameters(),
+    DWAPlannerROS=DwaPlannerParameters(),
+    move_base=MoveBaseParameters(),
+)
+
+
+def in_ros(value: RobotParameters) -> dict[str, object]:
+    return dict(parameters_of(value))
+
+
+def read(folder: Path, *texts: str) -> RosParameters:
     paths = [folder / f"{index}.yaml" for index in range(len(texts))]
     for path, text in zip(paths, texts, strict=True):
         path.write_text(text, encoding="utf-8")
-    return read_ros_parameters(paths, start)
+    return read_ros_parameters(paths, START)
 
 
 def fault(folder: Path, *texts: str) -> str:
@@ -38,7 +66,7 @@ def fault(folder: Path, *texts: str) -> str:
     ],
 )
 def test_a_file_for_a_node_or_for_the_root(tmp_path: Path, text: str) -> None:
-    wanted = dataclasses.replace(START.amcl, max_particles=700, update_min_d=0.5)
+    wanted = AmclParameters(max_particles=700, update_min_d=0.5)
     assert read(tmp_path, text).value == dataclasses.replace(START, amcl=wanted)
 
 
@@ -64,10 +92,9 @@ def test_costmap_parameters_that_stand_alone_are_for_both_costmaps(tmp_path: Pat
     assert value.local_costmap.inflation_layer.inflation_radius == 0.3
 
 
-def test_the_last_file_holds_and_what_none_says_stays(tmp_path: Path) -> None:
-    start = dataclasses.replace(START, amcl=dataclasses.replace(START.amcl, kld_err=0.02, update_min_d=0.9))
-    value = read(tmp_path, "update_min_d: 0.3\nkld_z: 0.9", "update_min_d: 0.4", start=start).value
-    assert (value.amcl.kld_err, value.amcl.kld_z, value.amcl.update_min_d) == (0.02, 0.9, 0.4)
+def test_the_last_file_holds(tmp_path: Path) -> None:
+    value = read(tmp_path, "update_min_d: 0.3\nkld_z: 0.9", "update_min_d: 0.4").value
+    assert (value.amcl.kld_z, value.amcl.update_min_d) == (0.9, 0.4)
 
 
 def test_a_mixed_file(tmp_path: Path) -> None:
@@ -99,12 +126,7 @@ bump: {data_type: PointCloud2, topic: bumper, marking: true, clearing: false}
 def test_a_costmap_in_the_old_form(tmp_path: Path) -> None:
     read_now = read(tmp_path, OLD_FORM)
     costmap = read_now.value.global_costmap
-    assert costmap == dataclasses.replace(
-        START.global_costmap,
-        footprint=costmap.footprint,
-        obstacle_layer=costmap.obstacle_layer,
-        inflation_layer=costmap.inflation_layer,
-    )
+    assert not costmap.static_layer.enabled
     assert costmap.footprint[0] == (0.3, 0.2)
     assert (costmap.obstacle_layer.obstacle_range, costmap.obstacle_layer.raytrace_range) == (2.0, 4.0)
     assert [source.name for source in costmap.obstacle_layer.observation_sources] == ["front", "bump"]
@@ -151,7 +173,7 @@ def test_layers_that_the_list_leaves_out_do_not_count(tmp_path: Path) -> None:
     layers = value.local_costmap
     enabled = (layers.static_layer.enabled, layers.obstacle_layer.enabled, layers.inflation_layer.enabled)
     assert enabled == (False, True, False)
-    assert value.global_costmap == START.global_costmap
+    assert value.global_costmap.static_layer.enabled
 
 
 def test_two_layers_of_a_kind_are_one(tmp_path: Path) -> None:
@@ -207,7 +229,7 @@ def test_anchors_aliases_and_merge_keys(tmp_path: Path) -> None:
     value = read(tmp_path, text).value
     assert value.local_costmap.footprint_padding == value.global_costmap.footprint_padding == 0.03
     assert value.local_costmap.inflation_layer.cost_scaling_factor == 3.0
-    assert value.local_costmap.inflation_layer.inflation_radius == START.local_costmap.inflation_layer.inflation_radius
+    assert value.local_costmap.inflation_layer.inflation_radius == 0.55
     assert value.TrajectoryPlannerROS.xy_goal_tolerance == 0.03
 
 
@@ -289,3 +311,185 @@ def test_a_recovery_behaviour_without_a_type_must_be_ours(tmp_path: Path) -> Non
     assert "'dance' is no choice here" in fault(
         tmp_path, "recovery_behaviors: [{name: dance}]\nplanner_patience: 3.0\n"
     )
+
+
+SET = {
+    "common.yaml": """
+        footprint: [[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]]
+        obstacle_layer: {observation_sources: scan, scan: {data_type: LaserScan, clearing: true}}
+        """,
+    "global.yaml": """
+        global_costmap:
+          plugins:
+          - {name: static_layer, type: "costmap_2d::StaticLayer"}
+          - {name: obstacle_layer, type: "costmap_2d::ObstacleLayer"}
+          - {name: inflation_layer, type: "costmap_2d::InflationLayer"}
+        """,
+    "local.yaml": """
+        local_costmap:
+          rolling_window: true
+          width: 3.0
+          plugins:
+          - {name: obstacle_layer, type: "costmap_2d::ObstacleLayer"}
+          - {name: inflation_layer, type: "costmap_2d::InflationLayer"}
+        """,
+    "planner.yaml": "TrajectoryPlannerROS: {max_vel_x: 0.8}",
+    "move_base.yaml": "controller_frequency: 5.0\nplanner_patience: 2.0\n",
+    "amcl.yaml": "amcl: {min_particles: 500}",
+}
+"""A complete set of another lab's files."""
+
+
+def test_what_a_complete_set_leaves_out_is_as_in_ros(tmp_path: Path) -> None:
+    """Every parameter that no file has is the default of ROS noetic, though hunts begin with others."""
+    read_now = read(tmp_path, *SET.values())
+    value = in_ros(read_now.value)
+    off = {"local_costmap.static_layer.enabled"}
+    left_out = {name: default for name, default in in_ros(ROS).items() if name not in read_now.written | off}
+    assert {name: value[name] for name in left_out} == left_out
+    assert len(left_out) > 120
+    assert not read_now.value.local_costmap.track_unknown_space
+    assert not read_now.value.local_costmap.static_layer.enabled
+    assert (read_now.value.move_base.controller_frequency, read_now.value.move_base.oscillation_timeout) == (5.0, 0.0)
+
+
+def test_names_that_ros_does_not_have_stay(tmp_path: Path) -> None:
+    value = read(tmp_path, *SET.values()).value
+    assert (value.localization, value.ekf) == (START.localization, START.ekf)
+    assert value.global_costmap.robots_layer == START.global_costmap.robots_layer
+    assert value.local_costmap.obstacle_layer.explained_distance == 0.2
+
+
+def test_a_file_for_one_node_leaves_the_other_as_it_is(tmp_path: Path) -> None:
+    assert read(tmp_path, "amcl: {min_particles: 500}").value == dataclasses.replace(
+        START, amcl=AmclParameters(min_particles=500)
+    )
+    value = read(tmp_path, "TrajectoryPlannerROS: {max_vel_x: 0.8}").value
+    assert value.amcl == START.amcl
+    assert value.TrajectoryPlannerROS == TrajectoryPlannerParameters(max_vel_x=0.8)
+    assert value.move_base == MoveBaseParameters()
+
+
+def test_a_costmap_without_a_word_keeps_map_laser_and_body(tmp_path: Path) -> None:
+    costmap = read(tmp_path, "TrajectoryPlannerROS: {max_vel_x: 0.8}").value.global_costmap
+    assert costmap.static_layer.enabled
+    assert costmap.obstacle_layer.observation_sources == START.global_costmap.obstacle_layer.observation_sources
+    assert costmap.robot_radius is None
+    assert (costmap.track_unknown_space, costmap.inflation_layer.inflation_radius) == (False, 0.55)
+
+
+@pytest.mark.parametrize(
+    ("text", "has_map"),
+    [
+        ("footprint_padding: 0.1", False),
+        ("static_map: true", True),
+        ("static_map: false", False),
+        ("static_map: false\nplugins: [{name: walls, type: 'costmap_2d::StaticLayer'}]", True),
+        ("static_map: true\nplugins: [{name: seen, type: 'costmap_2d::ObstacleLayer'}]", False),
+    ],
+)
+def test_the_map_is_in_a_costmap_as_in_ros(tmp_path: Path, text: str, has_map: bool) -> None:
+    """By its list of plugins; without one, as before Hydro, by static_map."""
+    assert read(tmp_path, text).value.global_costmap.static_layer.enabled is has_map
+
+
+def test_a_costmap_hands_its_unknown_space_down(tmp_path: Path) -> None:
+    text = "track_unknown_space: false\nstatic_layer: {track_unknown_space: true}\nfootprint_padding: 0.1\n"
+    assert read(tmp_path, text).value.global_costmap.static_layer.track_unknown_space is False
+
+
+def test_a_costmap_without_sources_sees_nothing(tmp_path: Path) -> None:
+    assert read(tmp_path, "local_costmap: {static_map: true}").value.local_costmap.obstacle_layer == (
+        dataclasses.replace(START.local_costmap.obstacle_layer, obstacle_range=2.5, observation_sources=())
+    )
+
+
+def told_of(folder: Path, *texts: str) -> list[str]:
+    for index, text in enumerate(texts):
+        (folder / f"{index}.yaml").write_text(text)
+    files = parse_ros_files([folder / f"{index}.yaml" for index in range(len(texts))])
+    start = files.start(START)
+    now = files.over(start)
+    return list(sentences_of(ros_defaults(now.value, start, START, now.written)))
+
+
+def test_the_defaults_that_hunts_do_not_have_are_told_by_section(tmp_path: Path) -> None:
+    told = told_of(tmp_path, *SET.values())
+    assert [sentence.partition(":")[0] for sentence in told] == [
+        "amcl",
+        "global_costmap and local_costmap",
+        "global_costmap",
+        "local_costmap",
+        "TrajectoryPlannerROS",
+        "move_base",
+    ]
+    assert told[0] == (
+        "amcl: left out, so as in ROS (and in hunts): max_particles 5000 (1000), kld_err 0.01 (0.05),"
+        " laser_max_beams 30 (60), laser_sigma_hit 0.2 (0.1)"
+    )
+    assert "track_unknown_space false (true)" in told[1]
+    assert "height 10.0 (4.0)" in told[3]
+    everything = " ".join(told)
+    assert not [word for word in ("max_vel_x", "min_particles", "robot_radius", "DWAPlanner") if word in everything]
+
+
+def test_what_stands_in_a_file_is_no_default_though_it_has_its_value(tmp_path: Path) -> None:
+    assert "kld_err" not in " ".join(told_of(tmp_path, "amcl: {kld_err: 0.01}"))
+
+
+def test_a_file_may_be_named_with_its_namespace(tmp_path: Path) -> None:
+    (tmp_path / "costmap.yaml").write_text("footprint_padding: 0.07\nwidth: 3.0\n")
+    value = read_ros_parameters([tmp_path / "local_costmap:costmap.yaml"], START).value
+    assert (value.local_costmap.footprint_padding, value.global_costmap.footprint_padding) == (0.07, 0.01)
+    assert value.local_costmap.width == 3.0
+
+
+def test_a_colon_alone_makes_no_namespace(tmp_path: Path) -> None:
+    named = tmp_path / "amcl:x.yaml"
+    named.write_text("kld_err: 0.2\n")
+    assert namespace_in(named) == ("", named)
+    assert namespace_in(Path("a:b/c.yaml")) == ("", Path("a:b/c.yaml"))
+    assert namespace_in(Path("global_costmap:/a/c.yaml")) == ("global_costmap", Path("/a/c.yaml"))
+    assert namespace_in(Path("a:b/move_base:c/d.yaml")) == ("move_base", Path("a:b/c/d.yaml"))
+
+
+def test_a_planner_that_only_a_launch_file_chooses_is_told(tmp_path: Path) -> None:
+    planner = "DWAPlannerROS: {max_vel_x: 0.2}\n"
+    (notice,) = read(tmp_path, planner).notices
+    assert "DWAPlannerROS has no effect" in notice
+    assert "base_local_planner: dwa_local_planner/DWAPlannerROS" in notice
+    assert read(tmp_path, planner, "base_local_planner: dwa_local_planner/DWAPlannerROS").notices == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("TebLocalPlannerROS: {max_vel_x: 0.4}\nNavfnROS: {allow_unknown: true}\n", "TebLocalPlannerROS has no effect"),
+        ("TrajectoryPlannerROS: {max_vel_y: 0.0}", "max_vel_y has no effect"),
+        (
+            "plugins: [{name: a, type: 'costmap_2d::ObstacleLayer'}]\nvirtual_walls_map: {x: 1}\n",
+            "no `plugins` lists it",
+        ),
+        (
+            "inflater: {robot_radius: 0.3, inflation_radius: 0.7}\nstatic_map: true\n",
+            "inflater.robot_radius has no effect",
+        ),
+    ],
+)
+def test_what_ros_does_not_read_either_is_told_and_no_fault(tmp_path: Path, text: str, told: str) -> None:
+    assert told in " ".join(read(tmp_path, text).notices)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("TrajectoryPlanerROS: {max_vel_x: 0.4}", "TrajectoryPlanerROS: unknown key"),
+        ("plugins: [{name: walls, type: 'costmap_2d::StaticLayer'}]\nwals: {use_maximum: true}\n", "wals: unknown key"),
+        (
+            "base_local_planner: teb_local_planner/TebLocalPlannerROS\nplanner_patience: 1.0\n",
+            "'teb_local_planner/TebLocalPlannerROS' is no choice here",
+        ),
+    ],
+)
+def test_names_that_are_nearly_right_are_faults(tmp_path: Path, text: str, told: str) -> None:
+    assert told in fault(tmp_path, text)

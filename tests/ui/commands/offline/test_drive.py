@@ -75,3 +75,94 @@ def test_bad_options_are_named(option: str, value: str) -> None:
     done = drive(*CORRIDOR, "--goal", "1.5", "0", option, value)
     assert done.exit_code == 2
     assert value in done.stderr or option in done.stderr
+
+
+def grey(folder: Path, name: str, cells: list[str], origin: str = "[0.4, -0.5, 0.0]") -> Path:
+    """A map file of 5 cm; `#` is an obstacle, rows from the top."""
+    pixels = bytes(0 if cell == "#" else 254 for row in cells for cell in row)
+    (folder / f"{name}.pgm").write_bytes(f"P5 {len(cells[0])} {len(cells)} 255\n".encode() + pixels)
+    file = folder / f"{name}.yaml"
+    file.write_text(
+        f"image: {name}.pgm\nresolution: 0.05\norigin: {origin}\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    return file
+
+
+def test_obstacles_that_the_map_does_not_show(tmp_path: Path) -> None:
+    """A box on the way: the robot goes round it, and learns of it by its laser alone."""
+    box = grey(tmp_path, "box", ["." * 16] * 8 + ["........####...."] * 4 + ["." * 16] * 8)
+    free = outcome_of(*CORRIDOR, "--goal", "2.5", "0")
+    outcome = outcome_of(*CORRIDOR, "--goal", "2.5", "0", "--unmapped", str(box))
+    assert (outcome["reached"], outcome["collided"]) == (True, False)
+    assert outcome["distance"] > free["distance"] + 0.03
+    assert outcome["min_clearance"] < free["min_clearance"] - 0.1
+
+
+def test_a_start_in_an_unmapped_obstacle_is_an_answer(tmp_path: Path) -> None:
+    box = grey(tmp_path, "box", ["#" * 10] * 10, "[-0.25, -0.25, 0.0]")
+    assert "start is not free" in outcome_of(*CORRIDOR, "--goal", "2.5", "0", "--unmapped", str(box))["reason"]
+
+
+def test_obstacles_that_walk(tmp_path: Path) -> None:
+    file = tmp_path / "people.yaml"
+    file.write_text(
+        "things:\n"
+        "  - {name: visitor, shape: person, path: [[1.2, 0.0], [3.4, 0.0]], speed: 0.2}\n"
+        "  - {name: crate, shape: crate, at: [3.0, 0.7, 0.0], appears: 1, vanishes: 5}\n"
+    )
+    free = outcome_of(*CORRIDOR, "--goal", "2.5", "0")
+    outcome = outcome_of(*CORRIDOR, "--goal", "2.5", "0", "--moving", str(file))
+    assert (outcome["reached"], outcome["collided"]) == (True, False)
+    assert outcome["seconds"] > free["seconds"] + 0.5
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "there is none"),
+        ("things: 3", "a list is needed"),
+        ("thing: []", "thing: unknown key. The nearest right name is things"),
+        ("things: [{name: a}]", "things[0].shape: missing"),
+        ("things: [{name: a, shape: ball, at: [0, 0, 0]}]", "things[0].shape: 'ball' is no choice here"),
+        ("things: [{name: a, shape: person}]", "things[0]: neither `at` nor `path`"),
+        ("things:\n- {name: a, shape: person, path: [[0, 0]]}", "line 2, things[0].path: one point is no path"),
+        ("things: [{name: a, shape: person, path: [[0, 0], [90, 0]]}]", "path[1]: (90, 0) is outside the map"),
+        ("things: [{name: a, shape: person, at: [0, 0, 0], vanishes: 0}]", "vanishes: 0 is not after it appears"),
+        ("things: [{name: a, shape: person, at: [0, 0, .nan]}]", "things[0].at[2]"),
+        ("things: [{name: a, shape: person, path: [[0, 0], [1, 0]], speed: -1}]", "speed: -1 is out of range"),
+        ("things: [", "people.yaml"),
+    ],
+)
+def test_what_is_wrong_with_obstacles_that_walk_is_named(tmp_path: Path, text: str, told: str) -> None:
+    file = tmp_path / "people.yaml"
+    file.write_text(text)
+    done = drive(*CORRIDOR, "--goal", "1.5", "0", "--moving", str(file))
+    assert done.exit_code == 2
+    assert str(file) in done.stderr
+    assert told in done.stderr
+
+
+def test_unmapped_obstacles_that_do_not_fit_are_named(tmp_path: Path) -> None:
+    for name, cells, origin, told in (
+        ("turned", ["#"], "[0, 0, 0.3]", "origin: it is turned by 0.3 rad"),
+        ("empty", ["."], "[0, 0, 0]", "it has no occupied cell"),
+        ("far", ["#"], "[80, 0, 0]", "lie outside the map"),
+    ):
+        file = grey(tmp_path, name, cells, origin)
+        done = drive(*CORRIDOR, "--goal", "1.5", "0", "--unmapped", str(file))
+        assert done.exit_code == 2
+        assert str(file) in done.stderr
+        assert told in done.stderr
+    half = grey(tmp_path, "half", ["#" * 4] * 4, "[-2.1, 0, 0]")
+    done = drive(*CORRIDOR, "--goal", "0.5", "0", "--unmapped", str(half), "--timeout", "0.1")
+    assert "occupied cells lie outside the map and stand nowhere" in done.stderr
+
+
+def test_defaults_of_ros_are_told(tmp_path: Path) -> None:
+    file = tmp_path / "amcl.yaml"
+    file.write_text("amcl: {min_particles: 200}\n")
+    outcome = outcome_of(*CORRIDOR, "--goal", "0.5", "0", "--params", str(file))
+    assert {"name": "amcl.max_particles", "value": 5000, "hunts": 1000} in outcome["ros_defaults"]
+    assert outcome["notices"] == []
+    done = drive(*CORRIDOR, "--goal", "0.5", "0", "--params", str(file))
+    assert "amcl: left out, so as in ROS (and in hunts): max_particles 5000 (1000)" in done.stderr.replace("\n", " ")

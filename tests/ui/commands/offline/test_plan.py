@@ -65,6 +65,23 @@ def test_a_robot_too_wide_for_the_door_finds_none(rooms):
     assert answer["reason"] == "there is no way from here to the goal"
 
 
+@pytest.mark.parametrize(
+    ("start", "goal", "told"),
+    [
+        ((1.0, 1.0), (5.0, 0.02), "the goal lies in the map's outermost row or column of cells"),
+        ((0.02, 1.0), (2.0, 1.0), "there is no way from here to the goal; the robot stands in the map's outermost row"),
+    ],
+)
+def test_the_outermost_cells_of_a_map_are_named(tmp_path, start, goal, told):
+    """Planners lead no path there, and nothing in the picture shows it."""
+    cells = np.zeros((40, 120), dtype=np.int8)
+    cells[:, 3] = 100
+    write_grid(tmp_path, OccupancyGrid(cells, 0.05, TURNED))
+    (answer,) = queries("--map", tmp_path / "map.yaml", *ends(start, goal))
+    assert answer["found"] is False
+    assert answer["reason"].startswith(told)
+
+
 def test_a_batch_is_answered_in_order(rooms, tmp_path):
     asked = [
         ((1.0, 1.0), (5.0, 1.0), None),
