@@ -51,6 +51,8 @@ BEGIN_KEYS = "Ctrl+Alt+Shift+N"
 """The researcher's keys that begin the run of the next person."""
 CHOICES = "kiosk"
 """Name of the settings that last as long as a person is there."""
+STOP_KEYS = "Alt+F4"
+"""Anybody's keys that ask whether to leave, where no window manager has them."""
 FRAME = 15
 """Milliseconds between two polls of a game's link."""
 STOPPED = TextToRead(
@@ -67,7 +69,11 @@ STOPPED_BETWEEN = TextToRead(
 
 
 class ProgressStrip(QWidget):
-    """Progress of a person through the study."""
+    """Progress of a person through the study, and the way out of it: a full screen has no cross.
+
+    Attributes:
+        stop: asks whether they want to stop taking part.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -78,6 +84,11 @@ class ProgressStrip(QWidget):
         self._bar.setFixedHeight(GAP)
         row.addWidget(self._words)
         row.addWidget(self._bar, 1)
+        self.stop = ActionButton("small")
+        self.stop.show_face(ButtonFace("Stop taking part", STOP_KEYS), "Stop taking part")
+        # Pages have their own order of Tab, and get the focus back.
+        self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        row.addWidget(self.stop)
 
     def show_progress(self, way: StudyProgress) -> None:
         """Show it; nothing where there are no steps."""
@@ -172,7 +183,8 @@ class KioskWindow(QMainWindow):
         self._build_leaving()
         # Until it is shown it is nobody's child.
         self.destroyed.connect(self.leaving_panel.deleteLater)
-        for keys, deed in ((END_KEYS, self._end), (BEGIN_KEYS, self._begin_next)):
+        self.progress.stop.clicked.connect(self._ask_to_leave)
+        for keys, deed in ((END_KEYS, self._end), (BEGIN_KEYS, self._begin_next), (STOP_KEYS, self._ask_to_leave)):
             QShortcut(QKeySequence(keys), self).activated.connect(deed)
         self._pumping = QTimer(self)
         self._pumping.setTimerType(Qt.TimerType.PreciseTimer)

@@ -344,6 +344,19 @@ def test_closing_asks_and_only_the_researcher_closes(opened: Opened, qtbot: QtBo
     assert not window.isVisible()
 
 
+def test_whoever_takes_part_sees_how_to_stop(opened: Opened, qtbot: QtBot) -> None:
+    window = opened.window
+    window.receive(TextToRead(3, "Welcome", "Please begin.", "Begin"))
+    assert not window.progress.stop.isVisible(), "nobody takes part yet"
+    window.receive(ConsentToAsk(4, "We record you.", progress=WAY))
+    qtbot.mouseClick(window.progress.stop, Qt.MouseButton.LeftButton)
+    assert window.leaving_panel.isVisible() and window.leaving_panel.stop.isVisible()
+    assert opened.told == [], "it only asks"
+    keys(qtbot, Qt.Key.Key_Escape)
+    qtbot.keyClick(window, Qt.Key.Key_F4, Qt.KeyboardModifier.AltModifier)
+    assert window.leaving_panel.isVisible()
+
+
 def test_the_researchers_keys(opened: Opened, qtbot: QtBot) -> None:
     held = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier | Qt.KeyboardModifier.ShiftModifier
     assert BEGIN_KEYS == "Ctrl+Alt+Shift+N"
