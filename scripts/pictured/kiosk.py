@@ -87,6 +87,9 @@ def at_the_kiosk() -> Iterator[Shot]:
     run = Run("P-7K3FQ", Place(0, 0, 0), (), state=RunState.COMPLETE)
     window.receive(TextToRead(10, *words.farewell(run), "Finish", code="7K3FQ9XB"))
     yield Shot("kiosk-thanks", window)
+    left = Run("P-7K3FQ", Place(0, 0, 0), (), state=RunState.LEFT)
+    window.receive(TextToRead(11, *words.farewell(left), "Finish"))
+    yield Shot("kiosk-left", window)
     window.receive(HostStops(words.STOPPED, words.STOPPED_TEXT))
     yield Shot("kiosk-stopped", window)
     window.give_way()
@@ -107,6 +110,7 @@ STORIES = (
             "kiosk-missing": "What is missing is pointed at",
             "kiosk-leaving": "Somebody closes the window",
             "kiosk-thanks": "The end, with the completion code",
+            "kiosk-left": "The end for somebody who stopped taking part",
             "kiosk-stopped": "The researcher has stopped the program in the middle of somebody's run",
         },
         at_the_kiosk,

@@ -64,8 +64,8 @@ class ExperimentFolder:
         """An export."""
         return self.root / EXPORTS / name
 
-    def read(self) -> ExperimentDesign:
-        """Read the experiment.
+    def read(self, *, with_files: bool = False) -> ExperimentDesign:
+        """Read the experiment; `with_files` as for `read_experiment`.
 
         Raises:
             BadFile: there is none, or it is faulty.
@@ -73,7 +73,7 @@ class ExperimentFolder:
         if not self.file.is_file():
             remedy = "Name the folder of an experiment, or begin one: thbridge study new FOLDER"
             raise BadFile(self.root, f"there is no {EXPERIMENT}", remedy)
-        return read_experiment(self.file)
+        return read_experiment(self.file, with_files=with_files)
 
     def entries(self) -> list[LogEntry]:
         """Read the log.

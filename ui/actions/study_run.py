@@ -37,7 +37,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
     """
     with bad_input():
         place, clock = ExperimentFolder(folder), StudyClock()
-        design = place.read()
+        design = place.read(with_files=True)
         why = None if program else why_no_window()
         if why is not None:
             fail(BAD_INPUT, why)

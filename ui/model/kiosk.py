@@ -32,6 +32,7 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
         button: what leads on; empty: nothing does, and the page is there until another comes.
         markdown: True where the text is Markdown.
         code: completion code to copy down; empty: none.
+        anew: True where the next person begins: what the one before chose for themselves (size of text, sound) is over.
         progress: of the person.
     """
 
@@ -41,6 +42,7 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
     button: str = "Continue"
     markdown: bool = False
     code: str = ""
+    anew: bool = False
     progress: StudyProgress = StudyProgress()
 
 

@@ -529,7 +529,7 @@ class Screen:
         agree: agrees to take part.
         decline: does not.
         banner: line across the top.
-        game: number of the game.
+        game: number of the game; 0: none to show.
         score: score so far.
         cards: one per robot.
         tiles: one per room.

@@ -270,9 +270,9 @@ class TextSize(QObject):
             apply_text_size(self._app, self._growth * percent / 100.0)
 
 
-def user_settings() -> QSettings:
-    """The settings of the user for all windows; a file in the user's own folder for settings."""
-    return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "thbridge", "windows")
+def user_settings(name: str = "windows") -> QSettings:
+    """The settings of the user for all windows, or others of this name; in the user's own folder for settings."""
+    return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "thbridge", name)
 
 
 def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: bool = False) -> QLabel:

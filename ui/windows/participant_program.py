@@ -7,7 +7,7 @@ It connects the window (`ParticipantWindow`), its model (`Participant`) and the 
 import time
 from collections.abc import Callable
 
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import QSettings, Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QApplication,
@@ -67,6 +67,7 @@ class GamePage(QWidget):
         clock: monotonic seconds.
         way_back: label of that button.
         once: True where one game is played and something else follows: its end is shown as it was when it came.
+        settings: where the participant's choice of sound is kept; None: with those of all windows.
 
     Attributes:
         seen_over: the end of the game is shown.
@@ -83,6 +84,7 @@ class GamePage(QWidget):
         clock: Callable[[], float],
         way_back: str = "Back to the start page",
         once: bool = False,
+        settings: QSettings | None = None,
     ) -> None:
         super().__init__()
         self._link = link
@@ -90,7 +92,7 @@ class GamePage(QWidget):
         self._practice = practice
         self._once = once
         self._is_over = False
-        command, self._settings = system_player(), look.user_settings()
+        command, self._settings = system_player(), look.user_settings() if settings is None else settings
         self._model = Participant(
             sound_on=bool(self._settings.value(SOUND_KEY, True, bool)), can_sound=command is not None, once=once
         )

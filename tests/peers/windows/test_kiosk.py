@@ -307,7 +307,7 @@ def test_a_screen_reader_reads_every_item_of_every_page_and_sigterm_is_told(scre
         leave(screen, "Before we begin", clicking(screen, "Continue"))
         screen.found("Take a rest if you like.", "label")
         screen.ask_to_close(screen.focus_window("Study"))
-        asked_to_leave = {"Go on with the study", "Stop taking part", "Close the window, for the researcher"}
+        asked_to_leave = {"Go on with the study", "Stop taking part: ", "Close the window, for the researcher"}
         screen.found("You can stop at any time and need not say why.", "label")
         assert all(screen.find(name, "push button") for name in asked_to_leave)
         leave(screen, "Leave the study?", lambda: screen.press("Escape"))

@@ -514,6 +514,9 @@ def test_where_one_game_is_played_its_end_leads_on_and_to_no_other_game():
     assert (screen.ending.again.act, screen.ending.again.label) == (GoOnFromGame(), "Continue")
     assert act_for("Enter", screen) == GoOnFromGame()
     assert act_for("A", screen) is None
+    # The number would be 1 in each of a person's games.
+    assert screen.game == 0
+    assert texts(screen)[0].startswith("The game is under way")
 
 
 def test_the_end_tells_what_was_in_the_rooms_and_what_was_possible_where_the_study_tells():

@@ -8,13 +8,14 @@ from enum import StrEnum
 from pathlib import Path
 
 from sim.parameters import param
+from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.latin_square import Order, balanced_latin_square, cyclic_latin_square
 from thbridge.experiment.allocation.places import Allocation
 from thbridge.experiment.design.steps import StepEntry, StepKind
 from thbridge.experiment.questionnaires.form import SHIPPED, Form, read_form
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
-from thbridge.files.yaml.tree import Node, Section, parse, read_text
+from thbridge.files.yaml.tree import Node, Section, at_line, parse, read_text
 from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread
 from thbridge.study.overrides import merged, over, resolved_tree
 from thbridge.study.study_file import Study, load_study
@@ -140,16 +141,20 @@ class ExperimentDesign:
         return Allocation(len(self.cells), len(self.orders), file.quota, file.seed, file.in_block)
 
 
-def read_experiment(path: Path) -> ExperimentDesign:
+def read_experiment(path: Path, *, with_files: bool = False) -> ExperimentDesign:
     """Read an experiment; every condition's study is read, and every form.
+
+    Args:
+        path: its file.
+        with_files: True to read what its games need as well (maps, templates, words), and find out that they can begin.
 
     Raises:
         BadFile: it cannot be read, or something in it is faulty; as BadFiles, all faults at once.
     """
-    return experiment_of(path, parse(path, read_text(path)))
+    return experiment_of(path, parse(path, read_text(path)), with_files=with_files)
 
 
-def experiment_of(path: Path, whole: Node) -> ExperimentDesign:
+def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> ExperimentDesign:
     """Read the tree of an experiment's file, as `read_experiment` does; `path` is named in faults."""
     entries = {key.text: node for key, node in entries_of(whole)}
     plain = [(key, Section(key.line, []) if key.text in _OWN_READING else node) for key, node in entries_of(whole)]
@@ -158,8 +163,9 @@ def experiment_of(path: Path, whole: Node) -> ExperimentDesign:
     study, beside = Study(), path.parent
     if file.study is not None:
         study, beside = load_study(path.parent / file.study).value, (path.parent / file.study).parent
+    line = 1
     if (base := entries.get("base")) is not None:
-        study = merged(resolved_tree(study), path, spread(path, base)).value
+        study, line = merged(resolved_tree(study), path, spread(path, base)).value, base.line
     within = _factors(path, "within", entries)
     between = _factors(path, "between", entries)
     with faults.kept():
@@ -168,12 +174,18 @@ def experiment_of(path: Path, whole: Node) -> ExperimentDesign:
     if len(conditions) > MOST_CONDITIONS:
         raise loaded.fault("within", f"{len(conditions)} conditions for each person", "Write fewer factors or levels")
     cells = []
-    start = resolved_tree(study)
+    # What does not fit together is told with a line that people wrote.
+    start, files = at_line(resolved_tree(study), line), SettingCache(beside)
     for cell in factorial(between):
         studies = []
         for condition in factorial(within):
             with faults.kept():
-                studies.append(_study(path, start, {**cell, **condition}))
+                read = _study(path, start, {**cell, **condition})
+                studies.append(read.value)
+                if with_files:
+                    files.of(read.value, read)
+            if faults.found:
+                break
         cells.append(Cell(_named(cell), _labels(cell), tuple(studies)))
         if faults.found:
             break
@@ -216,11 +228,11 @@ def _named(levels: Mapping[str, Level]) -> str:
     return ", ".join(f"{factor}={level.label}" for factor, level in levels.items())
 
 
-def _study(path: Path, start: Node, levels: Mapping[str, Level]) -> Study:
+def _study(path: Path, start: Node, levels: Mapping[str, Level]) -> Loaded[Study]:
     tree: Node = Section(1, [])
     for level in levels.values():
         tree = over(tree, level.tree)
-    return merged(start, path, tree).value
+    return merged(start, path, tree)
 
 
 def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry) -> Form:

@@ -137,7 +137,7 @@ def study_freeze(folder: FolderOfExperiment) -> None:
 
     with bad_input():
         place = ExperimentFolder(folder)
-        place.read()
+        place.read(with_files=True)
         found = freeze(place, versions(), utc_now())
     say(found.digest)
     note(f"Wrote {place.freeze}. Put this hash into the registration.")
@@ -237,7 +237,7 @@ def study_rehearse(
 
     with bad_input():
         place = ExperimentFolder(folder)
-        design = place.read()
+        design = place.read(with_files=True)
         people = read_people(place.people, design)
         if to.exists():
             fail(BAD_INPUT, f"{to}: there is such a folder already. Choose another by --to.")

@@ -52,7 +52,7 @@ def study_check(
         from thbridge.experiment.markers import why_no_markers
 
         with bad_input():
-            design = ExperimentFolder(file).read()
+            design = ExperimentFolder(file).read(with_files=True)
         each = f"{len(design.conditions)} conditions for each" if len(design.conditions) > 1 else "one condition"
         say(f"{file}: no faults; {design.allocation.size} people, {each}")
         for notice in notices_of(design):

@@ -264,11 +264,11 @@ class KioskHost:
             place = self.progress.next_place()
             if isinstance(place, NoPlace):
                 heading, text = words.NO_PLACES[place]
-                await self._show(TextToRead(0, heading, text, button=""))
+                await self._show(TextToRead(0, heading, text, button="", anew=True))
             elif self._design.file.begins is WhoBegins.RESEARCHER:
-                await self._show(TextToRead(0, words.WELCOME, words.WELCOME_RESEARCHER, button=""))
+                await self._show(TextToRead(0, words.WELCOME, words.WELCOME_RESEARCHER, button="", anew=True))
             else:
-                await self._show(TextToRead(0, words.WELCOME, words.WELCOME_PARTICIPANT, button="Begin"))
+                await self._show(TextToRead(0, words.WELCOME, words.WELCOME_PARTICIPANT, button="Begin", anew=True))
             message: FromKiosk | _Woken | None = None
             while not (self._admits or isinstance(message, WentOn | BeginNext | _Woken)):
                 message = await self._next()

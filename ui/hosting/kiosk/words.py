@@ -13,7 +13,8 @@ CALL = "Please tell the researcher."
 WELCOME = "Welcome"
 WELCOME_PARTICIPANT = (
     "If you are the next person to take part, please begin. You will go through the study page by page; each page says "
-    "what to do.\n\nEverything can be done with the mouse, and with the keyboard alone: Tab goes on, Enter presses."
+    "what to do.\n\nEverything can be done with the mouse, and with the keyboard alone: Tab goes on, Enter presses. "
+    "Ctrl and + make the text larger, Ctrl and - smaller."
 )
 WELCOME_RESEARCHER = "Please wait. The researcher begins the study for you."
 
@@ -119,7 +120,10 @@ def page(shown: ToKiosk) -> str:
 
 def farewell(run: Run) -> tuple[str, str]:
     """Return heading and text of the last page."""
-    kept = f"What you did is kept under the code {run.participant}. If you want it deleted later, tell us this code."
+    kept = (
+        f"What you did is kept under the code {run.participant}. Please write it down: if you want it deleted "
+        "later, tell us this code."
+    )
     match run.state:
         case RunState.COMPLETE:
             told = (

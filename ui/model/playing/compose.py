@@ -50,7 +50,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         agree=_agree(hunt),
         decline=keyed(DeclineToTakePart(), "I do not take part", hint="The window thanks you and ends."),
         banner=_banner(memory, now),
-        game=0 if hunt is None else hunt.view.game,
+        game=0 if hunt is None or memory.once else hunt.view.game,
         score=0 if hunt is None else hunt.view.score,
         cards=team,
         tiles=() if hunt is None else tiles(memory, hunt),

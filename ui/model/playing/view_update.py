@@ -126,7 +126,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
     memory.followed = None if memory.followed is None else memory.selected
     memory.motions = ()
     memory.last_refusal = 0 if view.refusal is None else view.refusal.number
-    memory.history.receive(None, view)
+    memory.history.receive(None, view, once=memory.once)
     settle(hunt)
 
 

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QEvent, Qt, QTimer
+from PySide6.QtCore import QEvent, QSettings, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QProgressBar, QStackedWidget, QVBoxLayout, QWidget
 
@@ -49,6 +49,10 @@ END_KEYS = "Ctrl+Alt+Shift+Q"
 """The researcher's keys that close the window at once."""
 BEGIN_KEYS = "Ctrl+Alt+Shift+N"
 """The researcher's keys that begin the run of the next person."""
+CHOICES = "kiosk"
+"""Name of the settings that last as long as a person is there."""
+STOP_KEYS = "Alt+F4"
+"""Anybody's keys that ask whether to leave, where no window manager has them."""
 FRAME = 15
 """Milliseconds between two polls of a game's link."""
 STOPPED = TextToRead(
@@ -65,7 +69,11 @@ STOPPED_BETWEEN = TextToRead(
 
 
 class ProgressStrip(QWidget):
-    """Progress of a person through the study."""
+    """Progress of a person through the study, and the way out of it: a full screen has no cross.
+
+    Attributes:
+        stop: asks whether they want to stop taking part.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -76,6 +84,11 @@ class ProgressStrip(QWidget):
         self._bar.setFixedHeight(GAP)
         row.addWidget(self._words)
         row.addWidget(self._bar, 1)
+        self.stop = ActionButton("small")
+        self.stop.show_face(ButtonFace("Stop taking part", STOP_KEYS), "Stop taking part")
+        # Pages have their own order of Tab, and get the focus back.
+        self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        row.addWidget(self.stop)
 
     def show_progress(self, way: StudyProgress) -> None:
         """Show it; nothing where there are no steps."""
@@ -98,12 +111,10 @@ class LeavingPanel(TitledPanel):
 
     def __init__(self) -> None:
         super().__init__("Leave the study?")
-        self.entitle("Leave the study?")
         self.text = look.label()
         self.rows.addWidget(self.text, 1)
         self.stay = ActionButton("main", hints=True)
         self.stop, self.close_button = ActionButton(hints=True), ActionButton(hints=True)
-        self.stay.show_face(ButtonFace("Go on with the study", "Esc"), "Go on with the study")
         self.stop.show_face(
             ButtonFace("Stop taking part", hint="The study ends here for you."),
             "Stop taking part: the study ends here for you",
@@ -114,6 +125,20 @@ class LeavingPanel(TitledPanel):
         for button in (self.stay, self.stop, self.close_button):
             self.rows.addWidget(button)
 
+    def ask(self, *, takes_part: bool, can_stop: bool) -> None:
+        """Show the question.
+
+        Args:
+            takes_part: somebody is in the middle of the study.
+            can_stop: there is a host to be told that they stop.
+        """
+        self.entitle("Leave the study?" if takes_part else "Close the window?")
+        who = "You can stop at any time and need not say why. " if takes_part else ""
+        set_text(self.text, f"{who}The window itself is closed by the researcher; what was done is kept.")
+        stay = "Go on with the study" if takes_part else "Leave it open"
+        self.stay.show_face(ButtonFace(stay, "Esc"), stay)
+        self.stop.setVisible(takes_part and can_stop)
+
 
 class KioskWindow(QMainWindow):
     """The window of one laboratory's computer.
@@ -122,6 +147,8 @@ class KioskWindow(QMainWindow):
         appearance: colours.
         send: sends to the host.
         clock: monotonic seconds.
+        choices: where the size of text and the sound that a person chose are kept until the next one comes; None: in
+            the user's own folder for settings.
 
     Attributes:
         game: the game that is shown; None on other pages.
@@ -132,8 +159,10 @@ class KioskWindow(QMainWindow):
         appearance: look.Appearance,
         send: Callable[[FromKiosk], None],
         clock: Callable[[], float] = time.monotonic,
+        choices: QSettings | None = None,
     ) -> None:
         super().__init__()
+        self._choices = look.user_settings(CHOICES) if choices is None else choices
         self._appearance = appearance
         self._send = send
         self._clock = clock
@@ -154,7 +183,8 @@ class KioskWindow(QMainWindow):
         self._build_leaving()
         # Until it is shown it is nobody's child.
         self.destroyed.connect(self.leaving_panel.deleteLater)
-        for keys, deed in ((END_KEYS, self._end), (BEGIN_KEYS, self._begin_next)):
+        self.progress.stop.clicked.connect(self._ask_to_leave)
+        for keys, deed in ((END_KEYS, self._end), (BEGIN_KEYS, self._begin_next), (STOP_KEYS, self._ask_to_leave)):
             QShortcut(QKeySequence(keys), self).activated.connect(deed)
         self._pumping = QTimer(self)
         self._pumping.setTimerType(Qt.TimerType.PreciseTimer)
@@ -174,7 +204,9 @@ class KioskWindow(QMainWindow):
     def receive(self, message: ToKiosk) -> None:
         """Act on a message of the host."""
         match message:
-            case TextToRead(page=page):
+            case TextToRead(page=page, anew=anew):
+                if anew:
+                    self._forget_choices()
                 self._show_text(page, message)
             case ConsentToAsk(page=page):
                 self._show(page, self._consent(message), message.progress)
@@ -239,7 +271,9 @@ class KioskWindow(QMainWindow):
         link = ParticipantLink(game.host, game.port, game.token, consent)
         on = partial(self._go_on, game.page)
         back = on if game.practice else None
-        shown = GamePage(link, self._appearance, game.practice, back, self._clock, "Go on with the study", once=True)
+        shown = GamePage(
+            link, self._appearance, game.practice, back, self._clock, "Go on with the study", True, self._choices
+        )
         shown.window_of_game.went_on.connect(on)
         shown.window_of_game.declined.connect(shown.decline)
         shown.seen_over.connect(lambda: self._send(GameSeenOver(game.page)))
@@ -280,6 +314,14 @@ class KioskWindow(QMainWindow):
         if self.game is not None:
             self.game.pump()
 
+    def _forget_choices(self) -> None:
+        """Let the next person begin with what the user's other windows have."""
+        usual = look.user_settings()
+        self._choices.clear()
+        for key in usual.allKeys():
+            self._choices.setValue(key, usual.value(key))
+        self._choices.sync()
+
     # Leaving
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -296,9 +338,7 @@ class KioskWindow(QMainWindow):
 
     def _ask_to_leave(self) -> None:
         panel = self.leaving_panel
-        who = "You can stop at any time and need not say why. " if self._has_run else ""
-        set_text(panel.text, f"{who}The window itself is closed by the researcher; what was done is kept.")
-        panel.stop.setVisible(self._has_run and not self._host_gone)
+        panel.ask(takes_part=self._has_run, can_stop=not self._host_gone)
         self.overlay.show_panel(panel)
         panel.stay.setFocus(Qt.FocusReason.OtherFocusReason)
 
@@ -349,8 +389,8 @@ def open_kiosk(choice: look.Choice, *, windowed: bool) -> int:
     """Open the window for the host at standard input and output; returns when it is closed."""
     app = application()
     pipe = HostPipe(KIOSK)
-    appearance, text_size = look.Appearance(app, choice), look.TextSize(app, look.user_settings())
-    window = KioskWindow(appearance, pipe.send)
+    appearance, choices = look.Appearance(app, choice), look.user_settings(CHOICES)
+    text_size, window = look.TextSize(app, choices), KioskWindow(appearance, pipe.send, choices=choices)
     text_size.add_keys(window)
     successor = Successor(window.give_way)
     successor.setParent(window)

@@ -33,6 +33,7 @@ class TopStrip(ActionWidget):
     def show_strip(self, game: int, score: int, *, moving: bool, tools: tuple[Action, ...]) -> None:
         """Show this."""
         set_text(self._game, f"Game {game}" if game else "")
+        self._game.setVisible(bool(game))
         self.score.show_score(score, moving=moving)
         self.tools.show_actions(tools)
 

@@ -81,6 +81,17 @@ def test_a_folder_that_is_no_experiment(tmp_path: Path, arguments: tuple[str, ..
     assert problem in done.output
 
 
+@pytest.mark.parametrize("options", [("check",), ("freeze",), ("rehearse", "--to", "x"), ("run",)])
+def test_files_that_a_game_lacks_are_told_before_anybody_comes(folder: Path, options: tuple[str, ...]) -> None:
+    file = folder / "experiment.yaml"
+    file.write_text(file.read_text().replace("  robots: 2\n", "  robots: 2\n  map: nowhere\n"))
+    command, *rest = options
+    done = runner.invoke(app, ["study", command, str(folder), *rest])
+    assert done.exit_code == 2
+    # Line 4 begins the section `base`.
+    assert f"{file}, line 4, map: there is no map of this name" in " ".join(done.output.split())
+
+
 def test_somebody_who_never_took_part_cannot_withdraw(folder: Path, tmp_path: Path) -> None:
     thbridge("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
     done = runner.invoke(app, ["study", "withdraw", str(tmp_path / "rehearsal"), "P-NOBODY"])

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QEvent, QMimeData, Qt
-from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QWidget
+from PySide6.QtCore import QEvent, QMimeData, QPoint, QSettings, Qt
+from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QScrollArea, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.fitting import misfits, settle
@@ -36,6 +37,7 @@ from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.window import BEGIN_KEYS, KioskWindow
 from ui.windows.participant.pages.pages import ConsentPage
 from ui.windows.participant.widgets.reading import ReadingText
+from ui.windows.participant_program import SOUND_KEY
 
 SEVEN = ("not at all", "", "", "", "", "", "completely")
 ITEMS = (
@@ -56,6 +58,7 @@ class Opened:
     """The window, its clock, and what it told its host."""
 
     window: KioskWindow
+    choices: QSettings
     told: list[FromKiosk] = field(default_factory=list)
     now: float = 10.0
 
@@ -75,10 +78,12 @@ class Opened:
 
 
 @pytest.fixture
-def opened(qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
+def opened(qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Opened]:
     monkeypatch.setattr(QApplication, "quit", lambda: None)
     told: list[FromKiosk] = []
-    made = Opened(KioskWindow(look.Appearance(qapp, "light"), told.append, lambda: made.now), told)
+    choices = QSettings(str(tmp_path / "kiosk.ini"), QSettings.Format.IniFormat)
+    window = KioskWindow(look.Appearance(qapp, "light"), told.append, lambda: made.now, choices)
+    made = Opened(window, choices, told)
     made.window.resize(1024, 600)
     made.window.show()
     made.window.activateWindow()
@@ -287,6 +292,38 @@ def test_items_are_shown_when_they_are_in_sight(opened: Opened, qtbot: QtBot) ->
     qtbot.waitUntil(lambda: ("shown", None) in opened.news("why"))
 
 
+def test_what_leads_on_stands_below_the_items_where_they_scroll_too(opened: Opened, qtbot: QtBot) -> None:
+    for ids, scrolls in (((), True), (("often",), False)):
+        form = opened.form(*ids)
+        bar = form.findChild(QScrollArea).verticalScrollBar()
+        qtbot.waitUntil(lambda bar=bar, scrolls=scrolls: bar.isVisible() is scrolls)
+        settle()
+        ends = [one.mapToGlobal(QPoint(one.width(), 0)).x() for one in (form.panels[0], form.go_on)]
+        assert ends[0] == ends[1], ids
+
+
+def test_of_several_answers_it_is_told_that_there_may_be(opened: Opened) -> None:
+    form = opened.form("hand", "used")
+    told = {one.item.id: [label.text() for label in one.findChildren(QLabel)] for one in form.panels}
+    assert "You may choose more than one." in told["used"]
+    assert "You may choose more than one." not in told["hand"]
+
+
+def test_the_next_person_begins_with_text_and_sound_as_usual(
+    opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usual = QSettings(str(tmp_path / "windows.ini"), QSettings.Format.IniFormat)
+    usual.setValue("text", 125)
+    monkeypatch.setattr(look, "user_settings", lambda: usual)
+    opened.choices.setValue("text", 200)
+    opened.choices.setValue(SOUND_KEY, False)
+    opened.window.receive(TextToRead(8, "Thank you", "You may go.", "Finish", code="AB23CD45"))
+    assert opened.choices.value("text") == 200, "whoever reads the code is still there"
+    opened.window.receive(TextToRead(9, "Welcome", "Please begin.", "Begin", anew=True))
+    assert (opened.choices.value("text"), opened.choices.value(SOUND_KEY)) == (125, None)
+    assert usual.value("text") == 125
+
+
 def test_closing_asks_and_only_the_researcher_closes(opened: Opened, qtbot: QtBot) -> None:
     window = opened.window
     opened.form("often")
@@ -300,9 +337,24 @@ def test_closing_asks_and_only_the_researcher_closes(opened: Opened, qtbot: QtBo
     window.receive(TextToRead(8, "Welcome", "Please begin.", "Begin"))
     window.close()
     assert not window.leaving_panel.stop.isVisible(), "nobody takes part there"
+    assert window.leaving_panel.accessibleName() == "Close the window?"
+    assert window.leaving_panel.stay.face is not None and window.leaving_panel.stay.face.label == "Leave it open"
     qtbot.mouseClick(window.leaving_panel.close_button, Qt.MouseButton.LeftButton)
     assert opened.told[-1] == KioskClosed()
     assert not window.isVisible()
+
+
+def test_whoever_takes_part_sees_how_to_stop(opened: Opened, qtbot: QtBot) -> None:
+    window = opened.window
+    window.receive(TextToRead(3, "Welcome", "Please begin.", "Begin"))
+    assert not window.progress.stop.isVisible(), "nobody takes part yet"
+    window.receive(ConsentToAsk(4, "We record you.", progress=WAY))
+    qtbot.mouseClick(window.progress.stop, Qt.MouseButton.LeftButton)
+    assert window.leaving_panel.isVisible() and window.leaving_panel.stop.isVisible()
+    assert opened.told == [], "it only asks"
+    keys(qtbot, Qt.Key.Key_Escape)
+    qtbot.keyClick(window, Qt.Key.Key_F4, Qt.KeyboardModifier.AltModifier)
+    assert window.leaving_panel.isVisible()
 
 
 def test_the_researchers_keys(opened: Opened, qtbot: QtBot) -> None:
@@ -327,7 +379,7 @@ def pages() -> dict[str, Callable[[Opened], object]]:
     return {
         "welcome": lambda it: it.window.receive(TextToRead(1, "Welcome", "Please begin. " * 20, "Begin")),
         "text": lambda it: it.window.receive(TextToRead(1, "Please read", "Read all of this. " * 200, progress=WAY)),
-        "consent": lambda it: it.window.receive(ConsentToAsk(1, "We record you.", WAY)),
+        "consent": lambda it: it.window.receive(ConsentToAsk(1, "We record you.", progress=WAY)),
         "form": lambda it: it.form(),
         "waiting": lambda it: it.window.receive(GamePrepared(1, "The game is made ready.", WAY)),
         "result": lambda it: it.window.receive(GameRecorded(1, "The game has ended", "Your score: 3.", WAY)),

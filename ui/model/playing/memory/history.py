@@ -67,10 +67,10 @@ class GameHistory:
             self._append("you", dialogue.robot, dialogue.choices[choice])
             self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
 
-    def receive(self, before: View | None, view: View) -> None:
-        """Add the news of a view; `before` is None when the game is new to this program."""
+    def receive(self, before: View | None, view: View, *, once: bool = False) -> None:
+        """Add the news of a view; `before` is None when the game is new to this program, `once` as in `Participant`."""
         if before is None:
-            self._begin(view)
+            self._begin(view, "The game" if once else f"Game {view.game}")
         else:
             for was, now in zip(before.robots, view.robots, strict=True):
                 for sentence in _robot_changes(was, now, view):
@@ -91,13 +91,13 @@ class GameHistory:
         if view.over is not None and (before is None or before.over is None):
             self.add_event(f"The game is over. The score is {scored(view.score)}.")
 
-    def _begin(self, view: View) -> None:
+    def _begin(self, view: View, game: str) -> None:
         team = f"{counted(len(view.robots), 'robot')} and {counted(len(view.rooms), 'room')}"
         fresh = all(room.state == "unvisited" for room in view.rooms)
         self.add_event(
-            f"Game {view.game} begins, with {team}."
+            f"{game} begins, with {team}."
             if fresh
-            else f"Game {view.game} is under way, with {team}; the score is {scored(view.score)}."
+            else f"{game} is under way, with {team}; the score is {scored(view.score)}."
         )
 
     def _receive_sentences(self, dialogue: DialogueView | LastWords) -> None:

@@ -58,6 +58,8 @@ class ItemPanel(QFrame):
         rows = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
         self.question = look.label(item.text or f"{item.low[:1].upper()}{item.low[1:]} or {item.high}?", bold=True)
         rows.addWidget(self.question)
+        if item.several:
+            rows.addWidget(look.label("You may choose more than one.", "small", muted=True))
         self.field = LineOfTextField(item) if item.one_line else _FIELDS[item.scale](item)
         rows.addWidget(self.field)
         foot = spaced(QHBoxLayout(), GAP)

@@ -83,14 +83,15 @@ class FormPage(QWidget):
         bar = self._area.verticalScrollBar()
         bar.valueChanged.connect(lambda _value: self._looking.start())
         bar.rangeChanged.connect(lambda _least, _most: self._looking.start())
+        bar.rangeChanged.connect(lambda _least, most: self._align_foot(bar.sizeHint().width() if most > 0 else 0))
         QApplication.instance().focusChanged.connect(self._follow)  # type: ignore[union-attr]  # there is one
         self._tell_count()
 
     def _build_foot(self, rows: QVBoxLayout) -> None:
-        foot = QWidget()
-        rows.addWidget(foot)
+        self._foot = QWidget()
+        rows.addWidget(self._foot)
         row = spaced(QHBoxLayout(), 2 * GAP)
-        column = _column(foot, vertical=GAP)
+        column = _column(self._foot, vertical=GAP)
         column.addLayout(row)
         row.addWidget(self._count, 1)
         if self.back is not None:
@@ -98,6 +99,10 @@ class FormPage(QWidget):
             self.back.clicked.connect(self._go_back)
         self._add_to_foot(row, self.go_on, ButtonFace(self._form.button, "Ctrl+Enter"), "Ctrl+Return", "Ctrl+Enter")
         self.go_on.clicked.connect(self._leave)
+
+    def _align_foot(self, scroll_bar: int) -> None:
+        """Keep the foot below the items, which stand beside a scroll bar of this width."""
+        self._foot.setContentsMargins(0, 0, scroll_bar, 0)
 
     def _add_to_foot(self, row: QHBoxLayout, button: ActionButton, face: ButtonFace, *keys: str) -> None:
         button.show_face(face, face.label)
