@@ -308,7 +308,9 @@ class StudyFile(Study):
 
     noise: NoiseSection = param(NoiseSection(), "how sensors err, and what the robots' software believes of it")
     ros_parameters: tuple[Path, ...] = param(
-        (), "ROS's YAML files (amcl.yaml, costmap_common_params.yaml, ...) for the software; the section robot wins"
+        (),
+        "ROS's YAML files for the software (amcl.yaml, local_costmap:costmap.yaml with its namespace, ...); what they"
+        " leave out is as in ROS, and the section robot wins",
     )
 
     @classmethod

@@ -47,7 +47,10 @@ def drive(
     ] = None,
     params: Annotated[
         list[Path] | None,
-        typer.Option(help="ROS YAML file, or one with sections `world` and `robot` of a study; may be repeated."),
+        typer.Option(
+            help="ROS YAML file, NAMESPACE:FILE where a launch file names one, or a file with sections `world` and"
+            " `robot` of a study; may be repeated."
+        ),
     ] = None,
     unmapped: Annotated[
         Path | None,

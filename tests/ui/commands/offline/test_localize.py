@@ -44,6 +44,21 @@ def test_json(folder: Path) -> None:
     assert result["laser_pose"] == pytest.approx([0.2, 0.05, 0.0])
 
 
+def test_what_files_leave_out_is_as_in_ros_and_told(folder: Path, tmp_path: Path) -> None:
+    """Of amcl alone, also when files are for move_base; without files the filter begins there too."""
+    file = tmp_path / "params.yaml"
+    file.write_text("amcl: {max_particles: 5000}\nTrajectoryPlannerROS: {max_vel_x: 0.3, max_vel_y: 0.0}\n")
+    done = run(folder, *start(), "--json", "--params", str(file))
+    result = json.loads(done.stdout)
+    names = [default["name"] for default in result["ros_defaults"]]
+    assert names == ["amcl.kld_err", "amcl.laser_max_beams", "amcl.laser_sigma_hit"]
+    assert any("max_vel_y has no effect" in notice for notice in result["notices"])
+    assert "amcl: left out, so as in ROS" in done.stderr
+    plain = json.loads(run(folder, *start(), "--json").stdout)
+    assert "ros_defaults" not in plain
+    assert plain["final_pose"] == result["final_pose"]
+
+
 def test_the_trajectory_has_a_line_for_each_update(folder: Path, tmp_path: Path) -> None:
     truth = write(tmp_path / "again.bag", Robot(), seconds=4.0)
     done = run(folder, *start(), "--json", "--out", str(tmp_path / "est.tum"))
