@@ -49,9 +49,6 @@ class RosYamlNormalizer:
             case Section(line, entries):
                 written: dict[str, Entry] = {}
                 for key, child in self.merged(entries):
-                    if key.text == "ros__parameters":
-                        remedy = "Name a file of ROS 1; many names are others there"
-                        raise BadFile(self.path, "this is a file of ROS 2", remedy, line=key.line, key=key.text)
                     name, inner = self.unfolded(key, self.node(child))
                     before, known = written.get(name.text, (name, None))
                     if isinstance(inner, Section) and isinstance(known, Section) and "/" in key.text.strip("/"):

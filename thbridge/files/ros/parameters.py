@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Never, TypeVar, cast, get_type_hints
 
 from sim.parameters import CostmapParameters, MoveBaseParameters, RobotParameters, with_ros_defaults
 from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.ros.nav2 import as_ros1, is_of_ros2
 from thbridge.files.ros.normalize import Entry, RosYamlNormalizer
 from thbridge.files.ros.recoveries import behaviour_names, with_our_behaviours
 from thbridge.files.yaml.declarations import choices_of
@@ -246,7 +247,8 @@ def _parsed(path: Path, notices: list[str]) -> tuple[Path, Section]:
 
 
 def _normal(path: Path, notices: list[str]) -> Section:
-    return RosYamlNormalizer(path, notices).section(parse(path, read_text(path), ros=True))
+    tree = RosYamlNormalizer(path, notices).section(parse(path, read_text(path), ros=True))
+    return as_ros1(path, tree, notices) if is_of_ros2(tree) else tree
 
 
 def _without_static_map(path: Path, tree: Section, listed: Collection[str], notices: list[str]) -> Section:

@@ -267,7 +267,6 @@ def test_names_that_ros_does_not_read_either(tmp_path: Path) -> None:
         ("amcl: {update_min_a: deg(x)}\n", "'x' is no angle"),
         ("amcl: {update_min_a: rad(1/0)}\n", "is no angle"),
         ("amcl: {<<: 3}\n", "no section to merge"),
-        ("amcl:\n  ros__parameters: {max_beams: 3}\n", "line 2, ros__parameters: this is a file of ROS 2"),
     ],
 )
 def test_a_fault_is_told_with_its_place(tmp_path: Path, text: str, told: str) -> None:

@@ -1,0 +1,201 @@
+"""Files of ROS 2's Nav2, in the shape of those that come with it."""
+
+from pathlib import Path
+
+import pytest
+
+from sim.parameters import RobotParameters
+from thbridge.files.errors import BadFile
+from thbridge.files.ros.parameters import RosParameters, read_ros_parameters
+
+AMCL = """
+amcl:
+  ros__parameters:
+    use_sim_time: True
+    alpha1: 0.3
+    max_beams: 90
+    z_hit: 0.7
+    pf_err: 0.02
+    robot_model_type: "nav2_amcl::DifferentialMotionModel"
+    set_initial_pose: true
+    initial_pose: {x: 1.5, y: -2.0, z: 0.0, yaw: 0.5}
+    scan_topic: scan
+    random_seed: 5
+"""
+CONTROLLER = """
+controller_server:
+  ros__parameters:
+    controller_frequency: 15.0
+    failure_tolerance: 0.3
+    progress_checker_plugins: ["progress_checker"]
+    progress_checker:
+      plugin: "nav2_controller::SimpleProgressChecker"
+      required_movement_radius: 0.4
+      movement_time_allowance: 12.0
+    goal_checker_plugins: ["general_goal_checker"]
+    general_goal_checker:
+      plugin: "nav2_controller::SimpleGoalChecker"
+      xy_goal_tolerance: 0.2
+      yaw_goal_tolerance: 0.15
+      stateful: True
+    controller_plugins: ["FollowPath"]
+    FollowPath:
+      plugin: "dwb_core::DWBLocalPlanner"
+      min_vel_x: 0.0
+      max_vel_x: 0.26
+      max_vel_theta: 1.0
+      max_speed_xy: 0.26
+      acc_lim_x: 2.5
+      acc_lim_theta: 3.2
+      decel_lim_x: -2.5
+      vtheta_samples: 30
+      linear_granularity: 0.05
+      xy_goal_tolerance: 0.9
+      critics: ["RotateToGoal", "BaseObstacle", "PathDist"]
+      BaseObstacle.scale: 0.02
+      PathDist: {scale: 32.0}
+      GoalDist.scale: 24.0
+"""
+COSTMAPS = """
+local_costmap:
+  local_costmap:
+    ros__parameters:
+      update_frequency: 5.0
+      publish_frequency: 2.0
+      global_frame: odom
+      rolling_window: true
+      width: 3
+      height: 4
+      robot_radius: 0.22
+      plugins: ["voxel_layer", "inflation_layer"]
+      inflation_layer:
+        plugin: "nav2_costmap_2d::InflationLayer"
+        cost_scaling_factor: 3.0
+        inflation_radius: 0.65
+      voxel_layer:
+        plugin: "nav2_costmap_2d::VoxelLayer"
+        observation_sources: scan
+        scan:
+          topic: /scan
+          clearing: True
+          marking: True
+          data_type: "LaserScan"
+          raytrace_max_range: 3.5
+          raytrace_min_range: 0.0
+          obstacle_max_range: 2.0
+global_costmap:
+  global_costmap:
+    ros__parameters:
+      footprint: "[[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]]"
+      track_unknown_space: true
+      plugins: ["static_layer", "inflation_layer"]
+      static_layer:
+        plugin: "nav2_costmap_2d::StaticLayer"
+        map_subscribe_transient_local: True
+      inflation_layer:
+        plugin: "nav2_costmap_2d::InflationLayer"
+"""
+PLANNER = """
+planner_server:
+  ros__parameters:
+    planner_plugins: ["GridBased"]
+    GridBased:
+      plugin: "nav2_navfn_planner/NavfnPlanner"
+      use_astar: true
+      allow_unknown: false
+bt_navigator:
+  ros__parameters: {bt_loop_duration: 10}
+"""
+
+
+def read(folder: Path, text: str) -> RosParameters:
+    (folder / "nav2.yaml").write_text(text, encoding="utf-8")
+    return read_ros_parameters([folder / "nav2.yaml"], RobotParameters())
+
+
+def told(found: RosParameters) -> str:
+    return "\n".join(found.notices)
+
+
+def test_amcl_under_its_new_names_and_with_its_new_defaults(tmp_path: Path) -> None:
+    found = read(tmp_path, AMCL)
+    amcl = found.value.amcl
+    assert (amcl.odom_alpha1, amcl.laser_max_beams, amcl.laser_z_hit, amcl.kld_err) == (0.3, 90, 0.7, 0.02)
+    assert (amcl.initial_pose_x, amcl.initial_pose_y, amcl.initial_pose_a) == (1.5, -2.0, 0.5)
+    assert amcl.odom_model_type == "diff-corrected"
+    # ROS 1 has 5000, 0.05 and 0.2 by default.
+    assert (amcl.max_particles, amcl.laser_z_rand, amcl.update_min_d) == (2000, 0.5, 0.25)
+    assert "max_particles: 2000" in told(found)
+    assert "amcl.random_seed" in told(found)
+    assert "use_sim_time" not in told(found)
+    assert found.value.move_base == RobotParameters().move_base
+
+
+def test_dwb_and_its_checkers_become_the_planner_by_the_dynamic_window(tmp_path: Path) -> None:
+    found = read(tmp_path, CONTROLLER)
+    move_base, planner = found.value.move_base, found.value.DWAPlannerROS
+    assert move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS"
+    assert (move_base.controller_frequency, move_base.oscillation_distance, move_base.oscillation_timeout) == (
+        15,
+        0.4,
+        12,
+    )
+    assert (planner.max_vel_x, planner.max_vel_trans, planner.vth_samples) == (0.26, 0.26, 30)
+    assert (planner.sim_granularity, planner.angular_sim_granularity) == (0.05, 0.025)
+    assert (planner.xy_goal_tolerance, planner.yaw_goal_tolerance) == (0.2, 0.15), "the goal checker decides"
+    # DWB takes half of a cell's side for the weights of paths and goals.
+    assert (planner.path_distance_bias, planner.goal_distance_bias, planner.occdist_scale) == (16.0, 12.0, 0.02)
+    assert "FollowPath.decel_lim_x" in told(found)
+    assert "controller_server" not in told(found)
+
+
+def test_costmaps_have_the_layers_that_are_listed(tmp_path: Path) -> None:
+    found = read(tmp_path, COSTMAPS)
+    local, whole = found.value.local_costmap, found.value.global_costmap
+    assert (local.width, local.height, local.robot_radius) == (3.0, 4.0, 0.22)
+    assert (local.static_layer.enabled, local.obstacle_layer.enabled, local.inflation_layer.enabled) == (
+        False,
+        True,
+        True,
+    )
+    (source,) = local.obstacle_layer.observation_sources
+    assert (source.raytrace_range, source.obstacle_range, source.clearing) == (3.5, 2.0, True)
+    assert local.inflation_layer.inflation_radius == 0.65
+    assert (whole.static_layer.enabled, whole.obstacle_layer.enabled) == (True, False)
+    assert len(whole.footprint) == 4
+    assert "local_costmap.voxel_layer.scan.raytrace_min_range" in told(found)
+    assert "robot_radius" not in told(found)
+
+
+def test_navfn_keeps_its_parameters_and_other_nodes_are_named(tmp_path: Path) -> None:
+    found = read(tmp_path, PLANNER)
+    navfn = found.value.NavfnROS
+    assert (navfn.use_astar, navfn.allow_unknown, navfn.default_tolerance) == (True, False, 0.5)
+    assert "no counterpart here: bt_navigator" in told(found)
+
+
+@pytest.mark.parametrize("namespace", ["robot1:\n", "/robot1:\n"])
+def test_nodes_in_a_namespace_are_found(tmp_path: Path, namespace: str) -> None:
+    text = namespace + "".join(f"  {line}\n" for line in AMCL.strip().splitlines())
+    assert read(tmp_path, text).value.amcl.laser_max_beams == 90
+
+
+def test_controllers_that_are_not_here_are_named(tmp_path: Path) -> None:
+    found = read(tmp_path, CONTROLLER.replace("dwb_core::DWBLocalPlanner", "nav2_mppi_controller::MPPIController"))
+    assert "FollowPath (nav2_mppi_controller::MPPIController)" in told(found)
+    assert found.value.DWAPlannerROS.xy_goal_tolerance == 0.2
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("bt_navigator:\n  ros__parameters: {a: 1}\n", "no node of this file of ROS 2 has a counterpart here"),
+        ("amcl:\n  ros__parameters: {max_beams: many}\n", "line 2"),
+        ("amcl:\n  ros__parameters: {robot_model_type: ackermann}\n", "'ackermann' is no model of motion"),
+    ],
+)
+def test_faults_are_told_with_their_place(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(BadFile) as found:
+        read(tmp_path, text)
+    assert message in str(found.value)
+    assert "nav2.yaml" in str(found.value)

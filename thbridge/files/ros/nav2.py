@@ -1,0 +1,384 @@
+"""Parameter files of ROS 2's Nav2, turned into what files of ROS 1 would say.
+
+Nav2's nodes are the successors of amcl and move_base, with other names, units and defaults. What a file leaves out of a
+node that it describes is as in Nav2; what has no counterpart is named, and has no effect.
+
+Source: the declarations in ros-navigation/navigation2: nav2_amcl/src/amcl_node.cpp, nav2_costmap_2d/src and /plugins,
+nav2_navfn_planner, nav2_controller, nav2_dwb_controller/dwb_plugins and dwb_critics.
+"""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
+
+Entry = tuple[Scalar, Node]
+
+PARAMETERS = "ros__parameters"
+
+_AMCL: Mapping[str, str] = {
+    **{f"alpha{number}": f"odom_alpha{number}" for number in range(1, 6)},
+    **{
+        name: f"laser_{name}"
+        for name in ("max_beams", "z_hit", "z_short", "z_max", "z_rand", "sigma_hit", "lambda_short")
+    },
+    "pf_err": "kld_err",
+    "pf_z": "kld_z",
+    "initial_pose.x": "initial_pose_x",
+    "initial_pose.y": "initial_pose_y",
+    "initial_pose.yaw": "initial_pose_a",
+    **{
+        name: name
+        for name in (
+            *("beam_skip_distance", "beam_skip_error_threshold", "beam_skip_threshold", "do_beamskip"),
+            *("laser_likelihood_max_dist", "laser_max_range", "laser_min_range", "laser_model_type"),
+            *("max_particles", "min_particles", "recovery_alpha_fast", "recovery_alpha_slow", "resample_interval"),
+            *("update_min_a", "update_min_d", "base_frame_id", "global_frame_id", "odom_frame_id", "tf_broadcast"),
+            *("transform_tolerance", "save_pose_rate", "first_map_only"),
+        )
+    },
+}
+"""Names of amcl's parameters in ROS 1, by those in Nav2."""
+_AMCL_DEFAULTS: Mapping[str, str] = {
+    "laser_max_range": "100.0",
+    "max_beams": "60",
+    "max_particles": "2000",
+    "min_particles": "500",
+    "pf_err": "0.05",
+    "resample_interval": "1",
+    "update_min_a": "0.2",
+    "update_min_d": "0.25",
+    "z_hit": "0.5",
+    "z_max": "0.05",
+    "z_rand": "0.5",
+    "z_short": "0.05",
+}
+"""Nav2's defaults that are not those of ROS 1."""
+_MODELS: Mapping[str, str] = {
+    "nav2_amcl::DifferentialMotionModel": "diff-corrected",
+    "nav2_amcl::OmniMotionModel": "omni-corrected",
+    "differential": "diff-corrected",
+    "omnidirectional": "omni-corrected",
+}
+
+_DWB: Mapping[str, str] = {
+    "max_speed_xy": "max_vel_trans",
+    "min_speed_xy": "min_vel_trans",
+    "min_speed_theta": "min_vel_theta",
+    "linear_granularity": "sim_granularity",
+    "angular_granularity": "angular_sim_granularity",
+    "vtheta_samples": "vth_samples",
+    "trans_stopped_velocity": "trans_stopped_vel",
+    "BaseObstacle.scale": "occdist_scale",
+    "BaseObstacle.sum_scores": "sum_scores",
+    "PathAlign.forward_point_distance": "forward_point_distance",
+    **{
+        name: name
+        for name in (
+            *("acc_lim_x", "acc_lim_y", "acc_lim_theta", "max_vel_x", "max_vel_y", "min_vel_x", "min_vel_y"),
+            *("max_vel_theta", "sim_time", "vx_samples", "vy_samples", "xy_goal_tolerance"),
+        )
+    },
+}
+"""Names of DWAPlannerROS's parameters, by those of Nav2's DWB."""
+_HALVED: Mapping[str, str] = {"PathDist.scale": "path_distance_bias", "GoalDist.scale": "goal_distance_bias"}
+"""Weights per cell: DWB takes half of a cell's side for them, ROS 1 the whole (dwb_critics, map_grid.cpp)."""
+_DWB_DEFAULTS: Mapping[str, str] = {
+    "sim_time": "1.7",
+    "linear_granularity": "0.5",
+    "angular_granularity": "0.025",
+    "vx_samples": "20",
+    "vtheta_samples": "20",
+    "trans_stopped_velocity": "0.25",
+    "xy_goal_tolerance": "0.25",
+}
+_DWB_ONLY = ("critics", "debug_trajectory_details", "plugin", "trajectory_generator_name")
+
+_NAVFN: Mapping[str, str] = {
+    "tolerance": "default_tolerance",
+    "use_astar": "use_astar",
+    "allow_unknown": "allow_unknown",
+}
+_NAVFN_DEFAULTS: Mapping[str, str] = {"tolerance": "0.5"}
+
+_SOURCE: Mapping[str, str] = {"obstacle_max_range": "obstacle_range", "raytrace_max_range": "raytrace_range"}
+_SOURCE_ONLY = ("obstacle_min_range", "raytrace_min_range", "transport_type")
+_COSTMAP_DEFAULTS: Mapping[str, str] = {"robot_radius": "0.1", "width": "5", "height": "5", "publish_frequency": "1.0"}
+_COSTMAP_ONLY = (
+    *(
+        "filters",
+        "map_vis_z",
+        "initial_transform_timeout",
+        "inscribed_obstacle_cost_value",
+        "subscribe_to_stamped_footprint",
+    ),
+    *("use_sim_time", "service_introspection_mode", "introspection_mode"),
+)
+_LAYER_ONLY = (
+    *("map_subscribe_transient_local", "restore_cleared_footprint", "tf_filter_tolerance", "custom_inscribed_radius"),
+    *("inflate_around_unknown", "num_threads", "plugin"),
+)
+
+
+def is_of_ros2(tree: Node) -> bool:
+    """True for a tree in which any node has `ros__parameters`."""
+    match tree:
+        case Section(_, entries):
+            return any(key.text == PARAMETERS or is_of_ros2(child) for key, child in entries)
+        case Listing(_, items):
+            return any(map(is_of_ros2, items))
+    return False
+
+
+def as_ros1(path: Path, tree: Section, notices: list[str]) -> Section:
+    """What a file of ROS 1 would say.
+
+    Args:
+        path: of the file, for notices and faults.
+        tree: its entries.
+        notices: takes sentences about what has no counterpart, and about defaults of Nav2.
+
+    Raises:
+        BadFile: none of its nodes has a counterpart.
+    """
+    return _Translation(path, notices).file(tree)
+
+
+def _nodes(tree: Section) -> Iterator[tuple[Scalar, Section]]:
+    """Yield each node's name and its parameters, below any namespaces."""
+    for key, child in tree.entries:
+        if not isinstance(child, Section):
+            continue
+        own = next((inner for name, inner in child.entries if name.text == PARAMETERS), None)
+        if isinstance(own, Section):
+            yield key, own
+        else:
+            yield from _nodes(child)
+
+
+def _dotted(section: Section, prefix: str = "") -> Iterator[Entry]:
+    """Yield the entries of a section with those of inner ones under their full names, `PathDist.scale`."""
+    for key, child in section.entries:
+        name = Scalar(f"{prefix}{key.text}", plain=True, line=key.line)
+        if isinstance(child, Section):
+            yield from _dotted(child, f"{name.text}.")
+        else:
+            yield name, child
+
+
+def _scalar(text: str, line: int) -> Scalar:
+    return Scalar(text, plain=True, line=line)
+
+
+class _Translation:
+    """The translation of one file."""
+
+    def __init__(self, path: Path, notices: list[str]) -> None:
+        self._path = path
+        self._notices = notices
+        self._strange: list[str] = []
+
+    def file(self, tree: Section) -> Section:
+        entries: list[Entry] = []
+        others: list[str] = []
+        for key, parameters in _nodes(tree):
+            match key.text:
+                case "amcl":
+                    entries.append((key, self._amcl(key, parameters)))
+                case "local_costmap" | "global_costmap":
+                    entries.append((key, self._costmap(key, parameters)))
+                case "planner_server":
+                    entries += self._planner(parameters)
+                case "controller_server":
+                    entries += self._controller(parameters)
+                case other:
+                    others.append(other)
+        if not entries:
+            remedy = "name a file with amcl, controller_server, planner_server, local_costmap or global_costmap"
+            raise BadFile(self._path, "no node of this file of ROS 2 has a counterpart here", remedy)
+        if others:
+            self._tell(f"nodes of ROS 2 that have no counterpart here: {', '.join(sorted(set(others)))}")
+        if self._strange:
+            self._tell(f"without effect here, for there is no counterpart: {', '.join(self._strange)}")
+        return Section(tree.line, entries)
+
+    def _tell(self, sentence: str) -> None:
+        self._notices.append(f"{self._path}: {sentence}")
+
+    def _renamed(
+        self, node: str, parameters: Section, names: Mapping[str, str], defaults: Mapping[str, str]
+    ) -> list[Entry]:
+        """A node's parameters under the names of ROS 1, with Nav2's defaults for those that are left out."""
+        entries: list[Entry] = []
+        written = set()
+        for key, child in _dotted(parameters):
+            written.add(key.text)
+            if key.text in names:
+                entries.append((_scalar(names[key.text], key.line), child))
+            elif key.text != "use_sim_time":
+                self._strange.append(f"{node}.{key.text}")
+        return entries + self._defaults(node, parameters.line, written, names, defaults)
+
+    def _defaults(
+        self, node: str, line: int, written: set[str], names: Mapping[str, str], defaults: Mapping[str, str]
+    ) -> list[Entry]:
+        left_out = {name: value for name, value in defaults.items() if name not in written}
+        if left_out:
+            told = ", ".join(f"{name}: {value}" for name, value in left_out.items())
+            self._tell(f"{node} leaves out what Nav2 takes by default: {told}")
+        return [(_scalar(names.get(name, name), line), _scalar(value, line)) for name, value in left_out.items()]
+
+    def _amcl(self, node: Scalar, parameters: Section) -> Section:
+        models = [(key, child) for key, child in parameters.entries if key.text == "robot_model_type"]
+        silent = ("set_initial_pose", "initial_pose.z", "robot_model_type", "scan_topic", "map_topic")
+        rest = Section(parameters.line, [(key, child) for key, child in parameters.entries if key.text not in silent])
+        entries = self._renamed("amcl", rest, _AMCL, _AMCL_DEFAULTS)
+        model = models[-1][1] if models else _scalar("nav2_amcl::DifferentialMotionModel", node.line)
+        if isinstance(model, Scalar):
+            known = _MODELS.get(model.text)
+            if known is None:
+                remedy = f"write one of {', '.join(_MODELS)}"
+                raise BadFile(
+                    self._path, f"{model.text!r} is no model of motion", remedy, model.line, "robot_model_type"
+                )
+            entries.append((_scalar("odom_model_type", model.line), _scalar(known, model.line)))
+        return Section(parameters.line, entries)
+
+    def _costmap(self, node: Scalar, parameters: Section) -> Section:
+        """A costmap with its layers listed as in ROS 1."""
+        inner = {key.text: child for key, child in parameters.entries}
+        listing = inner.get("plugins")
+        plugins = [item for item in listing.items if isinstance(item, Scalar)] if isinstance(listing, Listing) else []
+        names = {each.text for each in plugins}
+        entries: list[Entry] = []
+        for key, child in parameters.entries:
+            if key.text == "plugins":
+                entries.append(
+                    (key, Listing(child.line, [self._plugin(each, inner.get(each.text)) for each in plugins]))
+                )
+            elif key.text in names and isinstance(child, Section):
+                entries.append((key, self._layer(f"{node.text}.{key.text}", child)))
+            elif key.text in _COSTMAP_ONLY or isinstance(child, Section):
+                if key.text != "use_sim_time":
+                    self._strange.append(f"{node.text}.{key.text}")
+            else:
+                entries.append((key, child))
+        defaults = dict(_COSTMAP_DEFAULTS)
+        if node.text == "global_costmap":
+            del defaults["width"], defaults["height"]
+        if "footprint" in inner:
+            del defaults["robot_radius"]
+        return Section(parameters.line, entries + self._defaults(node.text, parameters.line, {*inner}, {}, defaults))
+
+    def _plugin(self, name: Scalar, layer: Node | None) -> Node:
+        """A layer's line in the list of ROS 1: {name, type}."""
+        own = layer.entries if isinstance(layer, Section) else []
+        kind = next((child for key, child in own if key.text == "plugin" and isinstance(child, Scalar)), name)
+        # Layers are told by their types: nav2_costmap_2d::ObstacleLayer as by costmap_2d::ObstacleLayer.
+        return Section(name.line, [(_scalar("name", name.line), name), (_scalar("type", name.line), kind)])
+
+    def _layer(self, place: str, layer: Section) -> Section:
+        entries: list[Entry] = []
+        for key, child in layer.entries:
+            if key.text in _LAYER_ONLY:
+                if key.text != "plugin":
+                    self._strange.append(f"{place}.{key.text}")
+            elif isinstance(child, Section):
+                entries.append((key, self._source(f"{place}.{key.text}", child)))
+            else:
+                entries.append((key, child))
+        return Section(layer.line, entries)
+
+    def _source(self, place: str, source: Section) -> Section:
+        entries: list[Entry] = []
+        for key, child in source.entries:
+            if key.text in _SOURCE_ONLY:
+                self._strange.append(f"{place}.{key.text}")
+            else:
+                entries.append((_scalar(_SOURCE.get(key.text, key.text), key.line), child))
+        return Section(source.line, entries)
+
+    def _first_plugin(self, parameters: Section, listed: str, kind: str, default: str) -> tuple[Scalar, Section] | None:
+        """The first plugin of a list that is of a kind, with its parameters; the others are named."""
+        inner = {key.text: (key, child) for key, child in parameters.entries}
+        names = inner[listed][1] if listed in inner else None
+        wanted = (
+            [item.text for item in names.items if isinstance(item, Scalar)] if isinstance(names, Listing) else [default]
+        )
+        found = None
+        for name in wanted:
+            key, child = inner.get(name, (None, None))
+            own = child.entries if isinstance(child, Section) else []
+            plugin = next(
+                (value.text for word, value in own if word.text == "plugin" and isinstance(value, Scalar)), ""
+            )
+            if found is None and key is not None and isinstance(child, Section) and kind in plugin.lower():
+                found = key, child
+            else:
+                self._strange.append(f"{name} ({plugin or 'no plugin'})")
+        return found
+
+    def _planner(self, parameters: Section) -> Iterator[Entry]:
+        found = self._first_plugin(parameters, "planner_plugins", "navfn", "GridBased")
+        if found is None:
+            self._tell("the global planner is navfn, for none of those in planner_plugins is here")
+            return
+        key, own = found
+        rest = Section(own.line, [entry for entry in own.entries if entry[0].text != "plugin"])
+        yield _scalar("NavfnROS", key.line), Section(own.line, self._renamed(key.text, rest, _NAVFN, _NAVFN_DEFAULTS))
+
+    def _controller(self, parameters: Section) -> Iterator[Entry]:
+        """The local planner, and move_base's parameters that are the controller's in Nav2."""
+        inner = {key.text: (key, child) for key, child in parameters.entries}
+        base: list[Entry] = [
+            (
+                _scalar("base_local_planner", parameters.line),
+                _scalar("dwa_local_planner/DWAPlannerROS", parameters.line),
+            )
+        ]
+        if "controller_frequency" in inner:
+            base.append(inner["controller_frequency"])
+        for name, (_, child) in inner.items():
+            if "progress_checker" in name and isinstance(child, Section):
+                words = {
+                    "required_movement_radius": "oscillation_distance",
+                    "movement_time_allowance": "oscillation_timeout",
+                }
+                rest = Section(child.line, [entry for entry in child.entries if entry[0].text != "plugin"])
+                base += self._renamed(name, rest, words, {})
+        yield _scalar("move_base", parameters.line), Section(parameters.line, base)
+        found = self._first_plugin(parameters, "controller_plugins", "dwb", "FollowPath")
+        tolerances = [
+            (name, value)
+            for checker, (_, child) in inner.items()
+            if "goal_checker" in checker and isinstance(child, Section)
+            for name, value in child.entries
+            if name.text in {"xy_goal_tolerance", "yaw_goal_tolerance"}
+        ]
+        if found is None:
+            self._tell(
+                "the local planner is DWAPlannerROS as in ROS 1, for none of those in controller_plugins is here"
+            )
+            yield _scalar("DWAPlannerROS", parameters.line), Section(parameters.line, list(tolerances))
+            return
+        key, own = found
+        weights = [(name, child) for name, child in _dotted(own) if name.text in _HALVED and isinstance(child, Scalar)]
+        silent = {*_HALVED, *_DWB_ONLY}
+        rest = Section(own.line, [entry for entry in _dotted(own) if entry[0].text not in silent])
+        defaults = dict(_DWB_DEFAULTS)
+        if any(name.text == "xy_goal_tolerance" for name, _ in tolerances):
+            del defaults["xy_goal_tolerance"]
+        entries = [*self._renamed(key.text, rest, _DWB, defaults)]
+        # The goal checker decides in Nav2 when the robot has arrived.
+        entries = [
+            entry for entry in entries if entry[0].text not in {name.text for name, _ in tolerances}
+        ] + tolerances
+        entries += [(_scalar(_HALVED[name.text], name.line), self._half(weight)) for name, weight in weights]
+        yield _scalar("DWAPlannerROS", key.line), Section(own.line, entries)
+
+    def _half(self, weight: Scalar) -> Scalar:
+        try:
+            return _scalar(repr(float(weight.text) / 2.0), weight.line)
+        except ValueError:
+            return weight  # The loader says what is wrong with it.
