@@ -36,9 +36,10 @@ the classes in `sim/parameters`, which the study file's reader and its error mes
   (`ros_defaults`). `thbridge localize` begins there without files too. Presets of noise and lines of the study win over
   that. Other nodes, and names that ROS does not have, stay as in hunts; so does what the sections `world` and `robot`
   of a study leave out.
-* Files of ROS 2's Nav2 are read by the same options: amcl, the costmaps, navfn, DWB (as DWAPlannerROS) and its checkers, under their own
-  names and with Nav2's defaults, which are told. DWB's weights of paths and goals are halved, as DWB takes half of a cell's side for
-  them. What has no counterpart is named, and has no effect: other planners (MPPI, Smac), nodes, critics and ranges.
+* Files of ROS 2's Nav2 are read by the same options: amcl, the costmaps, navfn, DWB (as DWAPlannerROS) and its
+  checkers, under their own names and with Nav2's defaults, which are told. DWB's weights of paths and goals are halved,
+  as DWB takes half of a cell's side for them. What has no counterpart is named, and has no effect: other planners
+  (MPPI, Smac), nodes, critics and ranges.
 * Layers and sensors are as in ROS, too: without `plugins`, a costmap has the map only by `static_map: true`, without
   `observation_sources` it sees nothing. A costmap of which no file says anything keeps map, laser and the robot's body.
 """

@@ -9,7 +9,7 @@ from thbridge.experiment.backup import back_up, holds
 from thbridge.experiment.conductor import Conductor, Draw
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.export.folder import remake_export
-from thbridge.experiment.export.manifest import exports_with, missing_exports, people_of
+from thbridge.experiment.export.manifest import exports_with, last_event_of, missing_exports, people_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, LogEntry, LoggedEvent
@@ -61,7 +61,7 @@ def withdraw(
         NobodyWithdraws: nothing is known of the person.
         BadFile: the log or a list of folders cannot be read or written, or another program runs the study.
     """
-    study.entries()
+    known = study.entries()
     with ExperimentLog(study.log) as log:
         conductor = Conductor(design, log, clocks, draw)
         runs = conductor.progress.runs
@@ -85,7 +85,14 @@ def withdraw(
             told.done.append(f"{recordings}: deleted.")
         except OSError as error:
             told.failed.append(f"{recordings}: it cannot be deleted ({reason_of(error)}). Delete it yourself.")
+    last = known[-1].sequence if known else 0
     for export in held:
+        if (of := last_event_of(export)) is not None and of > last:
+            told.failed.append(
+                f"{export}: it was made of a log with {of} events, and this one has {last}: this is an older copy of "
+                f"that study. The export still has data of {participant}: withdraw them there, too."
+            )
+            continue
         _remake(study, design, entries, export, versions, changed, told)
     for backup in backups:
         if not backup.is_dir():
@@ -146,6 +153,18 @@ def _remake(
         told.failed.append(f"{fault} This export may still have data of {told.participant}.")
         return
     told.done.append(f"{export}: this export is made anew, without {told.participant}. Run its scripts again.")
-    told.left += [
-        f"{path} is none of the export's files. Look whether it has data of {told.participant}." for path in others
-    ]
+    for path in others:
+        named = [file for file in (path, *path.rglob("*")) if file.is_file() and _names(file, told.participant)]
+        told.left += [
+            f"{file} is none of the export's files, and names {told.participant}. Delete that." for file in named
+        ]
+        if not named:
+            told.left.append(f"{path} is none of the export's files. Look whether it has data of {told.participant}.")
+
+
+def _names(file: Path, participant: str) -> bool:
+    """Return True where a file has an id as plain text, or cannot be read."""
+    try:
+        return participant.encode() in file.read_bytes()
+    except OSError:
+        return True

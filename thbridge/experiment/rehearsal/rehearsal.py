@@ -16,12 +16,13 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind, Run
+from thbridge.experiment.progress import EventKind, Run, RunState
 from thbridge.experiment.rehearsal.clock import RehearsalClock
 from thbridge.experiment.rehearsal.people import SimulatedPeople, normal
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import JsonValue
 from thbridge.experiment.trials import played, setting_of_trial
+from thbridge.files.progress import Tell, untold
 from thbridge.recording.recordings import parts_of
 
 BETWEEN_PEOPLE, PRACTICE, PAUSE = 300.0, 120.0, 60.0
@@ -32,7 +33,9 @@ class ProgramCrashed(Exception):  # noqa: N818 - what happens, in the words of p
     """The program of a rehearsal dies here, as the file of its people says; whoever started it starts it again."""
 
 
-def rehearse(folder: ExperimentFolder, design: ExperimentDesign, people: SimulatedPeople, seed: int) -> NoPlace:
+def rehearse(
+    folder: ExperimentFolder, design: ExperimentDesign, people: SimulatedPeople, seed: int, tell: Tell = untold
+) -> NoPlace:
     """Rehearse an experiment in its folder, over as many starts of the program as its crashes take.
 
     Args:
@@ -40,6 +43,7 @@ def rehearse(folder: ExperimentFolder, design: ExperimentDesign, people: Simulat
         design: the experiment.
         people: what they are like.
         seed: all that they do follows from it, and so do ids, codes and salts of the log.
+        tell: takes how many people have taken part whose runs count, and of how many.
 
     Returns:
         The reason why nobody is admitted any more.
@@ -52,7 +56,7 @@ def rehearse(folder: ExperimentFolder, design: ExperimentDesign, people: Simulat
     rehearsal = Rehearsal(design, people, seed, clock, folder.bag, folder.root)
     while True:
         with ExperimentLog(folder.log, chance.randbytes, synced=False) as log, suppress(ProgramCrashed):
-            return rehearsal.run(Conductor(design, log, clock, chance.randrange))
+            return rehearsal.run(Conductor(design, log, clock, chance.randrange), tell)
 
 
 class Rehearsal:
@@ -86,8 +90,8 @@ class Rehearsal:
         self._root = root
         self._settings = SettingCache(design.beside)
 
-    def run(self, conductor: Conductor) -> NoPlace:
-        """Have people take part until there is no place left; return why there is none.
+    def run(self, conductor: Conductor, tell: Tell = untold) -> NoPlace:
+        """Have people take part until there is no place left; return why there is none. `tell` as for `rehearse`.
 
         Raises:
             ProgramCrashed: now and then, as the people's file says; a new conductor of the same log goes on.
@@ -98,6 +102,8 @@ class Rehearsal:
             # Whoever was under way when an earlier program died comes first.
             for run in list(conductor.progress.runs.values()):
                 self.take_part(conductor, run)
+            done = sum(run.state is RunState.COMPLETE for run in conductor.progress.runs.values())
+            tell("people", done, self._design.file.quota * len(self._design.cells))
             self._clock.advance(BETWEEN_PEOPLE)
             admitted = conductor.admit()
             if isinstance(admitted, NoPlace):

@@ -132,7 +132,7 @@ def is_of_ros2(tree: Node) -> bool:
 
 
 def as_ros1(path: Path, tree: Section, notices: list[str]) -> Section:
-    """What a file of ROS 1 would say.
+    """The entries that a file of ROS 1 would have.
 
     Args:
         path: of the file, for notices and faults.

@@ -234,6 +234,7 @@ def study_rehearse(
     from thbridge.experiment.freeze import data_of
     from thbridge.experiment.rehearsal.people import read_people
     from thbridge.experiment.rehearsal.rehearsal import rehearse
+    from ui.progress import bar_of_progress
 
     with bad_input():
         place = ExperimentFolder(folder)
@@ -242,7 +243,8 @@ def study_rehearse(
         if to.exists():
             fail(BAD_INPUT, f"{to}: there is such a folder already. Choose another by --to.")
         shutil.copytree(folder, to, ignore=data_of)
-        rehearse(ExperimentFolder(to), design, replace(people, plays=people.plays and games), seed)
+        with bar_of_progress() as tell:
+            rehearse(ExperimentFolder(to), design, replace(people, plays=people.plays and games), seed, tell)
     study_status(to)
     note(f"Export it with `{command('study', 'export', to, '--to', to / 'exports' / 'first')}`.")
 

@@ -1,5 +1,6 @@
 """Somebody who took part at the kiosk withdraws, and nothing of them is left wherever the study has data."""
 
+import json
 import re
 import shutil
 from pathlib import Path
@@ -85,6 +86,8 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
     (outside / "results").mkdir()
     (outside / "results" / "cells.csv").write_text(f"{gone},1\n")
     (outside / "mine.txt").write_text("my own notes\n")
+    (outside / "notes").mkdir()
+    (outside / "notes" / "people.txt").write_text(f"{gone} was in a hurry\n")
     words = [gone, CODES[1], WORDS[1]]
     for root, wanted in ((study, 3), (outside, 2), (backup, 3)):
         found = traces(root, words)
@@ -93,6 +96,8 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
 
     said = " ".join(thbridge("study", "withdraw", study, gone).split())
 
+    assert f"{outside / 'notes' / 'people.txt'} is none of the export's files, and names {gone}. Delete that." in said
+    (outside / "notes" / "people.txt").unlink()
     assert traces(tmp_path, words) == []
     for export, before in zip((inside, outside), others, strict=True):
         after = rows(export, "")
@@ -108,6 +113,23 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
         assert any(isinstance(entry, Tombstone) for entry in entries)
         assert len(people(place)) == 2
     assert "has nothing of anybody" in told_by("study", "withdraw", study, gone)
+
+
+def test_an_older_copy_of_a_study_leaves_exports_alone_that_know_more(finished: Path, tmp_path: Path) -> None:
+    shutil.copytree(finished, tmp_path / "older")
+    log = tmp_path / "older" / "store" / "log"
+    shutil.copytree(finished, tmp_path / "newer")
+    newer, outside = tmp_path / "newer", tmp_path / "out"
+    thbridge("study", "export", newer, "--to", outside)
+    manifest = outside / "manifest.json"
+    told = json.loads(manifest.read_text())
+    manifest.write_text(json.dumps({**told, "events": told["events"] + 3}))
+    shutil.copy(newer / "store" / "exports.json", log.parent / "exports.json")
+    before = {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()}
+    _, gone, _ = people(tmp_path / "older")
+    said = told_by("study", "withdraw", tmp_path / "older", gone)
+    assert f"this is an older copy of that study. The export still has data of {gone}" in said
+    assert {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()} == before
 
 
 def test_somebody_who_knows_their_completion_code_alone_can_withdraw(study: Path) -> None:
