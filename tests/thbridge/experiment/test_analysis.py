@@ -6,12 +6,15 @@ times its standard deviation (median), and was found in each of 24 rehearsals wi
 
 import datetime
 import runpy
+import subprocess
+import sys
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from tests.thbridge.experiment.test_rehearsal import rehearse
+from thbridge.experiment.export import folder
 from thbridge.experiment.export.folder import export_experiment
 from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople
 from thbridge.experiment.store.event_log import read_log
@@ -78,3 +81,11 @@ def test_columns_have_their_types(export: Path) -> None:
     assert people.began.iloc[0].tzinfo is datetime.UTC
     assert (people.ended >= people.began).all()
     assert set(steps.kind) == {"trial", "form"}
+
+
+def test_without_pandas_it_says_what_to_install() -> None:
+    text = (Path(folder.__file__).with_name("scripts") / "analysis.py").read_text()
+    command = [sys.executable, "-c", f"import sys; sys.modules['pandas'] = None; exec({text!r})"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "pandas is missing. Run: pip install pandas pyarrow scipy matplotlib\n"

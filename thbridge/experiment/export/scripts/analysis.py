@@ -10,13 +10,17 @@ adjusted for all pairs of levels of one factor. `analysis.R` says the same in R.
 from itertools import combinations, product
 from pathlib import Path
 
-import matplotlib as mpl
+try:
+    import matplotlib as mpl
 
-mpl.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
-import pandas as pd
-from scipy import stats
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+    import numpy as np
+    import pandas as pd
+    import pyarrow  # noqa: F401 - pandas reads the tables by it
+    from scipy import stats
+except ImportError as missing:
+    raise SystemExit(f"{missing.name} is missing. Run: pip install pandas pyarrow scipy matplotlib") from None
 
 HERE = Path(__file__).parent
 OUTCOMES = {
