@@ -29,6 +29,7 @@ from thbridge.protocols.text.canonical import Dialect
 from thbridge.recording.bag.options import Compression, DefinitionTexts, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import TEXT_SERVER_PORT
+from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
 from thbridge.study.noise import (
     TARGET_PATHS,
@@ -273,6 +274,10 @@ class Study:
     templates: str = param("original-2016", "name of a set of templates, or the path of its folder")
     robots: int = param(2, "size of the team", "", 1, MOST_ROBOTS)
     robots_from: RobotsFrom = param(RobotsFrom.SIM, "simulated robots, or real ones of a ROS graph (section fleet)")
+    external_nodes: ExternalNodes = param(
+        ExternalNodes.NONE,
+        "nodes of ROS that others run for simulated robots, by `simr --ros`; both: amcl, too",
+    )
     seed: int = param(1, "all chance is keyed by it; the same seed gives the same run", "", 0, 2**31 - 1)
     rate: float | None = param(
         None, "simulated seconds per second; 0: as fast as it can; null: 1 when others take part, else 0", "", 0, 1000

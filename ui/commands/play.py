@@ -8,6 +8,7 @@ import typer
 
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
 from ui.display import why_no_window
 from ui.options import (
@@ -129,6 +130,9 @@ def play(
     if study.robots_from is RobotsFrom.ROS:
         problem = "robots_from: this study is for real robots, and `play` simulates"
         fail(BAD_INPUT, f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or write sim in the study.")
+    if study.external_nodes is not ExternalNodes.NONE:
+        problem = "external_nodes: others drive these robots, and `play` drives its own"
+        fail(BAD_INPUT, f"{problem}. Start `simr --ros` with this study, and play by `simr --robots-from ros`.")
     setting = setting_of(study, study_file)
     others = _roles(outside)
     graph = graph_of(ros, ros_master, ros_host)

@@ -9,6 +9,7 @@ import typer
 
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
 from ui.display import why_no_window
 from ui.options import (
@@ -104,6 +105,11 @@ def simr(
         study = dataclasses.replace(study, mavlink=dataclasses.replace(study.mavlink, on=False))
     setting = setting_of(study, study_file)
     real = setting.study.robots_from is RobotsFrom.ROS
+    if study.external_nodes is not ExternalNodes.NONE and not (real or ros):
+        fail(
+            BAD_INPUT,
+            "external_nodes: others drive these robots on a ROS graph. Give --ros, or write none.",
+        )
     if real and ros:
         fail(BAD_INPUT, "--ros: robots of a ROS graph are there already. Leave the option out.")
     if real and watch is not None:

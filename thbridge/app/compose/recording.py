@@ -64,4 +64,6 @@ def message_filter(detail: RecordingDetail, *, errors: bool) -> MessageFilter:
 def build_team_description(setting: StudySetting, publisher: TeamPublisher) -> TeamDescription:
     """Return the description of these robots for a ROS graph."""
     rest = {name: value for name, value in tree_of(setting.study).items() if name not in {"robot", "each"}}
-    return TeamDescription(publisher.topics, setting.map.grid, rest, setting.study.world.footprint)
+    return TeamDescription(
+        publisher.topics, setting.map.grid, rest, setting.study.world.footprint, setting.study.external_nodes
+    )

@@ -35,15 +35,18 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPos
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree
-from thbridge.ros.topics import CLOCK, RosMessage, Topic, VehicleTopics
+from thbridge.ros.topics import CLOCK, OF_ERRORS, RosMessage, Topic, VehicleTopics
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, ensure_master
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.request_queue import RequestQueue
 from thbridge.sockets.warn_once import WarnOnce
+from thbridge.study.external_nodes import ExternalNodes
 
 _log = logging.getLogger(__name__)
 
+OF_AMCL = frozenset({"amcl_pose", "particlecloud", "initialpose", *OF_ERRORS})
+"""Last words of the topics that amcl publishes, and of those that tell how far our own localiser is off."""
 NO_POSES: FloatArray = np.empty((0, 3))
 
 
@@ -56,12 +59,14 @@ class TeamDescription:
         grid: the map.
         rest: parameters of the study beside the robots'.
         body: corners of a robot's body, metres in its base frame.
+        external: nodes that others run for these robots.
     """
 
     topics: Sequence[Topic]
     grid: OccupancyGrid
     rest: Tree
     body: Sequence[Sequence[float]]
+    external: ExternalNodes = ExternalNodes.NONE
 
 
 class LiveGraph:
@@ -94,20 +99,24 @@ class LiveGraph:
         self._turns = RequestQueue()
         self._complaints = WarnOnce(_log)
         self._tick = 0
+        self._external = description.external
         self._publications = {
             topic.name: self._node.advertise(topic.name, topic.msgtype, topic.latched)
             for topic in (CLOCK, *description.topics)
+            if not self._is_external(topic.name)
         }
         self._recoveries = [progress.tried for progress in team.recoveries]
         self._recovery_status = [
             self._node.advertise(named.topic("move_base/recovery_status"), types.RECOVERY_STATUS, latched=False)
             for named in self._robots
+            if not self._external.move_base
         ]
         self._current_goals = {
             named.topic("move_base/goal"): self._node.advertise(
                 named.topic("move_base/current_goal"), types.POSE_STAMPED, latched=False
             )
             for named in self._robots
+            if not self._external.move_base
         }
         self._offer_map()
         for robot, named in enumerate(self._robots):
@@ -117,8 +126,19 @@ class LiveGraph:
             self._offer_services(robot, named)
         node.declare_param(names.USE_SIM_TIME, True)
         node.declare_param(CALLER, sendable(description.rest))
-        self._parameters = LiveParameters(self._node, team.parameters, description.body, self._limiter, ask)
+        self._parameters = LiveParameters(
+            self._node, team.parameters, description.body, self._limiter, ask, description.external
+        )
+        if self._external.amcl:
+            self._declare_starts()
         offer_loggers(self._node)
+
+    def _declare_starts(self) -> None:
+        """Tell an amcl of others where each robot stands; ours knows it."""
+        for robot, named in enumerate(self._robots):
+            pose = self._team.believed_pose(robot)
+            for name, value in (("x", pose.x), ("y", pose.y), ("a", pose.theta)):
+                self._node.ros.declare_param(named.topic(f"amcl/initial_pose_{name}"), value)
 
     async def start(self) -> NodeStarted | CannotListen:
         """Join the graph; its master need not be there yet."""
@@ -145,8 +165,12 @@ class LiveGraph:
         self._parameters.follow(self._team.parameters)
         self._publications[CLOCK.name].publish(pack.clock(tick))
         for message in messages:
-            if not message.foreign:
-                self._publications[message.topic.name].publish(message.data)
+            publication = None if message.foreign else self._publications.get(message.topic.name)
+            if publication is not None:
+                data = message.data
+                if self._external.amcl and message.topic.name == names.TF:
+                    data = self._without_corrections(data)
+                publication.publish(data)
             current = self._current_goals.get(message.topic.name)
             if current is not None:
                 goal = clients.action_goal(message.data)
@@ -154,8 +178,24 @@ class LiveGraph:
                     current.publish(pack.pose_stamped(tick, MAP_FRAME, goal.pose))
         self._tell_of_recoveries()
 
+    def _is_external(self, topic: str) -> bool:
+        """True for a topic of a node that another runs."""
+        words = {word for named in self._robots if (word := topic.removeprefix(f"{named.namespace}/")) != topic}
+        word = next(iter(words), "")
+        if self._external.move_base and (word.startswith("move_base") or word == "cmd_vel"):
+            return True
+        return self._external.amcl and word in OF_AMCL
+
+    def _without_corrections(self, data: bytes) -> bytes:
+        """The transforms of a message but those of the map, which an amcl of others publishes."""
+        return pack.stamped_transforms(
+            [piece for parent, piece in unpack.transform_pieces(data) if parent != MAP_FRAME]
+        )
+
     def _tell_of_recoveries(self) -> None:
         """Publish each recovery behaviour that a robot has begun in the last tick."""
+        if self._external.move_base:
+            return
         for robot, progress in enumerate(self._team.recoveries):
             before, self._recoveries[robot] = self._recoveries[robot], progress.tried
             # Where the list was begun again in the same tick, what has been tried since is new.
@@ -176,6 +216,8 @@ class LiveGraph:
             ("move_base/cancel", types.GOAL_ID, self._cancel_request),
         ):
             name = named.topic(topic)
+            if topic != "cmd_vel" and self._is_external(name):
+                continue
             self._node.subscribe(name, msgtype, partial(self._receive_request, name, partial(read, robot)))
 
     def _receive_request(
@@ -253,10 +295,14 @@ class LiveGraph:
             ("move_base/clear_costmaps", ClearCostmaps(robot)),
         ):
             name = named.topic(service)
+            if self._external.move_base if "/" in service else self._external.amcl:
+                continue
             self._node.serve(name, types.EMPTY, partial(self._pass_on, name, request))
+        if self._external.amcl:
+            return
         self._node.serve(named.topic("set_map"), types.SET_MAP, partial(self._set_map, robot))
         self._node.serve(named.topic("set_pose"), types.SET_POSE, partial(self._set_pose, robot))
-        for service in ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
+        for service in () if self._external.move_base else ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
             self._node.serve(named.topic(service), types.GET_PLAN, self._turns.wrap(partial(self._make_plan, robot)))
 
     def _pass_on(self, service: str, request: Request, data: bytes) -> bytes:

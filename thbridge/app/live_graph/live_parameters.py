@@ -21,11 +21,15 @@ from thbridge.ros import reconfigure
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.names import RobotNames
-from thbridge.ros.parameters import ParameterValue, has, leaves, name_of, path_of, robot_tree, value_at
+from thbridge.ros.parameters import MOVE_BASE, ParameterValue, has, leaves, name_of, path_of, robot_tree, value_at
 from thbridge.ros.reconfigure import ReconfigureServer
 from thbridge.sockets.warn_once import WarnOnce
+from thbridge.study.external_nodes import ExternalNodes
 
 _log = logging.getLogger(__name__)
+
+ROBOT = RobotNames.of(0)
+"""Any robot, to tell nodes by their names."""
 
 
 class LiveParameters:
@@ -40,6 +44,7 @@ class LiveParameters:
         body: corners of a robot's body, metres in its base frame.
         limiter: limits the rate of changes.
         ask: takes requests, with the name of the parameters or of the service.
+        external: nodes that others run: they change their own parameters, which are here to start from.
     """
 
     def __init__(
@@ -49,10 +54,12 @@ class LiveParameters:
         body: Sequence[Sequence[float]],
         limiter: RateLimiter,
         ask: Callable[[str, Request], None],
+        external: ExternalNodes = ExternalNodes.NONE,
     ) -> None:
         self._node = node
         self._software = list(software)
         self._body = body
+        self._external = external
         self._limiter = limiter
         self._ask = ask
         self._complaints = WarnOnce(_log)
@@ -62,14 +69,24 @@ class LiveParameters:
                 f"{section.name(named)}/parameter_updates", types.CONFIG, latched=True
             )
             for robot, named in enumerate(self._robots)
-            for section in reconfigure.reconfigure_servers()
+            for section in self._servers()
         }
         self._declared = [self._as_nodes_read(robot) for robot in range(len(software))]
         for robot, named in enumerate(self._robots):
             node.ros.declare_param(named.namespace, sendable(robot_tree(self._software[robot], named, body)))
             node.ros.subscribe_param(named.namespace, partial(self._set, robot))
-            for section in reconfigure.reconfigure_servers():
+            for section in self._servers():
                 self._offer(robot, section)
+
+    def _servers(self) -> tuple[ReconfigureServer, ...]:
+        """The servers of dynamic_reconfigure of those nodes that are ours."""
+        servers = reconfigure.reconfigure_servers()
+        return tuple(section for section in servers if not self._is_external(section.name(ROBOT)))
+
+    def _is_external(self, name: str) -> bool:
+        """True for the name of a parameter of another's node, or the name of such a node."""
+        node = next(iter(name.strip("/").split("/")[1:]), "")
+        return self._external.amcl if node == "amcl" else self._external.move_base and node == MOVE_BASE
 
     def _as_nodes_read(self, robot: int) -> dict[str, ParameterValue]:
         """Each parameter of a robot that the parameter server has, with its full name."""
@@ -108,7 +125,8 @@ class LiveParameters:
     def _set(self, robot: int, key: str, value: XmlRpcValue) -> None:
         """Take a change of a parameter, or of many below one key: valid changes act, the rest is set back."""
         named, before, key = self._robots[robot], self._software[robot], key.rstrip("/")
-        declared, given = self._declared[robot], dict(leaves(key, value))
+        given = {name: leaf for name, leaf in leaves(key, value) if not self._is_external(name)}
+        declared = {name: leaf for name, leaf in self._declared[robot].items() if not self._is_external(name)}
         # What is set to what it says already is no change, so that a dump can be loaded.
         told = {name: leaf for name, leaf in given.items() if leaf != declared.get(name)}
         changes = [
@@ -147,7 +165,7 @@ class LiveParameters:
         """
         self._declare(robot, lost)
         touched = {path.rpartition(".")[0] for path in paths}
-        for section in reconfigure.reconfigure_servers():
+        for section in self._servers():
             if section.path in touched:
                 self._publish(robot, section)
 

@@ -33,12 +33,20 @@ Answer = bytes | ServiceFailed
 
 
 class Silence:
-    """A publication that nobody subscribes to."""
+    """A publication that nobody subscribes to.
+
+    Attributes:
+        last: the last message.
+    """
 
     dropped = 0
 
+    def __init__(self) -> None:
+        self.last = b""
+
     def publish(self, data: bytes) -> None:
         """Nobody hears it."""
+        self.last = data
 
 
 class Doors:
@@ -49,9 +57,11 @@ class Doors:
         self.services: dict[str, Callable[[bytes], Answer | Awaitable[Answer]]] = {}
         self.parameters: dict[str, Callable[[str, XmlRpcValue], None]] = {}
         self.declared: dict[str, XmlRpcValue] = {}
+        self.advertised: dict[str, Silence] = {}
 
-    def advertise(self, *_: object, **__: object) -> Silence:
-        return Silence()
+    def advertise(self, topic: str, *_: object, **__: object) -> Silence:
+        self.advertised[topic] = Silence()
+        return self.advertised[topic]
 
     def subscribe(self, topic: str, kind: str, md5: str, heard: Callable[[bytes, str], None]) -> None:
         self.heard[topic] = heard

@@ -23,10 +23,12 @@ from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.mavlink.traffic import Traffic
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import SetParameters
-from thbridge.ros.messages import pack
+from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import CALLER
+from thbridge.ros.parameters import leaves
+from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 
@@ -151,3 +153,45 @@ def test_the_graph_is_told_of_parameters_that_others_change(visited: Visited) ->
     declared = visited.doors.declared
     assert declared["/robot2/amcl/kld_err"] == 0.25
     assert "/robot1/amcl/kld_err" not in declared
+
+
+@pytest.fixture(params=["move_base", "both"])
+def left_to_others(
+    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Visited]:
+    study = dataclasses.replace(Study(), robots=2, external_nodes=ExternalNodes(request.param))
+    session = Visited(read_setting(study, Path()), tmp_path / "hunt.bag", monkeypatch)
+    with session.writer:
+        yield session
+
+
+def test_nodes_that_others_run_have_their_topics_services_and_transforms_to_themselves(
+    left_to_others: Visited, request: pytest.FixtureRequest
+) -> None:
+    doors = left_to_others.doors
+    both = "both" in request.node.name
+    for _ in range(10):
+        left_to_others.step()
+    names = {*doors.advertised, *doors.services, *doors.heard}
+    assert not {name for name in names if "/move_base" in name}
+    assert bool({name for name in names if name.endswith(("amcl_pose", "initialpose", "/set_map"))}) is not both
+    assert "/robot1/cmd_vel" in doors.heard
+    assert "/robot1/cmd_vel" not in doors.advertised
+    assert {"/robot1/odom", "/robot1/scan", "/robot2/base_pose_ground_truth", "/tf", "/map"} <= {*doors.advertised}
+    frames = [(each.parent, each.child) for _, each in unpack.transforms(doors.advertised["/tf"].last)]
+    assert ("robot1/odom", "robot1/base_footprint") in frames
+    assert (("map", "robot1/odom") in frames) is not both
+    told = doors.declared.get("/robot2/amcl/initial_pose_x")
+    assert told == (pytest.approx(left_to_others.robots().truth.poses[1][0], abs=0.05) if both else None)
+    assert dict(leaves("/robot1", doors.declared["/robot1"]))["/robot1/move_base/controller_frequency"] == 10.0
+
+
+def test_others_drive_such_a_robot_by_cmd_vel_and_turn_their_own_parameters(left_to_others: Visited) -> None:
+    for _ in range(20):
+        left_to_others.say("/robot1/cmd_vel", FORWARD)
+        left_to_others.step()
+    assert left_to_others.robots().truth.twists[0][0] == pytest.approx(0.1, abs=0.02)
+    declared = dict(left_to_others.doors.declared)
+    left_to_others.set_parameter("/robot1/move_base/planner_patience", 1.0)
+    assert asked(left_to_others.step()) == []
+    assert left_to_others.doors.declared == declared, "nothing is put back"

@@ -42,6 +42,7 @@ from thbridge.ros.messages.unpack.robots import (
     pose_with_covariance,
     room_labels,
     spatial_transforms,
+    transform_pieces,
     transforms,
     twist,
 )

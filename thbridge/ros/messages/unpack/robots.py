@@ -125,6 +125,19 @@ def transforms(data: bytes) -> list[tuple[int, Transform]]:
     return entries
 
 
+def transform_pieces(data: bytes) -> list[tuple[str, bytes]]:
+    """tf2_msgs/TFMessage: the parent frame of each transform, and its bytes."""
+    cursor = Cursor(data)
+    pieces = []
+    for _ in range(cursor.integer(UINT32)):
+        rest = cursor.remaining()
+        _, parent = cursor.header()
+        cursor.string()
+        cursor.spatial_pose()
+        pieces.append((parent, rest[: len(rest) - len(cursor.remaining())]))
+    return pieces
+
+
 def spatial_transforms(data: bytes) -> list[SpatialTransform]:
     """tf2_msgs/TFMessage in three dimensions, for example for a laser that is mounted upside down."""
     cursor = Cursor(data)
