@@ -16,6 +16,8 @@ from thbridge.app.session.simr_session import SimrSession
 from thbridge.protocols.rosgraph.links import TopicHeader
 from thbridge.protocols.text import legacy
 from thbridge.recording.real_robots import FleetRecorder
+from thbridge.ros.messages.stamps import TICK_NS
+from thbridge.ros.remote.changes import SettledState
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.errors import CannotListen
@@ -112,16 +114,19 @@ async def simr_with_real_robots(
         started = await fleet.start()
         if isinstance(started, CannotListen):
             unreachable(started)
-        reported: list[str] = []
+        reported: SettledState[tuple[str, ...]] = SettledState(())
+        ticks = 0
 
         def wait() -> bool:
-            nonlocal reported
+            nonlocal ticks
+            ticks += 1
             traffic.flush()
-            found = fleet.missing()
-            news = [sentence for sentence in found if sentence not in reported]
-            reported = found
-            if news or not found:
-                missing(news)
+            fleet.tell_changes()
+            found, before = tuple(fleet.missing()), reported.settled
+            if fleet.joined and reported.take(found, ticks * TICK_NS):
+                missing([sentence for sentence in found if sentence not in before])
+            elif not found:
+                missing([])
             return bool(found)
 
         if not (await run_ticks(wait, Pacer(1.0))).finished:

@@ -29,6 +29,10 @@ class RosClock:
         """Take in a message of `/clock` that came at a wall time."""
         self._last_clock = ros_ns, wall_ns
 
+    def stands(self, wall_ns: int) -> bool:
+        """Return True when `/clock`, once heard, says nothing any more, so that time goes on with the wall clock."""
+        return self._last_clock is not None and wall_ns - self._last_clock[1] > CLOCK_TIMEOUT_NS
+
     def now(self, wall_ns: int) -> int:
         """Nanoseconds of ROS time at a wall time; at least 1 ns, because 0 means "no time" in ROS."""
         source_ns = wall_ns

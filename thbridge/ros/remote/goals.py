@@ -86,11 +86,13 @@ class MoveBaseClient:
     Attributes:
         outgoing: requests to send to the server; the sender empties the list.
         results: results of goals, oldest first; the reader takes them out.
+        resent: how many goals were sent once more, because the server did not know them.
     """
 
     def __init__(self, prefix: str, stale_ns: int = STALE_NS) -> None:
         self.outgoing: list[SetGoal | CancelGoal] = []
         self.results: list[GoalResult] = []
+        self.resent = 0
         self._prefix = prefix
         self._stale_ns = stale_ns
         self._sent = 0
@@ -106,6 +108,10 @@ class MoveBaseClient:
     def server_seen(self) -> bool:
         """True when a status list of the server has ever been received."""
         return self._status_ns is not None
+
+    def is_silent(self, now_ns: int) -> bool:
+        """Return True when the server, once seen, has said nothing for a long time."""
+        return self._status_ns is not None and now_ns - self._status_ns > self._stale_ns
 
     @property
     def active(self) -> bool:
@@ -213,6 +219,7 @@ class MoveBaseClient:
         elif current.again:
             self._finish(NoPath(current.goal, "unanswered", "the action server does not take the goal"))
         else:
+            self.resent += 1
             self._send(current.goal, now_ns, again=True)
 
     def _send(self, goal: Goal, now_ns: int, *, again: bool) -> None:

@@ -73,6 +73,10 @@ class RemotePose:
         """True when its pose on the map is known, or once was."""
         return self._odom_in_map is not None
 
+    def is_silent(self, now_ns: int) -> bool:
+        """Return True when odometry, once received, has not been received for a long time."""
+        return self.received_ns is not None and now_ns - self.received_ns > self._stale_ns
+
     def receive_odometry(self, message: OdometryMessage, now_ns: int) -> InvalidMessage | None:
         """Take in odometry; returns a reason when it cannot be used."""
         if frame_name(message.frame) != self._names.odom_frame:
@@ -122,10 +126,13 @@ class RemotePose:
         updated, self._updated = self._updated, False
         base_in_map = self._odom_in_map.compose(self.base_in_odom)
         return Estimate(
-            tick, base_in_map, self._odom_in_map, self._covariance, _NO_PARTICLES, updated, self._is_lost(now_ns)
+            tick, base_in_map, self._odom_in_map, self._covariance, _NO_PARTICLES, updated, self.is_lost(now_ns)
         )
 
-    def _is_lost(self, now_ns: int) -> bool:
+    def is_lost(self, now_ns: int) -> bool:
+        """Return True when its pose on the map, once known, is not known any more."""
+        if self._odom_in_map is None:
+            return False
         if self._restarted:
             return True
         return self._blind > UNLOCALIZED_DISTANCE if self._tf_ns is None else now_ns - self._tf_ns > self._stale_ns

@@ -26,6 +26,7 @@ from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import GoalId
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.names import frame_name
+from thbridge.ros.remote.changes import RobotPart
 from thbridge.ros.remote.goals import CancelGoal, MoveBaseClient, SetGoal
 from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.pose import STALE_NS, RemotePose
@@ -76,7 +77,6 @@ class RemoteRobot:
         self.outgoing: list[RosMessage] = []
         self._robot = robot
         self.names = named
-        self._stale_ns = stale_ns
         self._footprint = footprint
         self._pose = RemotePose(named, stale_ns)
         self._goals = MoveBaseClient(f"{caller}-{namespace_of(robot)}-", stale_ns)
@@ -120,6 +120,20 @@ class RemoteRobot:
             parts.append(f"no action server on {named.action('status')}")
         return parts
 
+    def silent_parts(self, now_ns: int) -> frozenset[RobotPart]:
+        """The parts of it that were there and say nothing any more."""
+        silent = {
+            RobotPart.ODOMETRY: self._pose.is_silent(now_ns),
+            RobotPart.NAVIGATION: self._goals.is_silent(now_ns),
+            RobotPart.LOCALIZATION: self._pose.is_lost(now_ns),
+        }
+        return frozenset(part for part, is_silent in silent.items() if is_silent)
+
+    @property
+    def resent_goals(self) -> int:
+        """Number of goals that were sent once more, because its navigation did not know them."""
+        return self._goals.resent
+
     def receive(self, topic: str, data: bytes, now_ns: int) -> InvalidMessage | None:
         """Take in a message of a topic and type in `subscriptions`; returns a reason when it cannot be used."""
         try:
@@ -158,7 +172,7 @@ class RemoteRobot:
         estimate, received_ns = self._pose.estimate(tick, now_ns), self._pose.received_ns
         if estimate is None or received_ns is None:
             return None
-        self._goals.step(now_ns, lost=estimate.lost, stale=now_ns - received_ns > self._stale_ns)
+        self._goals.step(now_ns, lost=estimate.lost, stale=self._pose.is_silent(now_ns))
         self._repeat_command(now_ns)
         navigation = self._navigation(estimate.base_in_map, now_ns)
         self._publish_goals(now_ns)

@@ -27,6 +27,7 @@ from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.messages.cursor import Cursor
+from thbridge.ros.remote.changes import RobotPart, SettledState, sentence_of_change
 from thbridge.ros.remote.clock import RosClock
 from thbridge.ros.remote.robot import RemoteRobot, missing_of, tick_of
 from thbridge.ros.topics import RosMessage
@@ -88,6 +89,11 @@ class Fleet:
         self._joining: asyncio.Task[None] | None = None
         self._complaints = WarnOnce(_log)
         self._last: TeamSnapshot | None = None
+        self._silent: tuple[SettledState[frozenset[RobotPart]], ...] = tuple(
+            SettledState(frozenset()) for _ in self._robots
+        )
+        self._resent = [0] * len(self._robots)
+        self._clock_stands = SettledState(False)
 
     async def start(self) -> NodeStarted | CannotListen:
         """Join the graph; neither master nor robots need be there yet."""
@@ -126,6 +132,30 @@ class Fleet:
                     f"{self._node.host} (--ros-host)"
                 )
 
+    @property
+    def joined(self) -> bool:
+        """True since a master was found; that it is not there, or gone, is told by the node."""
+        return self._clock is not None
+
+    def tell_changes(self) -> None:
+        """Log what has fallen silent, and what has come back; each change once, when it has lasted a second."""
+        if self._clock is None or not self._clock.runs:
+            return
+        wall_ns = self._wall()
+        now_ns = self._clock.now(wall_ns)
+        if self._clock_stands.take(self._clock.stands(wall_ns), wall_ns):
+            stands = self._clock_stands.settled
+            told = "silent, so time goes on by this machine's clock" if stands else "it is back"
+            _log.warning("%s: %s", names.CLOCK, told)
+        for robot, remote in enumerate(self._robots):
+            state = self._silent[robot]
+            before = state.settled
+            if state.take(remote.silent_parts(now_ns), now_ns):
+                _log.warning("%s", sentence_of_change(robot_name(robot), remote.names, before, state.settled))
+            if remote.resent_goals != self._resent[robot]:
+                self._resent[robot] = remote.resent_goals
+                _log.warning("%s: its navigation did not know its goal, which is sent again", robot_name(robot))
+
     def now(self) -> int | None:
         """Return nanoseconds of ROS time; None while unknown."""
         return None if self._clock is None or not self._clock.runs else self._clock.now(self._wall())
@@ -157,6 +187,7 @@ class Fleet:
         for item in inputs:
             self._take(item, now_ns)
         outputs = [robot.step(now_ns) for robot in self._robots]
+        self.tell_changes()
         for robot in self._robots:
             self._speak(robot)
         known = tuple(output for output in outputs if output is not None)

@@ -22,6 +22,9 @@ _FIRST_PAUSE = 0.1
 
 _LAST_PAUSE = 2.0
 
+_TOLD_MISSES = 2
+"""Calls in a row without an answer of the master after which people are told: one may get lost, or come too early."""
+
 _FAREWELL_SECONDS = 3.0
 """Most seconds for all calls that unregister the node."""
 
@@ -123,6 +126,7 @@ class Registrar:
         self._parameters: dict[str, XmlRpcValue] = {}
         self._unset: dict[str, None] = {}
         self._reached = False
+        self._misses = 0
         self._woken = asyncio.Event()
         self._settled = asyncio.Event()
         self._complaints = WarnOnce(_log)
@@ -160,8 +164,11 @@ class Registrar:
                 case MethodResponse([1, _, str(uri)]) if uri == addresses.slave and self._reached:
                     await self._register(addresses)
                     pause = _HEARTBEAT
+                case MethodResponse([1, _, str(uri)]) if uri == addresses.slave:
+                    await self._register_afresh(addresses, forgotten=False)
+                    pause = _HEARTBEAT
                 case _:
-                    await self._register_afresh(addresses)
+                    await self._register_afresh(addresses, forgotten=bool(self._registered))
                     pause = _HEARTBEAT
             with suppress(TimeoutError):
                 async with asyncio.timeout(pause):
@@ -184,14 +191,18 @@ class Registrar:
                     if isinstance(await self._call(method, *params), CallFailed):
                         return
 
-    async def _register_afresh(self, addresses: NodeAddresses) -> None:
+    async def _register_afresh(self, addresses: NodeAddresses, *, forgotten: bool) -> None:
+        """Register everything; `forgotten`: the master knew us once, and does not any more, as it was restarted."""
         news = not self._reached or bool(self._registered)
         self._registered.clear()
         self._unset = dict.fromkeys(self._parameters)
         self._reached = await self._register(addresses)
         if news and self._reached:
-            _log.info("the master at %s knows %s now", self._master_uri, self._caller)
+            told = logging.WARNING if forgotten or self._misses >= _TOLD_MISSES else logging.INFO
+            _log.log(told, "%s is registered with the ROS master at %s", self._caller, self._master_uri)
             self._callbacks.found()
+        if self._reached:
+            self._misses = 0
 
     async def _register(self, addresses: NodeAddresses) -> bool:
         """Register what is not registered yet; return True when the master answered every call.
@@ -229,11 +240,12 @@ class Registrar:
 
     def _miss(self, failed: CallFailed) -> None:
         if self._reached:
-            _log.warning("the master is lost: %s", failed)
             self._reached = False
             self._callbacks.lost()
-        else:
-            self._complaints.warn(f"the master is not there: {failed}; it is waited for")
+        self._misses += 1
+        if self._misses == _TOLD_MISSES:
+            since = "any more" if self._registered else "yet"
+            _log.warning("there is no ROS master %s: %s; it is waited for", since, failed)
 
     async def _call(self, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         return await self._client.call(self._master_uri, method, self._caller, *params)

@@ -24,6 +24,7 @@ def test_a_clock_that_stops_is_not_waited_for_long():
     clock = RosClock(simulated=True)
     clock.receive(5 * SECOND, WALL)
     assert clock.now(WALL + CLOCK_TIMEOUT_NS + 6 * SECOND) == 11 * SECOND
+    assert [clock.stands(WALL + CLOCK_TIMEOUT_NS + passed) for passed in (0, 1)] == [False, True]
 
 
 def test_it_never_goes_back_and_goes_on_after_the_clock_was_set_back():

@@ -1,6 +1,7 @@
 """A fleet over real TCP: robots played by a node of their own, at our own master."""
 
 import asyncio
+import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from functools import wraps
@@ -43,12 +44,14 @@ class Actor:
 
     Attributes:
         obeys: what becomes of goals; None: nothing.
+        mute: topics on which it says nothing.
     """
 
     def __init__(self, uri: str, named: RemoteNames = NAMED, name: str = "/robot", hears: bool = True) -> None:
         self.node = RosNode(name, uri)
         self.named = named
         self.obeys: GoalStatusCode | None = GoalStatusCode.SUCCEEDED
+        self.mute: set[str] = set()
         self.goals: list[str] = []
         self.cancelled: list[str] = []
         self.listed: list[GoalStatus] = []
@@ -84,10 +87,13 @@ class Actor:
         while True:
             self.tick += 1
             named, tick = self.named, self.tick
-            odometry = pack.odometry(tick, named.odom_frame, "", Pose2(0, 0, 0), STANDSTILL)
-            self.out[named.odom].publish(odometry)
-            self.out[named.amcl_pose].publish(pack.pose_with_covariance(tick, "map", Pose2(1, 2, 0), np.eye(3)))
-            self.out[named.action("status")].publish(pack.goal_status_array(tick, self.listed))
+            for topic, data in (
+                (named.odom, pack.odometry(tick, named.odom_frame, "", Pose2(0, 0, 0), STANDSTILL)),
+                (named.amcl_pose, pack.pose_with_covariance(tick, "map", Pose2(1, 2, 0), np.eye(3))),
+                (named.action("status"), pack.goal_status_array(tick, self.listed)),
+            ):
+                if topic not in self.mute:
+                    self.out[topic].publish(data)
             if self.obeys is not None and self.listed and self.listed[0].status not in ENDED:
                 self.listed = [self.listed[0]._replace(status=self.obeys, text="so be it")]
                 self.out[named.action("result")].publish(pack.move_base_result(tick, self.listed[0]))
@@ -148,8 +154,8 @@ async def alive(actor: Actor) -> AsyncIterator[Actor]:
 
 
 @asynccontextmanager
-async def fleet_at(uri: str, recorder: object) -> AsyncIterator[Fleet]:
-    fleet = Fleet(GraphAddress(uri), [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))], recorder)
+async def fleet_at(uri: str, recorder: object, wall: Callable[[], int] = time.time_ns) -> AsyncIterator[Fleet]:
+    fleet = Fleet(GraphAddress(uri), [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))], recorder, wall)
     assert isinstance(await fleet.start(), NodeStarted)
     try:
         yield fleet
@@ -211,7 +217,7 @@ async def test_goals_reach_the_robot_and_their_ends_come_back():
 
 
 @with_patience
-async def test_a_robot_whose_node_is_restarted_gets_its_goal_again():
+async def test_a_robot_whose_node_is_restarted_gets_its_goal_again_which_is_told(caplog):
     async with master() as ros, fleet_at(ros.uri, Notes()) as fleet:
         async with alive(Actor(ros.uri)) as actor:
             actor.obeys = None
@@ -222,6 +228,54 @@ async def test_a_robot_whose_node_is_restarted_gets_its_goal_again():
             assert await ended(fleet) == GoalReached(GOAL)
             assert len(reborn.goals) == 1
             assert reborn.goals != actor.goals
+    told = [record.getMessage() for record in caplog.records]
+    assert told == ["robot 1: its navigation did not know its goal, which is sent again"]
+
+
+@with_patience
+async def test_what_falls_silent_and_comes_back_is_told_once_for_each_robot(caplog):
+    notes, later_ns = Notes(), 0
+
+    async def passes(seconds: float, *heard: str) -> list[str]:
+        """Let time pass, then hear from the robot again; return what is told meanwhile."""
+        nonlocal later_ns
+        caplog.clear()
+        later_ns += round(seconds * 1e9)
+        notes.came.clear()
+        while not {(topic, "/robot") for topic in heard} <= set(notes.came):
+            await asyncio.sleep(0.01)
+        for _ in range(10):
+            fleet.step()
+        return [record.getMessage() for record in caplog.records]
+
+    odom, status = NAMED.odom, NAMED.action("status")
+    async with (
+        master() as ros,
+        alive(Actor(ros.uri)) as actor,
+        fleet_at(ros.uri, notes, lambda: time.time_ns() + later_ns) as fleet,
+    ):
+        await eventually(lambda: not fleet.missing())
+        actor.mute = {status}
+        assert await passes(6, odom) == []
+        assert await passes(1, odom) == [
+            "robot 1: its navigation is silent: nothing on /robot1/move_base/status any more"
+        ]
+        assert await passes(60, odom) == []
+        assert await passes(1, odom) == []
+        actor.mute = set()
+        assert await passes(0, odom, status) == []
+        assert await passes(1, odom, status) == ["robot 1: its navigation is back on /robot1/move_base/status"]
+        actor.mute = {odom, status, NAMED.amcl_pose}
+        assert await passes(6) == []
+        assert await passes(1) == [
+            "robot 1: it is silent: no odometry any more; "
+            "its navigation is silent: nothing on /robot1/move_base/status any more"
+        ]
+        actor.mute = set()
+        assert await passes(0, odom, status) == []
+        assert await passes(1, odom, status) == [
+            "robot 1: its odometry is back; its navigation is back on /robot1/move_base/status"
+        ]
 
 
 @with_patience

@@ -419,6 +419,41 @@ async def test_a_master_that_is_late_or_lost_or_restarted_is_told_everything(mon
         assert ros.call("hasParam", "/test", "/use_sim_time").value is False
 
 
+@with_patience
+async def test_that_the_master_is_gone_and_back_is_told_once_and_not_at_the_first_look(monkeypatch, caplog):
+    def told() -> list[str]:
+        return [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
+
+    monkeypatch.setattr(registrar, "_HEARTBEAT", 0.02)
+    monkeypatch.setattr(registrar, "_LAST_PAUSE", 0.02)
+    looks: list[list[str]] = []
+    call = registrar.Registrar._call
+
+    async def look(self, method: str, *params: str) -> object:
+        looks.append(told())
+        return await call(self, method, *params)
+
+    monkeypatch.setattr(registrar.Registrar, "_call", look)
+    async with master() as ros:
+        port, uri = port_of(ros), ros.uri
+    us = RosNode("/us", uri)
+    us.advertise("/chatter", *STRING)
+    assert isinstance(await us.start(), NodeStarted)
+    await eventually(lambda: len(looks) > 4)
+    assert [len(before) for before in looks[:5]] == [0, 0, 1, 1, 1], "it has looked twice before it tells"
+    assert told()[0].startswith(f"there is no ROS master yet: {uri}: ")
+    async with master(port):
+        await eventually(lambda: told()[1:] == [f"/us is registered with the ROS master at {uri}"])
+    await eventually(lambda: len(told()) == 3)
+    assert told()[2].startswith(f"there is no ROS master any more: {uri}: ")
+    looks.clear()
+    await eventually(lambda: len(looks) > 2)
+    async with master(port):
+        await eventually(lambda: len(told()) > 3)
+        assert told()[3:] == [f"/us is registered with the ROS master at {uri}"]
+    await us.stop()
+
+
 @pytest.mark.parametrize("told", [True, False])
 @with_patience
 async def test_a_node_that_lost_its_name_says_so_once_and_does_not_take_it_back(told, monkeypatch):

@@ -1,0 +1,68 @@
+"""Changes of real robots that people must hear of: parts that fall silent, and come back."""
+
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from typing import Generic, TypeVar
+
+from thbridge.ros.remote.names import RemoteNames
+
+State = TypeVar("State")
+
+SETTLED_NS = 1_000_000_000
+"""A change that has lasted so long is told: what breaks together is then told in one line, and what flickers is not."""
+
+
+class RobotPart(Enum):
+    """Part of a robot that may fall silent."""
+
+    ODOMETRY = auto()
+    NAVIGATION = auto()
+    LOCALIZATION = auto()
+
+
+@dataclass(slots=True)
+class SettledState(Generic[State]):
+    """A state whose changes count once they have lasted.
+
+    Attributes:
+        settled: the last state that has lasted.
+    """
+
+    settled: State
+    _newest: State = field(init=False)
+    _since_ns: int = field(init=False, default=0)
+
+    def __post_init__(self) -> None:
+        self._newest = self.settled
+
+    def take(self, state: State, now_ns: int) -> bool:
+        """Take in the present state; return True once it is another one than before, and has lasted."""
+        if state != self._newest:
+            self._newest, self._since_ns = state, now_ns
+        if state == self.settled or now_ns - self._since_ns < SETTLED_NS:
+            return False
+        self.settled = state
+        return True
+
+
+def sentence_of_change(robot: str, named: RemoteNames, before: frozenset[RobotPart], now: frozenset[RobotPart]) -> str:
+    """The sentence about a robot some of whose parts have fallen silent or come back.
+
+    Args:
+        robot: the robot in words.
+        named: its topics and frames.
+        before: its silent parts before.
+        now: its silent parts now.
+    """
+    status = named.action("status")
+    words = {
+        RobotPart.ODOMETRY: ("it is silent: no odometry any more", "its odometry is back"),
+        RobotPart.NAVIGATION: (
+            f"its navigation is silent: nothing on {status} any more",
+            f"its navigation is back on {status}",
+        ),
+        RobotPart.LOCALIZATION: ("it does not know where it is any more", "it knows where it is again"),
+    }
+    gone = [words[part][0] for part in RobotPart if part in now - before]
+    back = [words[part][1] for part in RobotPart if part in before - now]
+    return f"{robot}: {'; '.join([*gone, *back])}"
