@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,11 +54,23 @@ def _sums(
     return out
 
 
+class MapAgreement(NamedTuple):
+    """Agreement of a scan with the map, from one place.
+
+    Attributes:
+        share: of the readings that the map explains, 0..1.
+        cut_short: share of the readings that end before the map's surface, 0..1.
+    """
+
+    share: float
+    cut_short: float
+
+
 @njit(cache=True)
 def _agreement(
     squares: FreeSquares, frame: GridFrame, directions: FloatArray, range_max: float,
     laser_x: float, laser_y: float, x: float, y: float, theta: float, ranges: FloatArray,
-) -> float:  # fmt: skip
+) -> tuple[float, float]:  # fmt: skip
     """See `BeamModel.agreement`; NaN where no beam met anything.
 
     Args:
@@ -89,9 +102,9 @@ def _agreement(
         if ranges[j] > farthest + _TOLERANCE:
             through += 1
     if met == 0:
-        return math.nan
+        return math.nan, math.nan
     hits = met - short - through
-    return hits / (hits + _CUT_SHORT * short + through)
+    return hits / (hits + _CUT_SHORT * short + through), short / met
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,15 +160,15 @@ class BeamModel:
             p.laser_lambda_short,
         )
 
-    def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> float | None:
-        """Share of (m,) ranges that the map explains from one place, 0..1; None where no beam met anything.
+    def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> MapAgreement | None:
+        """Compare (m,) ranges with the map from one place; None where no beam met anything.
 
         A reading is explained when it ends where the map has a wall. A reading cut short counts a tenth as much against
         the place as one that went through a wall: other robots cut readings short, but nothing lengthens them.
         """
         beams, place = self.beams, base_in_map
         laser, raycaster = beams.mount.laser_in_base, self.raycaster
-        share = _agreement(
+        share, cut_short = _agreement(
             raycaster.squares,
             raycaster.frame,
             beams.directions,
@@ -167,4 +180,4 @@ class BeamModel:
             place.theta,
             ranges,
         )
-        return None if math.isnan(share) else share
+        return None if math.isnan(share) else MapAgreement(share, cut_short)

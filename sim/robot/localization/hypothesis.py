@@ -61,6 +61,12 @@ Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (200
 SURE_SHARE = 0.8
 """Share of the weight that the heaviest cluster must hold for a place to be sure."""
 
+PULL = 1.2
+"""Standard deviation of the pull of things that the map does not show if all beams end on them, as a share of
+`laser_sigma_hit`: walls of the map that far away still attract what lies before them, in all particles alike."""
+_PULLED = np.diag((1.0, 1.0, 1.0 / 9.0))
+"""A heading is pulled as a place is by walls three metres away."""
+
 INITIAL_AGREEMENT = ScanAgreement()
 """The agreement that a hypothesis begins with."""
 
@@ -208,17 +214,18 @@ class CloudFilter:
         parameters = self._parameters
         summary = summarise(particles, weights, bin_particles(particles))
         agreement = before.agreement if before else INITIAL_AGREEMENT
-        share = self._beam_model.agreement(summary.mean, view.ranges)
-        if share is not None and searching:
-            agreement = agreement.searching(share)
-        elif share is not None:
-            agreement = agreement.after(share, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
+        found = self._beam_model.agreement(summary.mean, view.ranges)
+        if found is not None and searching:
+            agreement = agreement.searching(found.share)
+        elif found is not None:
+            agreement = agreement.after(found.share, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
+        pull = PULL * parameters.laser_sigma_hit * (found.cut_short if found is not None else 0.0)
         settled = (before.settled if before else 0) + 1 if self._sure(summary) and agreement.explained else 0
         return Hypothesis(
             particles=read_only(particles),
             weights=read_only(weights),
             mean=summary.mean,
-            covariance=read_only(summary.covariance + self._unknowable),
+            covariance=read_only(summary.covariance + self._unknowable + pull * pull * _PULLED),
             updates=before.updates + 1 if before else 1,
             agreement=agreement,
             settled=settled,

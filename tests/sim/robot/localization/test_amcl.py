@@ -4,10 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Imu, Odometry, Scan
-from sim.parameters import RobotParameters
+from sim.parameters import AmclParameters, RobotParameters
 from sim.robot.localization.amcl import Amcl, ParticleBelief, saved
 
 PARAMETERS = RobotParameters().amcl
@@ -303,3 +304,19 @@ def test_a_saved_pose_is_where_the_next_filter_begins(drive):
     first = amcl.update(tour.moments[-1].odometry, tour.moments[-1].imu, None)
     assert first.base_in_map.array() == pytest.approx(last.base_in_map.array())
     assert np.diag(first.covariance) == pytest.approx(np.diag(last.covariance))
+
+
+@pytest.mark.parametrize("parameters", [AmclParameters(), RobotParameters().amcl], ids=["ros", "hunts"])
+def test_among_eight_robots_close_by_its_ellipse_covers_nine_of_ten_errors(drive, parameters):
+    inside = []
+    for seed in (1, 2):
+        tour = drive(seed=seed, others=8)
+        amcl = Amcl(parameters, tour.grid, tour.mount, seed, "robot1")
+        amcl.start(tour.start, np.diag((0.0025, 0.0025, 0.0025)))
+        for moment in tour:
+            estimate = amcl.update(moment.odometry, moment.imu, moment.scan)
+            if estimate.updated:
+                error = moment.truth.array()[:2] - estimate.base_in_map.array()[:2]
+                square = error @ np.linalg.solve(estimate.covariance[:2, :2], error)
+                inside.append(square < chi2.ppf(0.95, 2))
+    assert np.mean(inside) > 0.9

@@ -37,14 +37,16 @@ def test_lost_beams_say_nothing(model):
 
 
 def test_a_place_explains_its_own_scan_and_others_standing_around_hardly_speak_against_it(model, ranges):
-    assert model.agreement(HERE, ranges) == pytest.approx(1.0, abs=0.05)
+    assert model.agreement(HERE, ranges).share == pytest.approx(1.0, abs=0.05)
+    assert model.agreement(HERE, ranges).cut_short == pytest.approx(0.0, abs=0.05)
     hidden = ranges.copy()
     hidden[::2] = np.minimum(hidden[::2], 0.4)
-    assert 0.85 < model.agreement(HERE, hidden) < 0.95
+    assert 0.85 < model.agreement(HERE, hidden).share < 0.95
+    assert model.agreement(HERE, hidden).cut_short == pytest.approx(0.5, abs=0.05)
 
 
 def test_beams_through_walls_speak_loudest(model, ranges):
     through, short = ranges.copy(), ranges.copy()
     through[::2] = np.minimum(through[::2] + 2.0, 7.9)
     short[::2] *= 0.2
-    assert model.agreement(HERE, through) < model.agreement(HERE, short)
+    assert model.agreement(HERE, through).share < model.agreement(HERE, short).share
