@@ -26,7 +26,14 @@ BagFile = Annotated[Path | None, typer.Option(help="Where to record. An older fi
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, nothing else.")]
 Templates = Annotated[str | None, typer.Option(help="Name of a set of templates, or path of its folder.")]
 ADDRESS = f"{LOCALHOST}:{TEXT_SERVER_PORT}"
-Server = Annotated[str, typer.Option("--server", help="Where the text server is, HOST:PORT.", metavar="HOST:PORT")]
+Server = Annotated[
+    str | None,
+    typer.Option(
+        "--server",
+        help=f"Where the text server is, by default where the study has it, or else {ADDRESS}.",
+        metavar="HOST:PORT",
+    ),
+]
 Ros = Annotated[bool, typer.Option("--ros", help="Take part in a ROS 1 graph; see docs/live-graph.md.")]
 RosMaster = Annotated[
     str | None,

@@ -1,8 +1,11 @@
 """Kill each program in the middle of a hunt, start it again the same way: the hunt goes on and ends with a score."""
 
+from pathlib import Path
+
 import pytest
 
 from tests.system import programs
+from tests.system.ports import free_port
 
 Program, until, kinds, journal = programs.Program, programs.until, programs.kinds, programs.journal
 
@@ -57,3 +60,27 @@ def test_a_hunt_survives_the_death_of_each_program(hunt, tmp_path):
     assert (tmp_path / "hunt-1.bag.active").exists()
     assert hunt["simr"].stop() == 0
     assert (tmp_path / "hunt.bag").exists()
+
+
+@pytest.mark.slow
+def test_after_a_game_the_terminal_says_how_another_begins_and_so_it_does(tmp_path: Path):
+    def first_of(game: int) -> list[str]:
+        return [event["event"] for event in journal(tmp_path, game)][:2]
+
+    (tmp_path / "study.yaml").write_text(f"robots: 1\nserver: {{host: 0.0.0.0, port: {free_port()}}}\n")
+    running = [Program(tmp_path, "server", "study.yaml")]
+    try:
+        programs.port_of(running[0], running)
+        # All find the server where the study has it.
+        running.append(Program(tmp_path, "simr", "study.yaml", "--rate", "16"))
+        running += [Program(tmp_path, name, "--study", "study.yaml") for name in ("hider", "tabui")]
+        tabui = running[-1]
+        until("the end of the game", lambda: tabui.process.poll() is not None, running)
+        assert tabui.process.returncode == 0
+        assert "or when `thbridge server` (or `thbridge play`) is stopped and started again." in tabui.text
+        assert running[0].stop() == 0
+        running.append(running[0].again())
+        until("another game", lambda: first_of(2) == ["started", "hidden"], running)
+    finally:
+        for program in running:
+            program.close()

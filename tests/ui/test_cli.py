@@ -81,6 +81,7 @@ WRONG: dict[str, Callable[[Path], object]] = {
         ("simr", "--study", "FILE"),
         ("hider", "FILE"),
         ("tabui", "FILE", "--json"),
+        ("tabui", "--study", "FILE", "--participant", "person"),
         ("study", "check", "FILE"),
         ("report", "FILE"),
         ("bag", "info", "FILE"),
@@ -155,6 +156,12 @@ def test_an_address_is_host_and_port(program: str, address: str) -> None:
     assert refusal(program, "--server", address) == (
         f"--server: {address!r} is not an address. Write HOST:PORT, such as 127.0.0.1:6009.\n"
     )
+
+
+@pytest.mark.parametrize("program", ["simr", "hider", "tabui"])
+def test_a_port_of_the_study_that_is_any_free_one_must_be_told(program: str) -> None:
+    Path("study.yaml").write_text("server: {port: 0}\n")
+    assert "Tell which it is: --server HOST:PORT." in refusal(program, "--study", "study.yaml")
 
 
 @pytest.mark.parametrize(

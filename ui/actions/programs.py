@@ -8,21 +8,28 @@ from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.roles.view import View
 from thbridge.sockets.reconnecting import ConnectionLost
-from thbridge.study.study_file import Study
+from thbridge.study.study_file import ServerSection, Study
+from ui.hosting.lobby import WILDCARD_ADDRESSES
 from ui.hosting.seats import Seat, seat_of_bot, seat_of_person
-from ui.options import ParticipantKind
-from ui.settings import study_of
-from ui.terminal import bad_input, note
+from ui.options import ADDRESS, ParticipantKind
+from ui.terminal import BAD_INPUT, bad_input, fail, note
+
+ANOTHER_GAME = (
+    "Another game begins by Play again in the window of `thbridge tabui`, "
+    "or when `thbridge server` (or `thbridge play`) is stopped and started again."
+)
+"""Sentence of a terminal at the end of a game."""
 
 
-def seat_of(who: ParticipantKind, study_file: Path | None, templates: str | None, seed: int | None) -> Seat:
-    """Seat the player; a person needs neither templates nor a seed."""
+def seat_of(
+    who: ParticipantKind, study: Study, study_file: Path | None, templates: str | None, seed: int | None
+) -> Seat:
+    """Seat the player; a person needs neither study nor options. `templates` and `seed` have changed the study."""
     if who is ParticipantKind.PERSON:
         for option, value in (("--templates", templates), ("--seed", seed)):
             if value is not None:
                 note(f"{option} has no effect here: it is for simulated participants.")
         return seat_of_person()
-    study = study_of(study_file, {"templates": templates, "seed": seed})
     beside = Path() if study_file is None or templates is not None else study_file.parent
     return seat_of_bot(who, read_templates(study.templates, beside), study)
 
@@ -31,6 +38,18 @@ def read_templates(wanted: str, beside: Path) -> TemplateSet:
     """The set of templates of a name or a folder; a relative path starts at `beside`."""
     with bad_input():
         return read_template_set(shipped().find("templates", wanted, beside))
+
+
+def address_of(server: str | None, study: ServerSection) -> tuple[str, int]:
+    """Host and port of the text server: those of the option `--server`, or else of the study."""
+    if server is None:
+        if study.port == 0:
+            fail(BAD_INPUT, "server: port: 0 of the study is any that is free. Tell which it is: --server HOST:PORT.")
+        return WILDCARD_ADDRESSES.get(study.host, study.host), study.port
+    host, colon, port = server.rpartition(":")
+    if not colon or not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        fail(BAD_INPUT, f"--server: {server!r} is not an address. Write HOST:PORT, such as {ADDRESS}.")
+    return host, int(port)
 
 
 def new_token() -> str:

@@ -13,7 +13,6 @@ from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
 from ui.display import why_no_window
 from ui.options import (
-    ADDRESS,
     AsJson,
     BagFile,
     ColourScheme,
@@ -67,7 +66,7 @@ def server(
 def simr(
     study_file: StudyFile = None,
     study_option: StudyOption = None,
-    server: Server = ADDRESS,
+    server: Server = None,
     robots: Robots = None,
     map_name: MapName = None,
     robots_from: Annotated[
@@ -89,16 +88,16 @@ def simr(
     from thbridge.app import programs
     from thbridge.app.programs import SimrOptions
     from thbridge.app.real_robots import simr_with_real_robots
-    from ui.actions.programs import new_token, settings_without_effect, tell_lost
+    from ui.actions.programs import address_of, new_token, settings_without_effect, tell_lost
     from ui.event_loop import run
     from ui.first_start import compile_ahead
     from ui.listening import graph_of, hosts_of, watch_of
     from ui.settings import setting_of, study_of
 
-    host, port = _address(server)
     study_file = the_study(study_file, study_option)
     changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
     study = study_of(study_file, changes)
+    host, port = address_of(server, study.server)
     if study.mavlink.on:
         # Whether a robot may be sent somewhere is for the game to say, which is another program's.
         note("mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`.")
@@ -140,20 +139,20 @@ def simr(
 def hider(
     study_file: StudyFile = None,
     study_option: StudyOption = None,
-    server: Server = ADDRESS,
+    server: Server = None,
     treasures: Annotated[str | None, typer.Option(help="Set of templates, or its folder, with `treasures`.")] = None,
     seed: Seed = None,
 ) -> None:
     """Run the treasures' program (Hider) at a text server until stopped."""
     from thbridge.app import programs
     from thbridge.app.compose.game import build_hider
-    from ui.actions.programs import new_token, read_templates, tell_lost
+    from ui.actions.programs import address_of, new_token, read_templates, tell_lost
     from ui.event_loop import run
     from ui.settings import study_of
 
-    host, port = _address(server)
     study_file = the_study(study_file, study_option)
     study = study_of(study_file, {"templates": treasures, "seed": seed})
+    host, port = address_of(server, study.server)
     beside = Path() if study_file is None or treasures is not None else study_file.parent
     role = build_hider(read_templates(study.templates, beside), study.seed)
     run(programs.hider(role, host, port, new_token(), tell_lost))
@@ -162,7 +161,7 @@ def hider(
 def tabui(
     study_file: StudyFile = None,
     study_option: StudyOption = None,
-    server: Server = ADDRESS,
+    server: Server = None,
     participant: Annotated[
         ParticipantKind | None,
         typer.Option(
@@ -181,12 +180,14 @@ def tabui(
 
         raise typer.Exit(play_hosted(look.value))
     from thbridge.app import programs
-    from ui.actions.programs import new_token, seat_of, show_nothing, tell_lost
+    from ui.actions.programs import ANOTHER_GAME, address_of, new_token, seat_of, show_nothing, tell_lost
     from ui.event_loop import run
     from ui.model.consent_words import THANKS
+    from ui.settings import study_of
 
-    host, port = _address(server)
     study_file = the_study(study_file, study_option)
+    study = study_of(study_file, {"templates": templates, "seed": seed})
+    host, port = address_of(server, study.server)
     if participant is None and templates is None and seed is None and not as_json:
         why = why_no_window()
         if why is None:
@@ -195,7 +196,7 @@ def tabui(
             raise typer.Exit(play_at(host, port, new_token(), look.value))
         note(f"{why} A simulated participant plays.")
     participant = participant or ParticipantKind.SUGGESTION
-    seat = seat_of(participant, study_file, templates, seed)
+    seat = seat_of(participant, study, study_file, templates, seed)
     program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing)
     last = run(program, seat.typed)
     if seat.tabui.declined:
@@ -208,13 +209,7 @@ def tabui(
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
     else:
         show(f"The game is over. Score {last.score}.")
-
-
-def _address(server: str) -> tuple[str, int]:
-    host, colon, port = server.rpartition(":")
-    if not colon or not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        fail(BAD_INPUT, f"--server: {server!r} is not an address. Write HOST:PORT, such as {ADDRESS}.")
-    return host, int(port)
+        note(ANOTHER_GAME)
 
 
 def _unreachable(why: CannotListen) -> None:
