@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from thbridge.files.errors import BadFile
 from thbridge.recording.recordings import make_room, try_place
 from ui.terminal import BAD_INPUT, fail, note
 
@@ -39,6 +40,8 @@ def make_ready(bag: Path, option: str = "--bag") -> None:
     try:
         moved = make_room(bag)
         try_place(bag)
+    except BadFile as taken:
+        fail(BAD_INPUT, f"{option}: {taken}")
     except OSError as error:
         fail(BAD_INPUT, f"{bag}: cannot record there ({error.strerror}). Choose another file by {option}.")
     if moved is not None:

@@ -4,6 +4,8 @@ import hashlib
 import re
 from pathlib import Path
 
+from thbridge.recording.claims import claim
+
 ACTIVE = ".active"
 """Suffix of a bag that is being written, as with rosbag."""
 
@@ -59,12 +61,17 @@ def tlog_of(bag: Path) -> Path:
 def make_room(bag: Path) -> Path | None:
     """Rename an older recording of this name, with its journal and telemetry log; nothing is overwritten.
 
+    The name belongs to this program from then on.
+
     Returns:
         The new path of the older bag, or None when there was none.
 
     Raises:
+        BadFile: another running program records there.
         OSError: it cannot be moved.
     """
+    if bag.parent.is_dir():
+        claim(bag)
     old = [path for path in (bag, active_of(bag), journal_of(bag), tlog_of(bag)) if path.exists()]
     old += [path for ending in ("", ACTIVE) for _, path in _numbered(bag, bag.suffix + ending)]
     if not old:

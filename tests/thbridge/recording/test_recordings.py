@@ -9,7 +9,7 @@ def touch(folder: Path, *names: str) -> None:
 
 
 def names(folder: Path) -> list[str]:
-    return sorted(path.name for path in folder.iterdir())
+    return sorted(path.name for path in folder.glob("[!.]*"))
 
 
 def test_parts_come_in_the_order_of_their_numbers(tmp_path: Path) -> None:

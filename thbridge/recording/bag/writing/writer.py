@@ -14,6 +14,7 @@ from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
 from thbridge.recording.bag.writing.parts import QueuedChunk, SplitBagWriter
 from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
+from thbridge.recording.claims import claim, release
 from thbridge.recording.recordings import active_of, part_of, parts_of
 from thbridge.ros.names import CALLER
 from thbridge.ros.topics import MessageFilter, RosMessage, Topic
@@ -112,6 +113,12 @@ class BagWriter:
         self._stamp_ns = -1
         self._period = 0
         self._open = True
+        try:
+            claim(path)
+        except BadFile as taken:
+            raise BagNotWritten(path, taken.problem, taken.remedy) from None
+        except OSError as error:
+            raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
         _refuse_taken(path)
         self._syncing = make_queue("bag sync")
         self._writing = make_queue("bag writer")
@@ -315,6 +322,7 @@ class BagWriter:
     def _stop_queues(self) -> None:
         self._writing.end()
         self._syncing.end()
+        release(self.path)
 
 
 def _refuse_taken(path: Path) -> None:

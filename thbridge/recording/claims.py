@@ -1,0 +1,61 @@
+"""Names of recordings that belong to one running program.
+
+A claim is a lock on a small file beside the bag, `.NAME.bag.lock`, which says whose it is. The system lifts the lock
+when its program ends, however it does; a file that is left over means nothing.
+"""
+
+import datetime
+import fcntl
+import os
+import sys
+from pathlib import Path
+from typing import IO
+
+from thbridge.files.errors import BadFile
+
+_claims: dict[Path, IO[str]] = {}
+"""The lock files that this program holds."""
+
+
+def lock_of(bag: Path) -> Path:
+    """Path of the lock file that belongs to a bag."""
+    return bag.with_name(f".{bag.name}.lock")
+
+
+def claim(bag: Path) -> None:
+    """Claim the name of a recording, with its parts, journal and telemetry log; to claim it again does nothing.
+
+    Raises:
+        BadFile: it belongs to another running program; the message says to which, and since when.
+        OSError: there is no such folder, or it cannot be written.
+    """
+    path = lock_of(bag).resolve()
+    if path in _claims:
+        return
+    while True:
+        file = path.open("a+", encoding="utf-8")
+        try:
+            fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.seek(0)
+            owner = file.read().strip() or "another program"
+            file.close()
+            raise BadFile(bag, f"{owner} is recording there", "choose another name, or wait until it ends") from None
+        # Whoever held it before may have removed the file just now: then the lock is on nothing.
+        if path.exists() and os.fstat(file.fileno()).st_ino == path.stat().st_ino:
+            break
+        file.close()
+    since = datetime.datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
+    file.truncate(0)
+    file.write(f"process {os.getpid()} ({Path(sys.argv[0]).name}), since {since},\n")
+    file.flush()
+    _claims[path] = file
+
+
+def release(bag: Path) -> None:
+    """Give the name of a recording free; without a claim this does nothing."""
+    path = lock_of(bag).resolve()
+    file = _claims.pop(path, None)
+    if file is not None:
+        path.unlink(missing_ok=True)
+        file.close()
