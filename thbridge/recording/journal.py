@@ -1,9 +1,11 @@
 """The journal: one file per game, one event a line, on the disk before it is published.
 
 A game that was cut off by a crash or a power failure is recovered from its journal. The last line may be torn and is
-then dropped. Damage anywhere else is an error.
+then dropped. Damage anywhere else is an error: each line carries its length and a checksum chained to all before
+(`checked_lines`). Journals of 0.1.0 have none, and are read without.
 """
 
+import contextlib
 import fcntl
 import os
 import re
@@ -17,6 +19,7 @@ from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.events import DialogueOpened, DialogueSaid, GameStarted, JournalEntry
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.recording.append import append_whole, sync_folder
+from thbridge.recording.checked_lines import DamagedLine, checked, has_sum, verified
 
 _NAME = re.compile(r"game-(\d+)\.jsonl")
 
@@ -29,7 +32,8 @@ class RecoveredGame:
         started: the first event.
         events: the further events, and what was said between them, in order.
         state: the state after all events.
-        size: bytes of the whole lines of the file.
+        size: bytes of the whole lines of the file, each with a newline at its end.
+        checksum: of the last line; None where the journal has none.
         torn: the incomplete last line that was being written when the writer died, or None; it is not in `events`.
     """
 
@@ -37,6 +41,7 @@ class RecoveredGame:
     events: tuple[JournalEntry, ...]
     state: GameState
     size: int
+    checksum: str | None
     torn: bytes | None
 
 
@@ -62,8 +67,7 @@ def read_journal(path: Path) -> RecoveredGame:
         content = path.read_bytes()
     except OSError as error:
         raise BadFile(path, f"cannot be read ({error.strerror})", "name the journal of a game") from None
-    whole, newline, torn = content.rpartition(b"\n")
-    lines = whole.split(b"\n") if newline else []
+    lines, checksum, size, torn = _lines(path, content)
     started: GameStarted | None = None
     state: GameState | None = None
     events: list[JournalEntry] = []
@@ -87,7 +91,29 @@ def read_journal(path: Path) -> RecoveredGame:
         events.append(event)
     if started is None or state is None:
         raise BadFile(path, "no game has started in it", "remove the file; nothing is lost")
-    return RecoveredGame(started, tuple(events), state, len(whole) + 1, torn or None)
+    return RecoveredGame(started, tuple(events), state, size, checksum, torn)
+
+
+def _lines(path: Path, content: bytes) -> tuple[list[bytes], str | None, int, bytes | None]:
+    """The whole lines without their checksums, the last checksum, the bytes of these lines, and a torn last line."""
+    whole, newline, torn = content.rpartition(b"\n")
+    written = whole.split(b"\n") if newline else []
+    size = len(whole) + 1 if newline else 0
+    if not any(map(has_sum, [*written, torn])):
+        return written, None, size, torn or None
+    lines, checksum = [], ""
+    for number, line in enumerate(written, start=1):
+        try:
+            body, checksum = verified(line, checksum)
+        except DamagedLine as damage:
+            raise BadFile(path, str(damage), _remedy(number), line=number) from None
+        lines.append(body)
+    # Of a last line the newline alone may be missing, or be another byte.
+    for candidate in (torn, torn[:-1]):
+        with contextlib.suppress(DamagedLine):
+            body, checksum = verified(candidate, checksum)
+            return [*lines, body], checksum, size + len(candidate) + 1, None
+    return lines, checksum, size, torn or None
 
 
 class Journal:
@@ -96,6 +122,7 @@ class Journal:
     def __init__(self, path: Path, file: IO[bytes]) -> None:
         self.path = path
         self._file = file
+        self._checksum: str | None = ""
 
     @classmethod
     def start(cls, folder: Path, started: GameStarted) -> Self:
@@ -143,7 +170,9 @@ class Journal:
             journal._lock()
             recovered = read_journal(path)
             file.truncate(recovered.size)
-            file.seek(recovered.size)
+            file.seek(recovered.size - 1)
+            file.write(b"\n")
+            journal._checksum = recovered.checksum
             os.fsync(file.fileno())
         except BaseException:
             file.close()
@@ -156,11 +185,17 @@ class Journal:
         Raises:
             BadFile: the disk is full or gone. Lines that were written are then cut off again as far as possible.
         """
-        lines = "".join(to_json(event) + "\n" for event in events).encode()
+        lines, checksum = [], self._checksum
+        for event in events:
+            line = to_json(event).encode()
+            if checksum is not None:
+                line, checksum = checked(line.decode(), checksum)
+            lines.append(line + b"\n")
         try:
-            append_whole(self._file, lines, synced=True)
+            append_whole(self._file, b"".join(lines), synced=True)
         except OSError as error:
             raise _not_writable(self.path, error) from None
+        self._checksum = checksum
 
     def close(self) -> None:
         """Release the file and its lock. Closing twice does nothing."""

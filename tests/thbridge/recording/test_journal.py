@@ -1,10 +1,12 @@
 import errno
+import json
 import os
 
 import pytest
 
 from tests.thbridge.hunt.folding import fold
 from thbridge.files.errors import BadFile
+from thbridge.hunt.codec import to_json
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import EndReason, GameEnded, GameStarted, RobotArrived, RobotDeparted, TreasureIdentified
 from thbridge.hunt.rooms import Room
@@ -48,11 +50,63 @@ def test_events_are_on_the_disk_when_append_returns(tmp_path, monkeypatch):
 def test_a_line_torn_anywhere_loses_only_itself(written):
     content = written.read_bytes()
     last = content.rstrip(b"\n").rfind(b"\n") + 1
-    for end in range(last, len(content)):
+    for end in range(last, len(content) - 1):
         written.write_bytes(content[:end])
         found = read_journal(written)
         assert found.events == EVENTS[:-1]
         assert found.torn == (content[last:end] or None)
+
+
+def test_a_last_line_that_only_lacks_its_newline_is_whole(written):
+    content = written.read_bytes()
+    for end in (content[:-1], content[:-1] + b"\x8a"):
+        written.write_bytes(end)
+        assert read_journal(written).events == EVENTS
+        journal, found = Journal.resume(written)
+        with journal:
+            assert (found.events, found.torn) == (EVENTS, None)
+        assert written.read_bytes() == content
+
+
+@pytest.mark.parametrize("change", [lambda byte: byte ^ 0x01, lambda byte: byte ^ 0x20, lambda byte: 0xFF ^ byte])
+def test_each_byte_that_is_changed_is_noticed_or_changes_nothing(written, change):
+    content = written.read_bytes()
+    for place, byte in enumerate(content):
+        written.write_bytes(content[:place] + bytes((change(byte),)) + content[place + 1 :])
+        try:
+            found = read_journal(written)
+        except BadFile:
+            continue
+        assert (found.started, found.events) == (STARTED, EVENTS), place
+
+
+def test_lines_that_are_swapped_repeated_or_left_out_are_noticed(written):
+    lines = written.read_bytes().splitlines(keepends=True)
+    for others in (
+        [lines[0], lines[2], lines[1], *lines[3:]],
+        [*lines[:2], lines[1], *lines[2:]],
+        [*lines[:1], *lines[2:]],
+    ):
+        written.write_bytes(b"".join(others))
+        with pytest.raises(BadFile, match="checksum"):
+            read_journal(written)
+
+
+def test_a_journal_of_before_checksums_is_read_and_goes_on(written):
+    old = "".join(to_json(event) + "\n" for event in (STARTED, *EVENTS[:2]))
+    written.write_text(old)
+    journal, found = Journal.resume(written)
+    with journal:
+        assert found.events == EVENTS[:2]
+        journal.append(EVENTS[2:])
+    assert read_journal(written).events == EVENTS
+    assert written.read_text().startswith(old)
+
+
+def test_each_line_is_an_object_of_json_for_others(written):
+    lines = [json.loads(line) for line in written.read_text().splitlines()]
+    assert [line["event"] for line in lines][:3] == ["started", "departed", "arrived"]
+    assert all(len(line["sum"]) == 16 for line in lines)
 
 
 def test_a_power_failure_at_any_byte_gives_back_what_was_before_it(written):
@@ -60,7 +114,9 @@ def test_a_power_failure_at_any_byte_gives_back_what_was_before_it(written):
     for end in range(content.index(b"\n") + 1, len(content)):
         written.write_bytes(content[:end])
         found = read_journal(written)
-        assert found.events == EVENTS[: content[:end].count(b"\n") - 1]
+        # A line counts as soon as it is whole, with or without its newline.
+        whole = content[: end + 1].count(b"\n") if content[end : end + 1] == b"\n" else content[:end].count(b"\n")
+        assert found.events == EVENTS[: whole - 1]
 
 
 def test_a_torn_journal_is_gone_on_with(written):
