@@ -31,6 +31,11 @@ def failure_sentence(robot: int, reason: NoPathReason) -> str:
     return sentence[0].upper() + sentence[1:]
 
 
+def unknown_place_sentence(robot: int) -> str:
+    """Return the sentence about a robot, counted from 0, that should stand where the map knows nothing."""
+    return f"The map does not know what is where {robot_name(robot)} should stand."
+
+
 def unresponsive_sentence(robot: int) -> str:
     """Return the sentence about a robot, counted from 0, that does not respond."""
     return f"{robot_name(robot).capitalize()} does not answer any more."

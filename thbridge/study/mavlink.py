@@ -15,6 +15,7 @@ from thbridge.protocols.mavlink.options import (
     Failsafe,
     GeoOrigin,
     VehicleOptions,
+    VisitedRooms,
 )
 from thbridge.sockets.addresses import Address, UdpTarget, parse_address, parse_target
 
@@ -60,13 +61,22 @@ class MavlinkSection:
     position_rate: float = param(
         5.0, "how often position, attitude and speed are told, unless somebody asks otherwise", "Hz", 0.1, 50
     )
+    visited_rooms: VisitedRooms = param(
+        VisitedRooms.HALT,
+        "what a mission does at an item that leads into a room that was visited already: it halts there, or skips it",
+    )
     tlog: bool = param(default=False, help="whether all frames also go into a .tlog file beside the bag")
 
     @property
     def options(self) -> VehicleOptions:
         """The vehicles' part of the section."""
         return VehicleOptions(
-            self.identity, GeoOrigin(*self.origin), self.lost_after, self.failsafe, self.position_rate
+            self.identity,
+            GeoOrigin(*self.origin),
+            self.lost_after,
+            self.failsafe,
+            self.position_rate,
+            self.visited_rooms,
         )
 
     @property

@@ -45,12 +45,15 @@ def free_udp_port() -> int:
 
 
 @contextmanager
-def rovers(folder: Path, ports: tuple[int, ...], *options: str, participant: str | None = None) -> Iterator[Program]:
+def rovers(
+    folder: Path, ports: tuple[int, ...], *options: str, participant: str | None = None, section: str = ""
+) -> Iterator[Program]:
     """Three robots in the arena that ground stations at these UDP ports hear; nobody else plays, or such a participant.
 
     They know where they are, so that what they tell is the truth. What happened is in `a.bag` when it is over.
+    `section` is more of the study's section `mavlink`, indented.
     """
-    (folder / "study.yaml").write_text(STUDY)
+    (folder / "study.yaml").write_text(STUDY + section)
     targets = [word for port in ports for word in ("--udp", f"127.0.0.1:{port}")]
     seat = ("--outside", "TabUI") if participant is None else ("--participant", participant)
     alone = ("--headless", *seat, "--port", "0", "--bag", "a.bag", "--no-report", "--rate", RATE)

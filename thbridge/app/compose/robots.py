@@ -89,7 +89,16 @@ def build_travel_times(setting: StudySetting) -> TravelTimes:
 
 def build_game_setup(setting: StudySetting) -> GameSetup:
     """Return the facts that pilots know before the game begins."""
-    return GameSetup(setting.floor(), room_outlines(setting), treasure_names(setting), setting.study.game.energy)
+    study = setting.study
+    software = [study.software(number_of(robot)) for robot in range(study.robots)]
+    planners = [each for one in software for each in (one.NavfnROS, one.GlobalPlanner)]
+    return GameSetup(
+        setting.floor(),
+        room_outlines(setting),
+        treasure_names(setting),
+        study.game.energy,
+        plans_end_apart=any(planner.default_tolerance > 0.0 for planner in planners),
+    )
 
 
 def vehicle_factory(setting: StudySetting, simr: SimR) -> Callable[[RequestSink], Vehicles] | None:

@@ -22,6 +22,13 @@ class Failsafe(StrEnum):
     CONTINUE = "continue"
 
 
+class VisitedRooms(StrEnum):
+    """Action of a mission whose next item leads into a room that was visited already."""
+
+    HALT = "halt"
+    SKIP = "skip"
+
+
 @dataclass(frozen=True, slots=True)
 class GeoOrigin:
     """Position of the map's origin, WGS84: degrees north and east, metres above sea level; north is map y."""
@@ -41,6 +48,7 @@ class VehicleOptions:
         lost_after: seconds without a heartbeat after which a ground station counts as lost.
         failsafe: action in that case.
         position_rate: default rate of position, attitude and speed messages, Hz.
+        visited_rooms: action of a mission at a room that was visited already.
     """
 
     identity: AutopilotIdentity
@@ -48,3 +56,4 @@ class VehicleOptions:
     lost_after: float
     failsafe: Failsafe
     position_rate: float
+    visited_rooms: VisitedRooms = VisitedRooms.HALT

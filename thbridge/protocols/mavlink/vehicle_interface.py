@@ -7,7 +7,7 @@ and no MAVLink.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, StrEnum
-from typing import Protocol
+from typing import Literal, Protocol
 
 from sim.common.geometry import IDENTITY, Pose2
 from sim.common.observations import STANDSTILL, Twist
@@ -48,10 +48,14 @@ class Denied:
     Attributes:
         sentence: reason for people, at most some 100 characters.
         kind: kind of denial; `NOT_NOW` when a later attempt may succeed.
+        axis: axis of the map along which a point is off it; None for every other reason.
+        is_done: True when it was done before, and is not to be done again.
     """
 
     sentence: str
     kind: DenialKind = DenialKind.DENIED
+    axis: Literal["x", "y"] | None = None
+    is_done: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,6 +248,14 @@ class VehicleInterface(Protocol):
 
     def misplaced(self, x: float, y: float) -> Denied | None:
         """Return a denial when the robot can never stand at a point of the map; obstacles that move are ignored.
+
+        Args:
+            x: metres east.
+            y: metres north.
+        """
+
+    def unreachable(self, x: float, y: float) -> Denied | None:
+        """Return a denial when `go_to` can never lead to a point of the map; points in rooms are for the game to judge.
 
         Args:
             x: metres east.

@@ -7,10 +7,12 @@ one in the room where the robot stands, is a goal of its navigator that the game
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from sim.common.geometry import Pose2
+from sim.common.grid import OCCUPIED, UNKNOWN
 from sim.common.observations import Twist
 from sim.common.robot_numbers import robot_name
 from sim.common.traversability import TraversabilityMap, inside
@@ -60,12 +62,14 @@ class GameSetup:
         rooms: on the map.
         names: possible names of treasures, in alphabetical order.
         energy: of each robot at the start.
+        plans_end_apart: True when plans may end apart from a goal that is out of reach (`default_tolerance`).
     """
 
     floor: TraversabilityMap
     rooms: tuple[RoomOutline, ...]
     names: tuple[str, ...]
     energy: float
+    plans_end_apart: bool = False
 
     def room_at(self, x: float, y: float) -> RoomOutline | None:
         """Return the room that contains a point of the map, or None."""
@@ -131,7 +135,7 @@ class Pilot:
     # Driving
 
     def go_to(self, target: Target) -> int | Denied:
-        """See `VehicleInterface`; the game's rules judge at once, the navigator only when the robot sets out."""
+        """See `VehicleInterface`; the game's rules and the map judge at once, the navigator when the robot sets out."""
         if not all(map(math.isfinite, (target.x, target.y, target.heading or 0.0))):
             return Denied("That is no point of a map.")
         state = self._able()
@@ -140,13 +144,15 @@ class Pilot:
         robot, outline = state.robots[self._robot], self._setup.room_at(target.x, target.y)
         room = None if outline is None else Room(outline.room)
         if outline is None or room is None or (robot.bound_for is None and robot.at == room):
+            if not self._is_here(target) and (denied := self._out_of_reach(target.x, target.y)) is not None:
+                return denied
             trip = self._trip_to(self._pose_at(target), None)
         else:
             trip = self._trip_to(Pose2(*outline.goal), room)
             if robot.bound_for == room and not self._stopping:
                 trip = replace(trip, stage=TripStage.GOING)
             elif isinstance(ruling := self._judge(state, room), RequestRefused):
-                return Denied(ruling.sentence)
+                return Denied(ruling.sentence, is_done=ruling.reason == rules.RuleReason.ALREADY_VISITED)
         self._legs += 1
         self._trip = trip
         if trip.stage is TripStage.WAITING:
@@ -187,12 +193,40 @@ class Pilot:
 
     def misplaced(self, x: float, y: float) -> Denied | None:
         """See `VehicleInterface`; with the sentence of a navigator that fails for the same reason."""
-        floor, point = self._setup.floor, Pose2(x, y, 0.0)
-        if not floor.grid.contains(*floor.grid.cell_of(x, y)):
-            return Denied(reasons.failure_sentence(self._robot, "goal_outside"))
-        if floor.clearance_at(point) <= floor.inscribed:
+        grid = self._setup.floor.grid
+        row, col = grid.cell_of(x, y)
+        if not grid.contains(row, col):
+            axis: Literal["x", "y"] = "x" if 0 <= row < grid.rows else "y"
+            return Denied(reasons.failure_sentence(self._robot, "goal_outside"), axis=axis)
+        if grid.cells[row, col] == UNKNOWN:
+            return Denied(reasons.unknown_place_sentence(self._robot))
+        if self._is_at_wall(row, col):
             return Denied(reasons.failure_sentence(self._robot, "goal_occupied"))
         return None
+
+    def _is_at_wall(self, row: int, col: int) -> bool:
+        """Return True for a cell in a wall, too near to one, or at the map's rim; the unknown is no wall."""
+        floor = self._setup.floor
+        grid, reach = floor.grid, floor.inscribed / floor.grid.resolution
+        if not (0 < row < grid.rows - 1 and 0 < col < grid.cols - 1):
+            return True
+        cells = math.ceil(reach)
+        top, left = max(0, row - cells), max(0, col - cells)
+        around = grid.cells[top : row + cells + 1, left : col + cells + 1]
+        away = np.argwhere(around == OCCUPIED) - (row - top, col - left)
+        return bool((np.square(away).sum(axis=1) <= reach * reach).any())
+
+    def unreachable(self, x: float, y: float) -> Denied | None:
+        """See `VehicleInterface`."""
+        return None if self._setup.room_at(x, y) is not None else self._out_of_reach(x, y)
+
+    def _out_of_reach(self, x: float, y: float) -> Denied | None:
+        return None if self._setup.plans_end_apart else self.misplaced(x, y)
+
+    def _is_here(self, target: Target) -> bool:
+        """Return True for a point in the robot's own cell: it is there, whatever the map has."""
+        grid, here = self._setup.floor.grid, self._here()
+        return grid.cell_of(target.x, target.y) == grid.cell_of(here.x, here.y)
 
     # Treasures
 

@@ -37,12 +37,14 @@ class ModelRobot:
         refusal: what the next calls are answered with; None: they are granted.
         values: its parameters.
         readings: what it tells.
+        barred: denials of places to which it cannot get, by metres east and north.
     """
 
     asked: list[tuple] = field(default_factory=list)
     refusal: Denied | None = None
     values: dict[str, float] = field(default_factory=lambda: {f"PARAM_{n:02}": n / 2 for n in range(20)})
     readings: RobotReadings = AT_REST
+    barred: dict[tuple[int, int], Denied] = field(default_factory=dict)
 
     def arrive(self):
         """The leg under way ends well."""
@@ -94,6 +96,9 @@ class ModelRobot:
 
     def misplaced(self, x, y):
         return None if max(abs(x), abs(y)) < 20.0 else Denied("There the map has nothing.")
+
+    def unreachable(self, x, y):
+        return self.barred.get((round(x), round(y)))
 
     def settings(self):
         return [ParameterSetting(name, value) for name, value in self.values.items()]

@@ -103,6 +103,8 @@ class Sailor:
             return Denied("there is a wall")
         return None
 
+    unreachable = misplaced
+
     def settings(self):
         return [ParameterSetting(name, value) for name, value in self._values.items()]
 

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
-from sim.common.grid import OCCUPIED
+from sim.common.grid import OCCUPIED, UNKNOWN
 from sim.common.observations import Twist
-from sim.inputs import KillRobot
-from sim.parameters import RobotParameters
+from sim.inputs import KillRobot, SendGoal
+from sim.parameters import NavfnParameters, RobotParameters
+from sim.robot.navigator.goals import Goal
+from sim.team import TeamSnapshot
 from tests.thbridge.roles.stage import Log
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.app.compose.game import build_briefing, build_hider, build_keeper
@@ -35,6 +37,7 @@ from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.rooms import Room
 from thbridge.protocols.mavlink.vehicle_interface import DenialKind, Denied, LegState, RobotReadings, Station, Target
 from thbridge.protocols.mavlink.vehicle_interface import ParameterSetting as Parameter
+from thbridge.roles.failure_reasons import failure_sentence
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import GameRequest, Request, SetParameters
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
@@ -155,6 +158,10 @@ class Flight:
         goal = self.setting.map.rooms[room - 1].goal
         return goal.x, goal.y
 
+    @property
+    def session_snapshot(self) -> TeamSnapshot:
+        return self.tick_records[-1].snapshot
+
     def events(self, *kinds: type) -> list:
         return [event for event in self.log.events if isinstance(event, kinds)]
 
@@ -239,21 +246,59 @@ def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None
     assert [event.by for event in taken.events(CommanderChanged)] == [Commander.GROUND_STATION]
 
 
-def test_a_point_that_cannot_be_reached_fails_with_the_navigators_words(taken: Flight) -> None:
-    taken.pilot.go_to(Target(500.0, 500.0))
-    readings = taken.until(FAILED)
-    assert readings.leg.reason == "The place where robot 1 should stand is not on the map."
-
-
-def test_what_can_be_no_home_is_where_no_way_could_end(taken: Flight) -> None:
-    start, (x, y), grid = taken.pilot.start(), taken.goal_of(4), taken.setting.map.grid
-    assert taken.pilot.misplaced(start.x, start.y) is None and taken.pilot.misplaced(x, y) is None
+def _wall(taken: Flight) -> tuple[float, float]:
+    """The middle of a wall outside of all rooms."""
+    grid, setup = taken.setting.map.grid, build_game_setup(taken.setting)
     walls = (grid.centre_of(int(row), int(col)) for row, col in np.argwhere(grid.cells == OCCUPIED))
-    wall = next(point for point in walls if build_game_setup(taken.setting).room_at(*point) is None)
-    for point in (wall, (500.0, 500.0)):
-        denied = taken.pilot.misplaced(*point)
-        taken.pilot.go_to(Target(*point))
-        assert denied == Denied(taken.until(FAILED).leg.reason)
+    return next(point for point in walls if setup.room_at(*point) is None)
+
+
+def test_a_place_where_no_robot_can_stand_is_denied_at_once_with_the_navigators_words(taken: Flight) -> None:
+    wall = _wall(taken)
+    number = taken.pilot.go_to(Target(*taken.goal_of(4)))
+    taken.run(5)
+    for point, axis in ((wall, None), ((500.0, 0.0), "x"), ((0.0, -500.0), "y")):
+        denied = taken.pilot.go_to(Target(*point))
+        assert denied == taken.pilot.misplaced(*point) == taken.pilot.unreachable(*point)
+        assert denied.axis == axis
+        assert taken.run().leg.number == number, "the leg under way goes on"
+        # The navigator of the other robot, asked directly, says the same.
+        taken.ask(SendGoal(1, Goal(7, Pose2(*point, 0.0))))
+        while (end := taken.session_snapshot.robots[1].navigation.result) is None:
+            taken.run()
+        assert failure_sentence(0, end.reason) == denied.sentence
+        taken.run()
+
+
+def test_a_place_of_which_the_map_knows_nothing_is_denied_and_one_beside_it_is_not(taken: Flight) -> None:
+    setup, start = build_game_setup(taken.setting), taken.setting.map.starts[0]
+    x, y = start.x + 0.6, start.y
+    cells = setup.floor.grid.cells.copy()
+    cells[setup.floor.grid.cell_of(x, y)] = UNKNOWN
+    floor = replace(setup.floor, grid=replace(setup.floor.grid, cells=cells))
+    pilot = Pilot(0, replace(setup, floor=floor), start, OF_OTHERS, Parameters(), taken.ask)
+    assert pilot.misplaced(x, y) == Denied("The map does not know what is where robot 1 should stand.")
+    assert pilot.misplaced(x - 0.1, y) is None
+
+
+def test_where_plans_may_end_apart_from_their_goal_the_navigator_has_the_last_word(taken: Flight) -> None:
+    software = replace(taken.setting.study.robot, NavfnROS=NavfnParameters(default_tolerance=1.0))
+    study = replace(taken.setting.study, robot=software)
+    setup = build_game_setup(read_setting(study, Path()))
+    pilot = Pilot(0, setup, taken.pilot.start(), OF_OTHERS, Parameters(), taken.ask)
+    assert pilot.unreachable(500.0, 500.0) is None
+    assert pilot.misplaced(500.0, 500.0) is not None
+
+
+def test_points_in_rooms_are_for_the_game_to_judge_and_one_that_was_visited_is_done(taken: Flight) -> None:
+    place = Target(*taken.goal_of(4))
+    assert taken.pilot.unreachable(place.x, place.y) is None
+    taken.pilot.go_to(place)
+    taken.until(ARRIVED)
+    taken.pilot.go_to(Target(taken.pilot.start().x, taken.pilot.start().y))
+    taken.pilots[1].take(STATION)
+    taken.run(2)
+    assert taken.pilots[1].go_to(place) == Denied("Room 4 has been visited already.", is_done=True)
 
 
 @pytest.mark.parametrize("point", [(float("nan"), 0.0), (0.0, float("inf"))])

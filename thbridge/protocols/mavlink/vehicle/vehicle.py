@@ -56,7 +56,7 @@ class Vehicle:
         ardupilot = identity is AutopilotIdentity.ARDUPILOT
         self._control = OperatorControl(robot, options.lost_after)
         home, hand = HomePosition(robot, earth), ManualControl(robot, identity)
-        plan = MissionRun(robot, home, earth, announce, ardupilot)
+        plan = MissionRun(robot, home, earth, announce, ardupilot, options.visited_rooms)
         self._modes = ModeStateMachine(robot, hand, self._control, plan, home, options.failsafe, announce)
         self._streams = Streams(default_streams(options.position_rate, identity), system)
         parameters = FailsafeParameters(system, robot.parameters, self._control, self._modes)

@@ -12,7 +12,7 @@ from thbridge.protocols.mavlink.coordinates import GLOBAL, PER_METRE
 from thbridge.protocols.mavlink.dialect import mav
 from thbridge.protocols.mavlink.vehicle.command.requests import UNSET
 from thbridge.protocols.mavlink.vehicle.geodesy import PER_DEGREE, GeoPoint
-from thbridge.protocols.mavlink.vehicle_interface import Station
+from thbridge.protocols.mavlink.vehicle_interface import Denied, Station
 
 _LARGEST = 2**31 - 1
 _FRAMES = GLOBAL | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_MISSION}
@@ -104,15 +104,25 @@ def unfit(item: MissionItem, count: int) -> InvalidItem | None:
     rules = _COMMANDS.get(item.command)
     if rules is None:
         return InvalidItem(mav.MAV_MISSION_UNSUPPORTED, f"command {item.command} is not for these robots")
-    if (misplaced := _misplaced(item)) is not None:
-        return misplaced
+    if (invalid := _off_earth(item)) is not None:
+        return invalid
     for number, (fits, sentence) in rules.items():
         if not fits(item.params[number - 1], count):
             return InvalidItem(_INVALID_PARAM[number], f"parameter {number} {sentence}")
     return None
 
 
-def _misplaced(item: MissionItem) -> InvalidItem | None:
+def misplaced(denied: Denied) -> InvalidItem:
+    """Return the reason why an item with a place that is denied cannot be part of a mission; x is north here."""
+    result = {
+        "y": mav.MAV_MISSION_INVALID_PARAM5_X,
+        "x": mav.MAV_MISSION_INVALID_PARAM6_Y,
+        None: mav.MAV_MISSION_INVALID,
+    }[denied.axis]
+    return InvalidItem(result, denied.sentence[:1].lower() + denied.sentence[1:].removesuffix("."))
+
+
+def _off_earth(item: MissionItem) -> InvalidItem | None:
     if item.frame not in _FRAMES:
         return InvalidItem(mav.MAV_MISSION_UNSUPPORTED_FRAME, f"frame {item.frame} is not known")
     if not _takes_place(item.command) or item.is_here:

@@ -12,7 +12,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from thbridge.protocols.mavlink.dialect import Message, mav
 from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.protocols.mavlink.vehicle.mission.downloads import MissionDownloads
-from thbridge.protocols.mavlink.vehicle.mission.items import InvalidItem, MissionItem, item_of, unfit
+from thbridge.protocols.mavlink.vehicle.mission.items import InvalidItem, MissionItem, item_of, misplaced, unfit
 from thbridge.protocols.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, MissionPeer
 from thbridge.protocols.mavlink.vehicle.mission.run import MissionRun
 from thbridge.protocols.mavlink.vehicle.parts import Announce, Microservice, TextSeverity
@@ -222,7 +222,10 @@ class MissionProtocol(Microservice):
         item = item_of(message)
         if isinstance(item, InvalidItem) or self._run.is_home(message.seq):
             return item
-        return unfit(item, size) or item
+        if (invalid := unfit(item, size)) is not None:
+            return invalid
+        denied = self._run.misplaced(item)
+        return item if denied is None else misplaced(denied)
 
     def _handle_clear(self, peer: MissionPeer, mission_type: int) -> Iterator[OutgoingMessage]:
         if mission_type in EMPTY_TYPES:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.protocols.mavlink.coordinates import PER_METRE, theta_of
 from thbridge.protocols.mavlink.dialect import mav
+from thbridge.protocols.mavlink.options import VisitedRooms
 from thbridge.protocols.mavlink.outgoing import OutgoingMessage
 from thbridge.protocols.mavlink.vehicle.geodesy import GeoPoint, MapProjection
 from thbridge.protocols.mavlink.vehicle.mission.ids import MissionCurrent, plan_id
@@ -37,6 +38,9 @@ _NO_TOTAL = 2**16 - 1
 
 _IN_MISSION_MODE, _SUSPENDED = 1, 2
 
+_IN_ROOM = frozenset((mav.MAV_CMD_IMAGE_START_CAPTURE, mav.MAV_CMD_USER_1, mav.MAV_CMD_USER_2))
+"""Commands about the treasure of the room to which the item before them has led."""
+
 _UNLIMITED = -1
 """Repeats of a jump without end."""
 
@@ -60,6 +64,13 @@ class _Jump:
     to: int
 
 
+@dataclass(frozen=True, slots=True)
+class _Skip:
+    """Skip the item, for this reason."""
+
+    sentence: str
+
+
 _Stage = _Driving | _Waiting
 """Stage of an item in execution."""
 
@@ -74,6 +85,7 @@ class MissionRun:
         announce: sends texts about the mission to people.
         ardupilot: read plans as ArduPilot does: the first item is home, whatever a station sends for it, headings at
             waypoints are free, and a mission continues by itself, whatever `autocontinue` is.
+        visited_rooms: action at an item that leads into a room that was visited already.
 
     Attributes:
         plan: all items; the first of an ArduPilot plan is a placeholder for home.
@@ -82,13 +94,20 @@ class MissionRun:
     """
 
     def __init__(
-        self, robot: VehicleInterface, home: HomePosition, earth: MapProjection, announce: Announce, ardupilot: bool
+        self,
+        robot: VehicleInterface,
+        home: HomePosition,
+        earth: MapProjection,
+        announce: Announce,
+        ardupilot: bool,
+        visited_rooms: VisitedRooms = VisitedRooms.HALT,
     ) -> None:
         self._ardupilot = ardupilot
         self._robot = robot
         self._home = home
         self._earth = earth
         self._announce = announce
+        self._skips = visited_rooms is VisitedRooms.SKIP
         self.plan: tuple[MissionItem, ...] = ()
         self.plan_id = plan_id(())
         self.current_item = 0
@@ -98,6 +117,9 @@ class MissionRun:
         # The leg that the robot drives for the mission.
         self._leg: int | None = None
         self._jumps: Counter[int] = Counter()
+        # The items that were skipped since the robot last arrived anywhere, and whether the last one with a place was.
+        self._skipped: set[int] = set()
+        self._is_elsewhere = False
         self._commander: str | None = None
 
     @property
@@ -138,11 +160,17 @@ class MissionRun:
         goes_on = is_begun and len(plan) >= done and plan[:done] == self.plan[:done]
         self.plan, self.plan_id, self._last = plan, plan_id(plan), None
         if not goes_on:
-            self._go(0)
-            self._jumps.clear()
+            self._restart_at(0)
             if self._size <= 0 or not self.running:
                 self._stand()
                 self._state = mav.MISSION_STATE_NOT_STARTED
+
+    def misplaced(self, item: MissionItem) -> Denied | None:
+        """Return the denial of an item whose place the robot can never get to; None when it can, or has no place."""
+        if not item.has_place or item.is_here:
+            return None
+        sets_home = item.command == mav.MAV_CMD_DO_SET_HOME
+        return (self._robot.misplaced if sets_home else self._robot.unreachable)(*self._point(item))
 
     def start(self, first: int | None = None, last: int | None = None) -> Denied | None:
         """Execute the mission.
@@ -160,8 +188,7 @@ class MissionRun:
         if last is not None and last not in range(self.current_item if first is None else first, len(self.plan)):
             return Denied(f"The mission cannot end with item {last}.")
         if first is not None:
-            self._go(first)
-            self._jumps.clear()
+            self._restart_at(first)
         self._last = last
         self._state = mav.MISSION_STATE_ACTIVE
         return None
@@ -176,8 +203,7 @@ class MissionRun:
         """Continue with this item, now if the mission runs and else when it starts."""
         if item not in range(len(self.plan)):
             return Denied(f"The mission has no item {item}.")
-        self._go(item)
-        self._jumps.clear()
+        self._restart_at(item)
         if self._state == mav.MISSION_STATE_COMPLETE:
             self._state = mav.MISSION_STATE_PAUSED
         return None
@@ -195,14 +221,18 @@ class MissionRun:
                 self.pause()
                 self._announce(TextSeverity.WARNING, f"Mission halted at item {self.current_item}. {sentence}")
                 yield OutgoingMessage(self.current())
+            case _Skip(sentence):
+                # The robot may still drive for an item that `select` replaced by this one.
+                self._stand()
+                self._announce(TextSeverity.NOTICE, f"Mission item {self.current_item} skipped. {sentence}")
+                yield from self._proceed(item)
             case _Jump(to):
                 self._go(to)
                 yield OutgoingMessage(self.current())
             case None:
                 yield from self._done(item)
             case _Waiting() if self._stage is None:
-                # The robot may still drive for an item that `select` replaced by this one.
-                self._stand()
+                self._stand()  # See above.
                 self._stage = stage
             case _:
                 self._stage = stage
@@ -220,12 +250,21 @@ class MissionRun:
         """Make this item the current one, to be begun."""
         self.current_item, self._stage = item, None
 
-    def _begin(self, item: MissionItem, tick: int) -> _Stage | _Jump | Denied | None:
+    def _restart_at(self, item: int) -> None:
+        """Make this item the current one, as if the mission began with it."""
+        self._go(item)
+        self._jumps.clear()
+        self._skipped.clear()
+        self._is_elsewhere = False
+
+    def _begin(self, item: MissionItem, tick: int) -> _Stage | _Jump | _Skip | Denied | None:
         """Begin an item and return its stage; None when it is done at once."""
         if self.is_home(self.current_item):
             return None
         first, second, _, _ = item.params
         match item.command:
+            case command if self._is_elsewhere and command in _IN_ROOM:
+                return self._skip(Denied("It is for the room that was skipped."))
             case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME | mav.MAV_CMD_NAV_LOITER_UNLIM:
                 return self._leg_to(self._target(item)) if item.has_place else _stay(item, tick)
             case mav.MAV_CMD_NAV_RETURN_TO_LAUNCH:
@@ -258,12 +297,17 @@ class MissionRun:
         self._leg = None
         if leg.state is LegState.FAILED:
             return Denied(leg.reason or "The robot did not get there.")
+        self._skipped.clear()
         return _stay(item, tick)
 
     def _done(self, item: MissionItem) -> Iterator[OutgoingMessage]:
         """End the current item."""
         if not self.is_home(self.current_item):
             yield OutgoingMessage(mav.MAVLink_mission_item_reached_message(self.current_item))
+        yield from self._proceed(item)
+
+    def _proceed(self, item: MissionItem) -> Iterator[OutgoingMessage]:
+        """Go on with the next item, or end the mission."""
         if self.current_item in (self._last, len(self.plan) - 1):
             self._stand()
             self._state, self._stage = mav.MISSION_STATE_COMPLETE, None
@@ -276,12 +320,22 @@ class MissionRun:
                 self._announce(TextSeverity.NOTICE, f"Mission waits before item {self.current_item}, as its plan says.")
         yield OutgoingMessage(self.current())
 
-    def _leg_to(self, target: Target) -> _Driving | Denied:
+    def _leg_to(self, target: Target) -> _Driving | _Skip | Denied:
         number = self._robot.go_to(target)
         if isinstance(number, Denied):
-            return number
-        self._leg = number
+            if not (number.is_done and self._skips):
+                return number
+            self._is_elsewhere = True
+            return self._skip(number)
+        self._leg, self._is_elsewhere = number, False
         return _Driving()
+
+    def _skip(self, denied: Denied) -> _Skip | Denied:
+        """Skip the current item; halt where it comes again without a way in between: nothing is left to do."""
+        if self.current_item in self._skipped:
+            return denied
+        self._skipped.add(self.current_item)
+        return _Skip(denied.sentence)
 
     def _stand(self) -> None:
         """Halt the robot if it drives for the mission."""

@@ -16,7 +16,7 @@ from thbridge.protocols.mavlink.vehicle.geodesy import MapProjection
 from thbridge.protocols.mavlink.vehicle.mission.downloads import DOWNLOAD_TIMEOUT
 from thbridge.protocols.mavlink.vehicle.mission.protocol import ITEM_TIMEOUT, LONGEST, RETRIES, MissionProtocol
 from thbridge.protocols.mavlink.vehicle.mission.run import MissionRun
-from thbridge.protocols.mavlink.vehicle_interface import Target
+from thbridge.protocols.mavlink.vehicle_interface import Denied, Target
 
 ACCEPTED = mav.MAV_MISSION_ACCEPTED
 FENCE, RALLY, ALL = mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY, mav.MAV_MISSION_TYPE_ALL
@@ -446,6 +446,33 @@ class TestTwoStations:
         field.missions.forget(1)
         (item,) = field.send(mav.MAVLink_mission_request_int_message(1, 1, 0))
         assert item.get_type() == "MISSION_ITEM_INT"
+
+
+@pytest.mark.parametrize(
+    ("axis", "result"),
+    [
+        ("y", mav.MAV_MISSION_INVALID_PARAM5_X),
+        ("x", mav.MAV_MISSION_INVALID_PARAM6_Y),
+        (None, mav.MAV_MISSION_INVALID),
+    ],
+)
+def test_a_place_to_which_the_robot_cannot_get_is_refused_at_once_with_the_item(field, axis, result):
+    assert field.upload(places(2)) == ACCEPTED
+    before = field.plan
+    # 100 units of 1e-7 degrees are a metre north, and less than one west.
+    far = waypoint(LATITUDE + 900, LONGITUDE)
+    field.robot.barred[0, 10] = Denied("There is no floor.", axis=axis)
+    assert field.upload([*places(2), far, *places(1)]) == result
+    assert field.told == ["Mission refused: in item 2, there is no floor."]
+    assert field.plan == before
+
+
+@pytest.mark.parametrize("ardupilot", [False, True])
+def test_the_place_of_ardupilots_home_is_of_no_account(ardupilot):
+    field = Field(ardupilot=ardupilot)
+    field.robot.barred[0, 0] = Denied("There is no floor.", axis="x")
+    accepted = field.upload([waypoint(LATITUDE, LONGITUDE), waypoint(LATITUDE + 900, LONGITUDE)]) == ACCEPTED
+    assert accepted is ardupilot
 
 
 class TestPartOfAPlan:

@@ -11,7 +11,7 @@ from sim.common.geometry import Pose2
 from tests.thbridge.protocols.mavlink.model_robot import ModelRobot
 from tests.thbridge.protocols.mavlink.rig import home_of
 from thbridge.protocols.mavlink.dialect import mav
-from thbridge.protocols.mavlink.options import GeoOrigin
+from thbridge.protocols.mavlink.options import GeoOrigin, VisitedRooms
 from thbridge.protocols.mavlink.vehicle.geodesy import MapProjection
 from thbridge.protocols.mavlink.vehicle.mission.items import MissionItem
 from thbridge.protocols.mavlink.vehicle.mission.run import MissionRun
@@ -21,6 +21,7 @@ NAN = math.nan
 NED = mav.MAV_FRAME_LOCAL_NED
 NO_MISSION, NOT_STARTED, ACTIVE, PAUSED, COMPLETE = range(1, 6)
 STATION = Station(255, 190)
+SKIP = VisitedRooms.SKIP
 
 
 def go(x, y, hold=0.0, yaw=NAN, **fields):
@@ -37,7 +38,7 @@ def do(command, *params, **fields):
 class Tour:
     """A mission and the robot that carries it out."""
 
-    def __init__(self, *items, ardupilot=False, start=True):
+    def __init__(self, *items, ardupilot=False, start=True, visited_rooms=VisitedRooms.HALT):
         self.robot = ModelRobot()
         self.told = []
         self.said = []
@@ -45,7 +46,7 @@ class Tour:
         origin = GeoOrigin(52.0, 13.0, 34.0)
         earth = MapProjection(origin)
         self.home = home_of(self.robot, earth)
-        self.run = MissionRun(self.robot, self.home, earth, self.announce, ardupilot)
+        self.run = MissionRun(self.robot, self.home, earth, self.announce, ardupilot, visited_rooms)
         self.run.replace(tuple(items))
         if start:
             assert self.run.start() is None
@@ -295,6 +296,52 @@ def test_ardupilot_always_goes_on():
     tour.arrive()
     tour.arrive()
     assert (tour.legs, tour.reached, tour.state) == ([(1, 2), (3, 4)], [1, 2], COMPLETE)
+
+
+class TestVisitedRooms:
+    """Items that lead into rooms which were visited already."""
+
+    DONE = Denied("Room 3 has been visited already.", is_done=True)
+    PICTURE = do(mav.MAV_CMD_IMAGE_START_CAPTURE, 0.0, 0.0, 1.0)
+
+    def test_a_mission_halts_there(self):
+        tour = Tour(go(1, 2), go(3, 4))
+        tour.robot.refusal = self.DONE
+        tour.pass_(5)
+        assert (tour.state, tour.run.current_item) == (PAUSED, 0)
+        assert tour.told == ["Mission halted at item 0. Room 3 has been visited already."]
+
+    def test_or_it_skips_them_and_what_was_to_be_done_there_and_says_so(self):
+        tour = Tour(go(1, 2), self.PICTURE, do(mav.MAV_CMD_USER_2), go(3, 4), self.PICTURE, visited_rooms=SKIP)
+        tour.robot.refusal = self.DONE
+        tour.pass_()
+        tour.robot.refusal = None
+        tour.pass_(3)
+        tour.arrive()
+        tour.pass_()
+        assert tour.told == [
+            "Mission item 0 skipped. Room 3 has been visited already.",
+            "Mission item 1 skipped. It is for the room that was skipped.",
+            "Mission item 2 skipped. It is for the room that was skipped.",
+            "Mission complete.",
+        ]
+        assert [call[0] for call in tour.robot.asked] == ["go_to", "go_to", "photograph"]
+        assert (tour.reached, tour.state) == ([3, 4], COMPLETE)
+
+    def test_every_other_refusal_halts_it_all_the_same(self):
+        tour = Tour(go(1, 2), go(3, 4), visited_rooms=SKIP)
+        tour.robot.refusal = Denied("There is not enough energy.")
+        tour.pass_(5)
+        assert tour.told == ["Mission halted at item 0. There is not enough energy."]
+
+    def test_a_round_in_which_nothing_is_left_halts(self):
+        tour = Tour(go(1, 2), go(3, 4), do(mav.MAV_CMD_DO_JUMP, 0.0, -1.0), visited_rooms=SKIP)
+        tour.arrive()
+        tour.arrive()
+        tour.robot.refusal = self.DONE
+        tour.pass_(50)
+        assert (tour.state, tour.run.current_item, len(tour.told)) == (PAUSED, 0, 3)
+        assert tour.told[-1] == "Mission halted at item 0. Room 3 has been visited already."
 
 
 class TestStart:
