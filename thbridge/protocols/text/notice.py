@@ -107,10 +107,24 @@ def parse_notice(message: TextMessage) -> Notice | UnreadableText:
         return UnreadableText(message.line(), f"its JSON is broken: {error}")
     if not isinstance(value, dict):
         return UnreadableText(message.line(), "its JSON is not an object")
+    if _has_half_a_character(text):
+        return UnreadableText(message.line(), "its JSON has half of a surrogate pair, which no text can hold")
     kind = value.pop("kind", None)
     if not isinstance(kind, str):
         return UnreadableText(message.line(), "it has no kind")
     return Notice(message.sender, message.receiver, kind, value)
+
+
+def _has_half_a_character(text: str) -> bool:
+    """Return True where an escape is one half of a surrogate pair without the other, which JSON's grammar allows."""
+    if r"\u" not in text:
+        return False
+    try:
+        # Pairs become one character on the way, halves stay, and cannot be encoded.
+        json.dumps(json.loads(text), ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        return True
+    return False
 
 
 def _refuse_constant(name: str) -> NoReturn:

@@ -49,6 +49,8 @@ def test_a_notice_survives_the_wire(kind: str, fields: dict[str, JsonValue]) -> 
         '{"kind":"pose","x":' + "9" * 5000 + "}",
         "[" * 60_000,
         '{"kind":' * 8_000,
+        r'{"kind":"GiveUp","game":"\ud800"}',
+        r'{"kind":"GiveUp","games":[{"\udfff\ud800":1}]}',
     ],
     ids=lambda text: text[:24],
 )
@@ -56,6 +58,14 @@ def test_a_broken_notice_is_unreadable(text: str) -> None:
     message = TextMessage.of("%%error", "A", "B", f"thbridge {text}")
     assert is_notice(message)
     assert isinstance(parse_notice(message), UnreadableText)
+
+
+def test_a_surrogate_pair_is_a_character() -> None:
+    message = parse_line(r'%%error A B thbridge {"kind":"say","text":"\ud83e\udd16"}')
+    assert isinstance(message, TextMessage)
+    found = parse_notice(message)
+    assert isinstance(found, Notice)
+    assert found.fields == {"text": "\N{ROBOT FACE}"}
 
 
 @pytest.mark.parametrize("line", ['%%error A B "0;3"', "%%error A B", '%%goto A B thbridge {"kind":"pose"}'])
