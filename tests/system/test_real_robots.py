@@ -72,9 +72,15 @@ def test_real_robots_are_recorded_from_the_yes_on_with_what_is_latched(tmp_path:
         until("the question", lambda: "nothing is recorded until" in simr.text, programs)
         assert list(tmp_path.glob("real*")) == []
         programs += [Program(tmp_path, "hider", "--server", at), Program(tmp_path, "tabui", "--server", at, "--json")]
+        assert "no ROS master" not in simr.text, "it was there from the first look on"
         until("the robot to be recorded", lambda: "departed" in kinds(tmp_path), programs)
         until("the bag", lambda: bool(list(tmp_path.glob("real*"))), programs)
         until("an arrival", lambda: "arrived" in kinds(tmp_path), programs)
+        field.kill()
+        until("the silence", lambda: "robot 1: it is silent: no odometry any more" in simr.text, programs)
+        programs.append(field.again())
+        until("the robot again", lambda: "its odometry is back" in simr.text, programs)
+        assert "is registered with the ROS master" in simr.text, "the simulation was the master"
         assert simr.stop() == 0
     finally:
         for program in programs:

@@ -319,7 +319,16 @@ async def test_a_topic_of_another_type_is_complained_of_and_not_read(caplog):
 
 
 @with_patience
-async def test_time_is_simulated_where_the_graph_says_so():
+async def test_time_is_simulated_where_the_graph_says_so_and_it_is_told_when_that_stands(caplog):
+    later_ns = 0
+
+    def passes(seconds: float) -> list[str]:
+        nonlocal later_ns
+        caplog.clear()
+        later_ns += round(seconds * 1e9)
+        fleet.tell_changes()
+        return [record.getMessage() for record in caplog.records]
+
     async with master() as ros:
         clock = RosNode("/clock_maker", ros.uri)
         text = types.plain_definition(types.CLOCK)
@@ -327,10 +336,18 @@ async def test_time_is_simulated_where_the_graph_says_so():
         clock.declare_param(names.USE_SIM_TIME, True)
         assert isinstance(await clock.start(), NodeStarted)
         await clock.registered()
-        async with fleet_at(ros.uri, Notes()) as fleet:
+        async with fleet_at(ros.uri, Notes(), lambda: time.time_ns() + later_ns) as fleet:
             await eventually(lambda: fleet.missing() == ["/use_sim_time is set, but there is no time on /clock yet"])
             ticking.publish(pack.clock(450))
             await eventually(lambda: fleet.now() == 10_000_000_000)
+            assert passes(3) == []
+            assert passes(1) == ["/clock: silent, so time goes on by this machine's clock"]
+            assert passes(60) == []
+            before_ns = fleet.now()
+            ticking.publish(pack.clock(4500))
+            await eventually(lambda: fleet.now() > before_ns + 5_000_000_000)
+            assert passes(0) == []
+            assert passes(1) == ["/clock: it is back"]
         await clock.stop()
 
 
