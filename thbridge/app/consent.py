@@ -54,6 +54,10 @@ class ConsentDesk:
         self._introduction = tuple(introduction)
         self.status = ConsentStatus.AWAITED
 
+    def make_room(self, now: float) -> Sequence[RouterOutput]:
+        """Make room for a connection."""
+        return self._session.make_room(now)
+
     def connect(self, now: float) -> ConnectionId | TurnedAway:
         """Accept a connection."""
         return self._session.connect(now)

@@ -33,6 +33,7 @@ def give(session: Session, participant: RecordedParticipant | None, item: inputs
     """Give an input to a session of `thbridge play`, by the method that took it when it was recorded."""
     match item:
         case inputs.ConnectionOpened(_, now):
+            session.perform(session.make_room(now))
             session.connect(now)
         case inputs.BytesReceived(connection, _, data, now):
             session.perform(session.receive_data(connection, data, now))

@@ -160,6 +160,10 @@ class Session:
         self._pass_on(request, sender)
         self._inputs.append(inputs.ClientRequest(sender, request))
 
+    def make_room(self, now: float) -> list[RouterOutput]:
+        """See the router; a connection that follows is recorded, and makes room again in a replay."""
+        return self._router.make_room(now)
+
     def connect(self, now: float) -> ConnectionId | TurnedAway:
         """See the router, for this and the next ones; only calls with an effect are recorded as inputs."""
         connection = self._router.connect(now)

@@ -78,6 +78,7 @@ class RouterLimits:
         backlog: bytes (characters for a local endpoint) that may wait for one reader.
         ping_after: seconds without a line after which a client is pinged.
         drop_after: seconds after an unanswered ping at which a client is dropped.
+        idle: seconds without a line after which a client without a name makes room for another.
     """
 
     clients: int = 256
@@ -85,6 +86,7 @@ class RouterLimits:
     backlog: int = 1024 * 1024
     ping_after: float = 15.0
     drop_after: float = 15.0
+    idle: float = 2.0
 
 
 class CloseReason(Enum):
@@ -96,6 +98,7 @@ class CloseReason(Enum):
     PING_UNANSWERED = "it did not answer a ping"
     SLOW = "it does not read what it is sent"
     REPLACED = "its program has connected anew"
+    IDLE = "it has no name and says nothing, and its place is needed"
 
     @property
     def flush(self) -> bool:
@@ -221,6 +224,19 @@ class MessageRouter:
         self._stopped = False
 
     # Connections
+
+    def make_room(self, now: float) -> list[RouterOutput]:
+        """Close a connection, where the server is full, for the next one: of those without a name the longest silent.
+
+        Whoever has not said a word for `RouterLimits.idle` seconds has no claim to a place that others need.
+        """
+        if self._stopped or len(self._connections) < self.limits.clients:
+            return []
+        nameless = [client for client in self._connections.values() if client.name is None]
+        idle = [client for client in nameless if now - client.last_line >= self.limits.idle]
+        if not idle:
+            return []
+        return self._close(min(idle, key=lambda client: client.last_line), CloseReason.IDLE)
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
         """Accept a connection, nameless at first; turned away when the server is full or has stopped."""

@@ -43,6 +43,9 @@ _CHECK_INTERVAL = 1.0
 class RouterInterface(Protocol):
     """Decisions for a server: a `MessageRouter`, which describes the methods, or a wrapper of one."""
 
+    def make_room(self, now: float) -> Sequence[RouterOutput]:
+        """Make room for a connection, where the server is full."""
+
     def connect(self, now: float) -> ConnectionId | TurnedAway:
         """Accept a connection."""
 
@@ -156,7 +159,9 @@ class TextServer:
     def connected(self, transport: Transport) -> ConnectionId | None:
         """Accept a new connection, or turn it away."""
         self._open.add(transport)
-        connection = self._router.connect(self._clock())
+        now = self._clock()
+        self.perform(self._router.make_room(now))
+        connection = self._router.connect(now)
         if isinstance(connection, TurnedAway):
             _log.warning("a client is turned away: the server is full")
             transport.write(connection.farewell)

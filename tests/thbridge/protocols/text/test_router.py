@@ -350,6 +350,30 @@ def test_one_client_too_many_is_turned_away_politely_and_comes_in_when_another_h
     room.enter("client7")
 
 
+def test_who_has_no_name_and_says_nothing_makes_room_for_the_next() -> None:
+    room = Room(RouterLimits(clients=4))
+    tabui = room.enter("TabUI")
+    idle = [room.enter() for _ in range(2)]
+    room.now = 1.5
+    busy = room.enter()
+    room.now = 2.1
+    for longest in idle:
+        room.take_in(room.router.make_room(room.now))
+        assert room.closed == {**room.closed, longest: CloseReason.IDLE}
+        room.enter(f"SimR{longest}")
+    # Whoever has a name, or spoke a moment ago, keeps the place.
+    assert room.router.make_room(room.now) == []
+    assert room.router.connect(room.now) == TurnedAway(SHUTDOWN)
+    assert not {tabui, busy} & room.closed.keys()
+
+
+def test_while_there_is_room_nobody_has_to_go() -> None:
+    room = Room(RouterLimits(clients=4))
+    room.enter()
+    room.now = 10.0
+    assert room.router.make_room(room.now) == []
+
+
 def test_a_client_that_never_reads_is_cut_off_and_hurts_nobody() -> None:
     room = Room(RouterLimits(backlog=1000))
     deaf, other = room.enter("deaf"), room.enter("other")

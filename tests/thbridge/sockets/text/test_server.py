@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 import pytest
 
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.router import Forwarded, MessageRouter
+from thbridge.protocols.text.router import Forwarded, MessageRouter, RouterLimits
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text import server as text_server
@@ -142,6 +142,18 @@ async def test_300_connections_of_which_256_find_room() -> None:
             assert await client.hears_the_rest() == SHUTDOWN
         await clients[0].says(b"%%error client0 client255 hello\n")
         assert await clients[255].hears() == b"%%error client0 client255 hello \n"
+
+
+@run
+async def test_a_server_full_of_silent_connections_lets_a_program_in() -> None:
+    now = [0.0]
+    async with serving(MessageRouter(RouterLimits(clients=20)), clock=lambda: now[0]) as house:
+        silent = [await house.enter() for _ in range(20)]
+        now[0] = 3.0
+        simr = await house.enter("SimR")
+        await simr.says(b"%%ping\n")
+        assert await simr.hears() == b"%%pong i am here\n"
+        assert await silent[0].hears_the_rest() == b""
 
 
 @run
