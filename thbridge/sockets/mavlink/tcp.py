@@ -11,6 +11,7 @@ from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
 
 CONNECTIONS = 32
@@ -96,6 +97,7 @@ class _Connection(Protocol):
         self._link: LinkId | None = None
         self._transport: Transport | None = None
         self._lingering: asyncio.TimerHandle | None = None
+        self._begun = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
@@ -111,6 +113,11 @@ class _Connection(Protocol):
         self._link = self._port.links.open(self._name, self._channel, self)
 
     def data_received(self, data: bytes) -> None:
+        begun, self._begun = self._begun, True
+        if not begun and begins_http(data):
+            self._cut_off("speaks HTTP, as a page in a browser does")
+        if self._transport is None or self._transport.is_closing():
+            return
         frames = self._port.links.frames_in(self._name, self._channel, data)
         if self._link is not None:
             self._port.links.receive(self._link, frames)

@@ -269,6 +269,9 @@ class XmlRpcServer:
 def _check(request: h11.Request) -> None:
     if request.method != b"POST":
         raise h11.RemoteProtocolError("XML-RPC is spoken by POST", 405)
+    if any(name == b"origin" for name, _ in request.headers):
+        # Only browsers say from which page a request comes: none of a graph's programs is one.
+        raise h11.RemoteProtocolError("pages in browsers are not served", 403)
     for name, value in request.headers:
         if name == b"content-length" and int(value) > MAX_BYTES:
             raise h11.RemoteProtocolError("the request is too long", 413)

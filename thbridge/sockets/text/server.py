@@ -27,6 +27,7 @@ from thbridge.protocols.text.router import (
 )
 from thbridge.sockets.addresses import DEBIAN_HOST, LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.http_refusal import begins_http
 
 _log = logging.getLogger(__name__)
 
@@ -205,6 +206,7 @@ class _Connection(BufferedProtocol):
         self._buffer = bytearray(_SEGMENT)
         self._id: ConnectionId | None = None
         self._transport: Transport | None = None
+        self._begun = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if isinstance(transport, Transport):
@@ -215,7 +217,12 @@ class _Connection(BufferedProtocol):
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
-        if self._id is not None:
+        begun, self._begun = self._begun, True
+        if not begun and self._transport is not None and begins_http(bytes(self._buffer[:nbytes])):
+            _log.warning("a client speaks HTTP, as a page in a browser does, and is cut off")
+            self._transport.abort()
+            return
+        if self._id is not None and self._transport is not None and not self._transport.is_closing():
             self._server.received(self._id, bytes(self._buffer[:nbytes]))
 
     def eof_received(self) -> None:

@@ -29,6 +29,7 @@ from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.watching.backlog import Backlog
 from thbridge.sockets.watching.history import MessageHistory
 
@@ -244,6 +245,7 @@ class _Watcher(AsyncioProtocol):
         self._chunks = chunks
         self._full = False
         self._closing = False
+        self._begun = False
         self._input_ended = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -261,6 +263,13 @@ class _Watcher(AsyncioProtocol):
             asyncio.get_running_loop().call_later(_KEY_SECONDS, self._key_timed_out)
 
     def data_received(self, data: bytes) -> None:
+        begun, self._begun = self._begun, True
+        if not begun and begins_http(data):
+            _log.warning("a client speaks HTTP, as a page in a browser does, and is cut off")
+            if self._transport is not None:
+                self._transport.abort()
+            self._closing = True
+            return
         for event in self.decoder.feed(data):
             if self._closing:
                 return
