@@ -6,16 +6,15 @@ from pathlib import Path
 import pytest
 
 from tests.system.test_play import thbridge
-from thbridge.hunt.codec import from_json
 from thbridge.hunt.events import (
     CostsEstimated,
     DialogueOpened,
     DialogueSaid,
-    GameStarted,
     MoveFailed,
     RobotDeparted,
 )
 from thbridge.hunt.game import GameState, apply, begin
+from thbridge.recording.journal import read_journal
 
 STUDY = """\
 robots: 3
@@ -36,10 +35,9 @@ def hunt(folder: Path, study: str, seconds: int) -> list[tuple[GameState, object
     done = thbridge(folder, "play", "--headless", "--json", *limits, "study.yaml", "--bag", "hunt.bag")
     assert json.loads(done.stdout)["sim_seconds"] <= seconds, done.stderr
     (journal,) = (folder / "hunt.journal").glob("*.jsonl")
-    first, *entries = (from_json(line) for line in journal.read_text().splitlines())
-    events = [entry for entry in entries if not isinstance(entry, DialogueOpened | DialogueSaid)]
-    assert isinstance(first, GameStarted)
-    state, told = begin(first), []
+    game = read_journal(journal)
+    events = [entry for entry in game.events if not isinstance(entry, DialogueOpened | DialogueSaid)]
+    state, told = begin(game.started), []
     for event in events:
         told.append((state, event))
         state = apply(state, event)

@@ -450,11 +450,28 @@ def test_who_does_not_read_is_cut_off(caplog: pytest.LogCaptureFixture, monkeypa
     asyncio.run(whole())
 
 
+def test_pages_of_browsers_are_cut_off_before_frames_in_their_requests_are_heard(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async def whole() -> None:
+        async with served(tcp=LISTEN) as (exchange, names):
+            reader, writer = await connect(names[0])
+            await until(lambda: len(exchange.names) == 1)
+            writer.write(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n" + HEARTBEAT.to_bytes())
+            with pytest.raises((ConnectionError, asyncio.IncompleteReadError)):
+                await reader.readexactly(1)
+            assert "speaks HTTP" in caplog.text
+            assert exchange.received == []
+            writer.close()
+
+    asyncio.run(whole())
+
+
 def test_who_sends_garbage_alone_is_cut_off(caplog: pytest.LogCaptureFixture) -> None:
     async def whole() -> None:
         async with served(tcp=LISTEN) as (_, names):
             reader, writer = await connect(names[0])
-            writer.write(b"GET / HTTP/1.1\r\n" * (GARBAGE_LIMIT // 16 + 2))
+            writer.write(b"no MAVLink here\n" * (GARBAGE_LIMIT // 16 + 2))
             with pytest.raises((ConnectionError, asyncio.IncompleteReadError)):
                 await reader.readexactly(1)
             assert "sends nothing of use, and is cut off" in caplog.text

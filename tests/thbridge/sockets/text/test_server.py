@@ -1,6 +1,7 @@
 """The text server over real TCP."""
 
 import asyncio
+import contextlib
 import socket
 import struct
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -304,3 +305,18 @@ async def test_programs_of_this_process_talk_with_clients_and_the_tap_hears_all(
         Forwarded(TextMessage("%%snap", "TabUI", "Hider", ("3",)), delivered=False, sender_extended=False),
         Forwarded(arrived, delivered=True, sender_extended=True),
     ]
+
+
+@run
+async def test_messages_in_the_request_of_a_page_in_a_browser_are_not_heard():
+    forwarded: list[Forwarded] = []
+    async with serving(tap=forwarded.append) as house:
+        hider = await house.enter("hider")
+        page = await house.enter()
+        await page.says(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n%%setid simr \n%%where simr hider robot1 \n")
+        with contextlib.suppress(ConnectionError):
+            assert await page.hears_the_rest() == b""
+        await house.enter("simr")  # the name is free: whoever has it is the first
+        await hider.says(b"%%ping \n")
+        assert (await hider.hears()).startswith(b"%%pong")
+        assert forwarded == []
