@@ -151,10 +151,12 @@ class Anything(RuleBasedStateMachine):
         assert len(beats) >= 4
 
     def _pass(self, ticks):
-        self.rig.run(ticks)
-        if self.commander is not None and self.rig.tick - self.heard > 5 * SECOND:
-            # Lost: it goes home by itself, and is the participant's.
-            self.commander, self.quiet = None, False
+        for _ in range(ticks):
+            if self.commander is not None and self.rig.tick + 1 - self.heard > 5 * SECOND:
+                # Lost: it goes home by itself, and is the participant's. What it did until now was the station's.
+                self.only_the_station_in_command_moves_the_robot()
+                self.commander, self.quiet = None, False
+            self.rig.run(1)
 
     def _leg_state(self):
         leg = self.rig.robot.readings.leg
