@@ -58,6 +58,28 @@ def solution(matrix: FloatArray, right: FloatArray) -> FloatArray:
     return x
 
 
+@njit(cache=True)
+def damped_solution(matrix: FloatArray, right: FloatArray, damping: float) -> FloatArray:
+    """(n, m) step of damped least squares for (n, n) normal equations and (n, m) right sides.
+
+    Args:
+        matrix: normal equations.
+        right: right sides.
+        damping: part of the diagonal's mean that is added to the diagonal; a little is added in any case, so that
+            directions that nothing constrains stay where they are.
+
+    Source: Nocedal, Wright, Numerical Optimization, 2nd ed. (2006), section 10.3 (Levenberg and Marquardt).
+    """
+    damped = matrix.copy()
+    n = matrix.shape[0]
+    trace = 0.0
+    for a in range(n):
+        trace += matrix[a, a]
+    for a in range(n):
+        damped[a, a] += damping * trace / n + 1e-9
+    return solution(damped, right)
+
+
 def inverse(matrix: FloatArray) -> FloatArray:
     """(n, n) inverse of a matrix; nan where it is singular."""
     return solution(np.ascontiguousarray(matrix), np.eye(len(matrix)))

@@ -14,7 +14,7 @@ from sim.numerics import elementary, elementary_arrays
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
-from sim.numerics.matrices import solution
+from sim.numerics.matrices import damped_solution
 from sim.robot.localization.bilinear import REACH, interpolate
 from sim.robot.localization.surface_matching import refined
 
@@ -111,10 +111,7 @@ def _match(
     while True:
         for _ in range(_STEPS):
             matrix, right, _ = _normal_equations(field, frame, x, y, theta, points, width)
-            damping = _DAMPING * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) / 3.0 + 1e-9
-            for a in range(3):
-                matrix[a, a] += damping
-            step = solution(matrix, right)
+            step = damped_solution(matrix, right, _DAMPING)
             x += step[0, 0]
             y += step[1, 0]
             theta += step[2, 0]

@@ -15,7 +15,7 @@ from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
-from sim.numerics.matrices import solution
+from sim.numerics.matrices import damped_solution, solution
 from sim.robot.localization.bilinear import interpolate
 
 _STEPS = 3
@@ -133,10 +133,7 @@ def refined(
                 right[a, 0] -= weight * slopes[j, a] * distances[j]
                 for b in range(3):
                     matrix[a, b] += weight * slopes[j, a] * slopes[j, b]
-        added = damping * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) / 3.0 + 1e-9
-        for a in range(3):
-            matrix[a, a] += added
-        step = solution(matrix, right)
+        step = damped_solution(matrix, right, damping)
         x += step[0, 0]
         y += step[1, 0]
         theta += step[2, 0]
