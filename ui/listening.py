@@ -1,6 +1,7 @@
 """Addresses on which a session listens beside its text server: ROS graph, researchers' windows, ground stations."""
 
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
@@ -41,6 +42,12 @@ def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) 
     beside = Path() if file is None else file.parent
     path = key or (None if section.key is None else beside / section.key)
     return WatchAddress(host, port, None if path is None else parse_key(path))
+
+
+def check_foxglove(port: int | None) -> None:
+    """End the program where a port for Foxglove is wanted, but the package that it needs is missing."""
+    if port is not None and find_spec("foxglove") is None:
+        fail(BAD_INPUT, "--foxglove: foxglove-sdk is not installed. Run: pip install 'thbridge[foxglove]'")
 
 
 def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts | None:
@@ -88,4 +95,10 @@ def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallback
         if not quiet:
             note(f"Robots speak MAVLink: {', '.join(names) or 'to nobody'}.")
 
-    return StartupCallbacks(joined, watched, linked)
+    def shown(where: ListeningAddress | CannotListen) -> None:
+        if isinstance(where, CannotListen):
+            fail(BAD_INPUT, f"--foxglove: {where}")
+        if not quiet:
+            note(f"Foxglove can connect to ws://{where.host}:{where.port}.")
+
+    return StartupCallbacks(joined, watched, linked, shown)

@@ -65,6 +65,15 @@ WatchKey = Annotated[
     Path | None,
     typer.Option("--watch-key", help="File whose first line whoever watches has to know. They see the truth."),
 ]
+FoxglovePort = Annotated[
+    int | None,
+    typer.Option(
+        "--foxglove",
+        help="Show the session in Foxglove, at this port of this machine; see docs/watching.md.",
+        min=0,
+        max=65535,
+    ),
+]
 Mavlink = Annotated[
     bool | None,
     typer.Option("--mavlink/--no-mavlink", help="Make every robot a MAVLink rover; see docs/mavlink.md."),

@@ -96,12 +96,14 @@ def test_a_summary_of_a_bag_and_a_suggestion_load_no_simulator(tmp_path: Path) -
 
 
 def test_a_text_server_listens_without_robots_vehicles_and_bags(tmp_path: Path) -> None:
-    command = [sys.executable, "-c", PROGRAM, "server", "--port", "0"]
+    # A script's shell has the programs that it starts by `&` ignore Ctrl-C; they are stopped by it all the same.
+    command = ["sh", "-c", 'trap "" INT; exec "$@"', "sh", sys.executable, "-c", PROGRAM, "server", "--port", "0"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     with subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
         assert server.stdout.readline().startswith("listening on")
         server.send_signal(signal.SIGINT)
+        server.wait(60)
     modules = set((tmp_path / "modules").read_text().split())
     assert "thbridge.app.server" in modules
     assert not {name.partition(".")[0] for name in modules} & {

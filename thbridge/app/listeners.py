@@ -1,4 +1,4 @@
-"""Listeners to a session's robots: a ROS graph, a bag, researchers' windows. Graph and windows also send requests."""
+"""Listeners to a session's robots: a ROS graph, a bag, researchers' windows, Foxglove. Graph and windows also ask."""
 
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -12,10 +12,11 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.live import LiveGraph, on_graph
 from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.watch_requests import WatchRequestHandler
+from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.publisher import TeamPublisher
-from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence
 from thbridge.sockets.watching.server import WatchServer
@@ -52,6 +53,10 @@ class ListenerOptions(Protocol):
     def watch(self) -> WatchAddress | None:
         """Address of the watch server; None for none."""
 
+    @property
+    def foxglove(self) -> int | None:
+        """TCP port of this machine for Foxglove, 0 for any that is free; None for none."""
+
 
 def _ignore(outcome: object) -> None:
     """Do nothing; the callback of programs without graph, watch server or MAVLink links."""
@@ -59,17 +64,19 @@ def _ignore(outcome: object) -> None:
 
 @dataclass(frozen=True, slots=True)
 class StartupCallbacks:
-    """Callbacks for the result of starting a graph, the watch server and MAVLink links; each may raise.
+    """Callbacks for the result of starting a graph, the watch server and others; each may raise.
 
     Attributes:
         joined: takes the master of the graph, or the reason why there is none.
         watched: takes the address of the watch server, or the reason why it cannot listen.
         linked: takes the addresses of MAVLink links, such as "udp 127.0.0.1:14550", or the reason why there are none.
+        shown: takes the address for Foxglove, or the reason why there is none.
     """
 
     joined: Callable[[MasterPresence | CannotListen], None]
     watched: Callable[[ListeningAddress | CannotListen], None]
     linked: Callable[[Sequence[str] | CannotListen], None] = _ignore
+    shown: Callable[[ListeningAddress | CannotListen], None] = _ignore
 
 
 NO_CALLBACKS = StartupCallbacks(_ignore, _ignore)
@@ -108,12 +115,21 @@ async def listeners(
             live = LiveGraph(options.graph, build_team_description(setting, publisher), team, ask, receive_frame)
             await opened.enter_async_context(on_graph(live, options.graph, callbacks.joined))
             listening.append(live)
-        if options.bag is not None:
-            listening.append(opened.enter_context(build_writer(setting, options.bag)))
         if options.watch is not None:
             desk = WatchRequestHandler(ask, team, pacer, has_game=has_game)
             server = WatchServer(desk, options.watch.key)
             opened.push_async_callback(server.stop)
             callbacks.watched(await server.start(options.watch.host, options.watch.port))
             listening += [desk, server]
+        if options.foxglove is not None:
+            # Where nobody wants it, the package need not be there.
+            from thbridge.sockets.foxglove import FoxgloveServer  # noqa: PLC0415
+
+            foxglove = FoxgloveServer(publisher.topics, Definitions(ROS_SHARES))
+            opened.callback(foxglove.stop)
+            callbacks.shown(foxglove.start(LOCALHOST, options.foxglove))
+            listening.append(foxglove)
+        if options.bag is not None:
+            # Last: no recording is begun where a port is taken.
+            listening.append(opened.enter_context(build_writer(setting, options.bag)))
         yield listening

@@ -126,6 +126,7 @@ class PlayOptions:
         left: called after every tick; returns True once the participant's own window is closed. Only then the hunt
             ends, because they may look at the result and play again. None: it ends with the game.
         watch: address of the watch server; None for none.
+        foxglove: TCP port of this machine for Foxglove; None for none.
         mavlink: ports of the MAVLink links; None for none.
         inputs: path of the log of inputs; a game whose log is there already goes on where that ends, and a simulated
             participant in this process decides anew as it did. None: no log.
@@ -139,6 +140,7 @@ class PlayOptions:
     graph: GraphAddress | None = None
     left: Callable[[], bool] | None = None
     watch: WatchAddress | None = None
+    foxglove: int | None = None
     mavlink: MavlinkPorts | None = None
     inputs: Path | None = None
 
@@ -209,13 +211,13 @@ async def play(
             await listen()
             # In a window people have been asked already, and it says yes as soon as it joins.
             await _consent(desk, options.left, _ignore if options.left is not None else _log.warning)
-        log: EventLog | None = None
-        if options.bag is not None:
-            log = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
         has_vehicles = setting.study.mavlink.on
         stations = receive_frame if has_vehicles else None
         listening = listeners(options, setting, team, publisher, pacer, ask, callbacks, stations, has_game=True)
         audience = await opened.enter_async_context(listening)
+        log: EventLog | None = None
+        if options.bag is not None:
+            log = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
         recorders: list[TickRecorder] = []
         if audience:
             recorders.append(BagRecorder(Broadcast(publisher, record, setting.map.grid, audience)))

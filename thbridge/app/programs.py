@@ -217,6 +217,7 @@ class SimrOptions:
         bag: path of the recording; None for no recording.
         graph: the ROS graph to take part in; None for none.
         watch: address of the watch server; None for none.
+        foxglove: TCP port of this machine for Foxglove; None for none.
     """
 
     host: str
@@ -226,6 +227,7 @@ class SimrOptions:
     bag: Path | None
     graph: GraphAddress | None = None
     watch: WatchAddress | None = None
+    foxglove: int | None = None
 
 
 async def simr(

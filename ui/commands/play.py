@@ -15,6 +15,7 @@ from ui.options import (
     AsJson,
     BagFile,
     ColourScheme,
+    FoxglovePort,
     KeyFile,
     LookOption,
     MapName,
@@ -87,6 +88,7 @@ def play(
     ros_host: RosHost = None,
     watch: WatchAt = None,
     watch_key: WatchKey = None,
+    foxglove: FoxglovePort = None,
     mavlink: Mavlink = None,
     identity: MavlinkIdentity = None,
     udp: MavlinkUdp = None,
@@ -113,7 +115,7 @@ def play(
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
     from ui.hosting.seats import seat_of_bot, seat_of_person
-    from ui.listening import graph_of, hosts_of, ports_of, watch_of
+    from ui.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report
     from ui.settings import changes_of, setting_of, study_of, with_mavlink, with_options, with_server, with_strategy
@@ -144,9 +146,10 @@ def play(
     pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
     told = hosts_of(graph, as_json)
     door = watch_of(study, study_file, watch, watch_key)
+    check_foxglove(foxglove)
     if windowed:
         offered = offer_of(setting, given=robots is not None)
-        options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door, mavlink=ports)
+        options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=foxglove, mavlink=ports)
         games = WindowGames(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--look", look.value))
         return
@@ -175,7 +178,7 @@ def play(
     compile_ahead(whole_hunt=pace > 0.0)
     unfinished: HuntUnfinished | None = None
     try:
-        options = PlayOptions(pace, path, others, who, limit, graph, watch=door, mavlink=ports)
+        options = PlayOptions(pace, path, others, who, limit, graph, watch=door, foxglove=foxglove, mavlink=ports)
         program = hunt.play(setting, seat.tabui, options, ready, progress, told)
         outcome = run(program, seat.typed)
     except ParticipantDeclined as declined:

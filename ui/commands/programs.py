@@ -16,6 +16,7 @@ from ui.options import (
     AsJson,
     BagFile,
     ColourScheme,
+    FoxglovePort,
     LookOption,
     MapName,
     ParticipantKind,
@@ -83,6 +84,7 @@ def simr(
     ros_host: RosHost = None,
     watch: WatchAt = None,
     watch_key: WatchKey = None,
+    foxglove: FoxglovePort = None,
 ) -> None:
     """Run the robots (SimR) at a text server until stopped."""
     from thbridge.app import programs
@@ -91,7 +93,7 @@ def simr(
     from ui.actions.programs import address_of, new_token, settings_without_effect, tell_lost
     from ui.event_loop import run
     from ui.first_start import compile_ahead
-    from ui.listening import graph_of, hosts_of, watch_of
+    from ui.listening import check_foxglove, graph_of, hosts_of, watch_of
     from ui.settings import setting_of, study_of
 
     study_file = the_study(study_file, study_option)
@@ -113,6 +115,8 @@ def simr(
         fail(BAD_INPUT, "--ros: robots of a ROS graph are there already. Leave the option out.")
     if real and watch is not None:
         fail(BAD_INPUT, "--watch: real robots are watched on their graph, by rviz. Leave the option out.")
+    if real and foxglove is not None:
+        fail(BAD_INPUT, "--foxglove: real robots are watched on their graph, by foxglove_bridge. Leave the option out.")
     if real and rate is not None:
         fail(BAD_INPUT, "--rate: real robots have the time that they have. Leave the option out.")
     if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
@@ -129,8 +133,9 @@ def simr(
             fail(FAILED, unfit)
         return
     door = watch_of(setting.study, study_file, watch, watch_key)
+    check_foxglove(foxglove)
     compile_ahead(whole_hunt=True)
-    options = SimrOptions(host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door)
+    options = SimrOptions(host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door, foxglove)
     unfit = run(programs.simr(setting, options, tell_lost, hosts_of(graph)))
     if unfit is not None:
         fail(FAILED, unfit)

@@ -1,7 +1,10 @@
-"""The commands about ROS 1: message types for a ROS that is installed, a master where none is, what rviz shows."""
+"""The commands about ROS 1: message types for an installed ROS, a master where none is, what rviz and Foxglove show."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,9 +15,13 @@ from ui.options import MapName, Robots, StudyFile
 from ui.outputs import STANDARD_OUTPUT
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
+if TYPE_CHECKING:
+    from sim.common.grid import OccupancyGrid
+    from sim.parameters import RobotParameters
+
 ros_app = typer.Typer(
     cls=CommandGroup,
-    help="ROS 1: our message types for it, a master, and rviz's configuration.",
+    help="ROS 1: our message types for it, a master, and what rviz and Foxglove show.",
     no_args_is_help=True,
 )
 
@@ -50,23 +57,44 @@ def ros_master(
     asyncio.run(master_server.serve(host, port, ready))
 
 
+ViewFile = Annotated[Path | None, typer.Option("--to", help="The file; by default, and with `-`, standard output.")]
+
+
 @ros_app.command("rviz")
 def ros_rviz(
-    study_file: StudyFile = None,
-    robots: Robots = None,
-    map_name: MapName = None,
-    to: Annotated[
-        Path | None, typer.Option("--to", help="The file; by default, and with `-`, standard output.")
-    ] = None,
+    study_file: StudyFile = None, robots: Robots = None, map_name: MapName = None, to: ViewFile = None
 ) -> None:
     """Write a configuration of rviz that shows a study's whole team; open it by `rviz -d FILE`."""
-    from sim.common.robot_numbers import robot_numbers
     from thbridge.ros.rviz import configuration
+
+    _write_view(configuration, study_file, robots, map_name, to, "Open it by: rviz -d {to}")
+
+
+@ros_app.command("foxglove")
+def ros_foxglove(
+    study_file: StudyFile = None, robots: Robots = None, map_name: MapName = None, to: ViewFile = None
+) -> None:
+    """Write a layout of Foxglove that shows a study's whole team; for sessions with --foxglove, and for recordings."""
+    from thbridge.ros.foxglove_layout import foxglove_layout
+
+    _write_view(foxglove_layout, study_file, robots, map_name, to, "In Foxglove: Layouts, Import from file")
+
+
+def _write_view(
+    write: Callable[[Sequence[RobotParameters], OccupancyGrid], str],
+    study_file: Path | None,
+    robots: int | None,
+    map_name: str | None,
+    to: Path | None,
+    use: str,
+) -> None:
+    """Write the view of a study's team that a function makes of the robots' parameters and the map."""
+    from sim.common.robot_numbers import robot_numbers
     from ui.settings import map_of, study_of
 
     study = study_of(study_file, {"robots": robots, "map": map_name})
     grid = map_of(study, study_file).grid
-    text = configuration([study.software(number) for number in robot_numbers(study.robots)], grid)
+    text = write([study.software(number) for number in robot_numbers(study.robots)], grid)
     if to is None or to == STANDARD_OUTPUT:
         print(text, end="")  # noqa: T201 - this is what was asked for
         return
@@ -74,4 +102,4 @@ def ros_rviz(
         to.write_text(text, encoding="utf-8")
     except OSError as error:
         fail(BAD_INPUT, f"--to: {to} cannot be written ({error.strerror}). Choose another file.")
-    note(f"Wrote {to}. Open it by: rviz -d {to}")
+    note(f"Wrote {to}. {use.format(to=to)}")

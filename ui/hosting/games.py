@@ -105,7 +105,7 @@ class WindowGames:
 
         async def play(visit: GameVisit) -> None:
             options = dataclasses.replace(
-                self.options, bag=None, graph=None, watch=None, mavlink=None, left=visit.has_left
+                self.options, bag=None, graph=None, watch=None, foxglove=None, mavlink=None, left=visit.has_left
             )
             await self._played(setting, options, visit)
 
