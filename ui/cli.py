@@ -128,7 +128,7 @@ class NoteHandler(logging.Handler):
 def main() -> None:
     """Run the command line."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        # Begun by `&` in a script. A server would be stopped by Ctrl-C or not, by the moment; SIGTERM is passed on as it.
+        # Begun by `&` in a script. Else Ctrl-C would stop a server or not, by the moment, and SIGTERM not stop a kiosk.
         signal.signal(signal.SIGINT, signal.default_int_handler)
     logging.basicConfig(level=logging.WARNING, format="%(message)s", handlers=[NoteHandler()])
     app()
