@@ -76,6 +76,10 @@ class ConsentDesk:
                     replies += [SendToClient(connection, encode_line(line.line())) for line in self._answer(message)]
         return [*outputs, *replies]
 
+    def admits(self, connection: ConnectionId) -> bool:
+        """Return True when a connection may say another line now."""
+        return self._session.admits(connection)
+
     def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
         """Remove a connection that has ended."""
         return self._session.eof(connection)

@@ -29,6 +29,11 @@ if TYPE_CHECKING:  # Only sessions with robots need these.
     from sim.team import TeamSnapshot
     from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
 
+_LINE = 256
+"""Bytes that a line costs beside its own."""
+_FEW_LINES, _MOST_OF_ONE, _MOST_OF_ALL = 2 * 1024, 32 * 1024, 128 * 1024
+"""Bytes between two ticks that are always heard of a connection, at most, and at most of all together."""
+
 
 @dataclass(frozen=True, slots=True)
 class TickRecord:
@@ -117,6 +122,8 @@ class Session:
         self._participant = participant
         self._robots = next((role for role in roles if isinstance(role, RobotsRole)), None)
         self._inputs: list[Input] = []
+        self._said: dict[ConnectionId, int] = {}
+        self._said_by_all = 0
         self._forwarded: list[Forwarded] = []
         self._vehicles = None if vehicles is None else vehicles(self._pass_on)
         for role in (keeper, *self._roles, *(() if participant is None else (participant,))):
@@ -178,9 +185,20 @@ class Session:
             sender = self._router.display_name(connection)
             if sender is None:
                 break
+            self._said[connection] = self._said.get(connection, 0) + len(line) + _LINE
+            self._said_by_all += len(line) + _LINE
             self._inputs.append(inputs.BytesReceived(connection, sender, line, now))
             outputs += self._router.receive_data(connection, line, now)
         return outputs
+
+    def admits(self, connection: ConnectionId) -> bool:
+        """Return True when a connection may say another line before the next tick.
+
+        What is said is kept until then, in a pause for long, and recorded. The few lines of a program that means well
+        are heard whatever others say.
+        """
+        said = self._said.get(connection, 0)
+        return said < _FEW_LINES or (said < _MOST_OF_ONE and self._said_by_all < _MOST_OF_ALL)
 
     def eof(self, connection: ConnectionId) -> list[RouterOutput]:
         """Note the end of a connection."""
@@ -274,6 +292,7 @@ class Session:
         """
         # Inputs from here on, such as the backlog of a reader of what is sent now, are the next tick's.
         given, self._inputs = self._inputs, []
+        self._said, self._said_by_all = {}, 0
         self.perform(self._router.exchange())
         forwarded, self._forwarded = tuple(self._forwarded), []
         self._keeper.tap(forwarded)

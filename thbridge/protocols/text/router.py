@@ -263,6 +263,10 @@ class MessageRouter:
                 break
         return outputs
 
+    def admits(self, connection: ConnectionId) -> bool:
+        """Return True: a router does not mind how much is said."""
+        return True
+
     def eof(self, connection: ConnectionId) -> list[RouterOutput]:
         """Remove a connection that has ended or is lost: its name is free. A line it had begun is dropped."""
         client = self._connections.pop(connection, None)

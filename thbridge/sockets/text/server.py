@@ -28,6 +28,7 @@ from thbridge.protocols.text.router import (
 from thbridge.sockets.addresses import DEBIAN_HOST, LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
+from thbridge.sockets.warn_once import WarnOnce
 
 _log = logging.getLogger(__name__)
 
@@ -36,6 +37,9 @@ _SEGMENT = 16 * 1024
 
 _LINGER = 1.0
 """Seconds that a client has to read its last line before the connection is cut off."""
+
+_MOST_LINGERING = 64
+"""Connections that may be read their last line at a time."""
 
 _CHECK_INTERVAL = 1.0
 """Seconds between two checks for idle clients."""
@@ -52,6 +56,9 @@ class RouterInterface(Protocol):
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
         """Handle received bytes."""
+
+    def admits(self, connection: ConnectionId) -> bool:
+        """Return True when a connection may say another line before the next `TextServer.perform`."""
 
     def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
         """Remove a connection that has ended."""
@@ -90,6 +97,9 @@ class TextServer:
         self._clock = clock
         self._transports: dict[ConnectionId, Transport] = {}
         self._open: set[Transport] = set()
+        self._held: dict[ConnectionId, _Connection] = {}
+        self.complaints = WarnOnce(_log)
+        """What clients do wrong."""
         self._all_closed = asyncio.Event()
         self._servers: list[asyncio.Server] = []
         self._watch: asyncio.Task[None] | None = None
@@ -124,7 +134,7 @@ class TextServer:
         for server in self._servers:
             server.close()
         self._watch.cancel()
-        self.perform(self._router.stop())
+        self._perform(self._router.stop())
         while self._open:
             self._all_closed.clear()
             await self._all_closed.wait()
@@ -133,6 +143,21 @@ class TextServer:
         self._servers = []
 
     def perform(self, outputs: Iterable[RouterOutput]) -> None:
+        """Carry out outputs of the router, and hear on whoever has said too much before."""
+        self._perform(outputs)
+        held, self._held = self._held, {}
+        for connection in held.values():
+            connection.go_on()
+
+    def hold(self, connection: ConnectionId, held: _Connection) -> None:
+        """Hear no more of a connection until the next `perform`."""
+        self._held[connection] = held
+
+    def admits(self, connection: ConnectionId) -> bool:
+        """Return True when a connection may say another line now."""
+        return self._router.admits(connection)
+
+    def _perform(self, outputs: Iterable[RouterOutput]) -> None:
         """Carry out outputs of the router, and those that follow from them."""
         waiting = deque(outputs)
         while waiting:
@@ -149,7 +174,8 @@ class TextServer:
                     if transport is not None:
                         _close(transport, reason.flush)
                 case LineSkipped(connection, length):
-                    _log.warning("client %d sent a line of %d bytes, which is too long; skipped", connection, length)
+                    self.complaints.warn(f"client {connection} sent a line that is too long; skipped")
+                    _log.info("client %d sent a line of %d bytes", connection, length)
                 case ClientJoined(connection, name):
                     _log.info("client %d is %s", connection, name)
                 case ClientLeft(connection, name):
@@ -161,23 +187,24 @@ class TextServer:
         """Accept a new connection, or turn it away."""
         self._open.add(transport)
         now = self._clock()
-        self.perform(self._router.make_room(now))
+        self._perform(self._router.make_room(now))
         connection = self._router.connect(now)
         if isinstance(connection, TurnedAway):
-            _log.warning("a client is turned away: the server is full")
+            self.complaints.warn("a client is turned away: the server is full")
             transport.write(connection.farewell)
-            _close(transport, flush=True)
+            # Of those turned away few may linger: file descriptors are needed for what is recorded.
+            _close(transport, flush=len(self._open) - len(self._transports) <= _MOST_LINGERING)
             return None
         self._transports[connection] = transport
         return connection
 
     def received(self, connection: ConnectionId, data: bytes) -> None:
         """Handle received bytes of a connection."""
-        self.perform(self._router.receive_data(connection, data, self._clock()))
+        self._perform(self._router.receive_data(connection, data, self._clock()))
 
     def ended(self, connection: ConnectionId) -> None:
         """Handle the end of a client's bytes."""
-        self.perform(self._router.eof(connection))
+        self._perform(self._router.eof(connection))
         self._transports.pop(connection, None)
 
     def lost(self, transport: Transport) -> None:
@@ -188,7 +215,7 @@ class TextServer:
     async def _check_idle(self) -> None:
         while True:
             await asyncio.sleep(_CHECK_INTERVAL)
-            self.perform(self._router.advance(self._clock()))
+            self._perform(self._router.advance(self._clock()))
 
 
 class _Connection(BufferedProtocol):
@@ -207,6 +234,7 @@ class _Connection(BufferedProtocol):
         self._id: ConnectionId | None = None
         self._transport: Transport | None = None
         self._begun = False
+        self._waiting = b""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if isinstance(transport, Transport):
@@ -219,11 +247,31 @@ class _Connection(BufferedProtocol):
     def buffer_updated(self, nbytes: int) -> None:
         begun, self._begun = self._begun, True
         if not begun and self._transport is not None and begins_http(bytes(self._buffer[:nbytes])):
-            _log.warning("a client speaks HTTP, as a page in a browser does, and is cut off")
+            self._server.complaints.warn("a client speaks HTTP, as a page in a browser does, and is cut off")
             self._transport.abort()
             return
-        if self._id is not None and self._transport is not None and not self._transport.is_closing():
-            self._server.received(self._id, bytes(self._buffer[:nbytes]))
+        self._hear(self._waiting + self._buffer[:nbytes])
+
+    def go_on(self) -> None:
+        """Hear what waits, and what comes."""
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.resume_reading()
+            self._hear(self._waiting)
+
+    def _hear(self, data: bytes) -> None:
+        """Pass on line by line as much as is admitted; the rest waits, here and in the other side's socket."""
+        begin, self._waiting = 0, b""
+        while begin < len(data) and self._transport is not None and self._id is not None:
+            if self._transport.is_closing():
+                return
+            if not self._server.admits(self._id):
+                self._waiting = data[begin:]
+                self._transport.pause_reading()
+                self._server.hold(self._id, self)
+                return
+            end = data.find(b"\n", begin) + 1 or len(data)
+            self._server.received(self._id, data[begin:end])
+            begin = end
 
     def eof_received(self) -> None:
         if self._id is not None:

@@ -146,6 +146,16 @@ async def test_300_connections_of_which_256_find_room() -> None:
 
 
 @run
+async def test_of_many_that_are_turned_away_few_linger() -> None:
+    async with serving(MessageRouter(RouterLimits(clients=1))) as house:
+        await house.enter("SimR")
+        # None of them closes its side.
+        turned_away = [await house.enter() for _ in range(200)]
+        assert [await client.hears() for client in turned_away] == [SHUTDOWN] * 200
+        assert len(house.server._open) <= text_server._MOST_LINGERING + 2
+
+
+@run
 async def test_a_server_full_of_silent_connections_lets_a_program_in() -> None:
     now = [0.0]
     async with serving(MessageRouter(RouterLimits(clients=20)), clock=lambda: now[0]) as house:
