@@ -403,6 +403,10 @@ class MessageRouter:
         is_extension = extended and is_notice(message)
         holder = self._holders.get(message.receiver)
         failure = self._obstacle(holder, message, is_extension)
+        to_ours = isinstance(holder, _Endpoint) or (holder is not None and holder.extended)
+        if to_ours and isinstance(origin, _Connection) and message.sender != origin.name and is_notice(message):
+            # Our own programs act on what notices say: nobody may say them in another's name.
+            failure = "only that program itself may say so"
         outputs: list[RouterOutput] = [Forwarded(message, failure is None, extended)]
         if holder is not None and failure is None:
             outputs += self._hand_over(holder, message)

@@ -222,6 +222,8 @@ class Keeper:
     def tap(self, forwarded: Sequence[Forwarded]) -> None:
         """Take the lines that were forwarded since the last step; call it right before `step`."""
         for item in forwarded:
+            if item.message.sender == self.name and not item.delivered:
+                self._participants.note_unreachable(item.message.receiver)
             if is_notice(item.message) or item.message.sender == self.name:
                 continue
             self._has_input = True

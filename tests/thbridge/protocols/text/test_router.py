@@ -512,6 +512,16 @@ def test_what_looks_like_a_notice_from_a_client_of_2016_is_forwarded_as_in_2016(
     assert room.hears(receiver) == b'%%error A B thbridge {"kind":"pose"} \n'
 
 
+@pytest.mark.parametrize("as_what", ["Forger", "Forger extended"])
+def test_a_notice_in_the_name_of_another_program_reaches_none_of_ours(as_what: str) -> None:
+    room = Room()
+    forger, ours, old = room.enter(as_what), room.enter("B extended"), room.enter("C")
+    for receiver in ("B", "C"):
+        room.says(forger, b"%%error SimR " + receiver.encode() + b' thbridge {"kind":"Status"}\n')
+    assert room.hears(ours) == b""
+    assert room.hears(old) == (b"" if "extended" in as_what else b'%%error SimR C thbridge {"kind":"Status"} \n')
+
+
 def test_other_extra_tokens_of_a_setid_mean_nothing() -> None:
     room = Room()
     client = room.enter("TabUI Extended extended")

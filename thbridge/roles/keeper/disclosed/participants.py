@@ -11,6 +11,8 @@ from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.notices import PicturePiece
 from thbridge.roles.view import View
 
+MOST_PARTICIPANTS = 64
+"""Participants' programs at a time."""
 PIECE_SIZE = 30_000
 """Bytes of a picture in one line; 40,000 characters in base 64."""
 PIECE_PERIOD = TICKS_PER_SECOND // 12
@@ -30,6 +32,7 @@ class Participants:
         self._briefing = briefing
         self._members: dict[str, None] = {}
         self._newcomers: dict[str, None] = {}
+        self._unreachable: set[str] = set()
         self._shown: View | None = None
         # The pictures that all but newcomers have, by room; pieces that wait, each with its receiver.
         self._taken: dict[int, str] = {}
@@ -45,12 +48,20 @@ class Participants:
         return not self._members
 
     def join(self, name: str, map_name: str | None) -> list[TextMessage]:
-        """Add a participant's program, perhaps again; return the messages to send at once.
+        """Add a participant's program, perhaps again; return the messages to send at once, none where there is no room.
+
+        One that could not be reached makes room for another.
 
         Args:
             name: of the program.
             map_name: of the map that the robots are on; None while that is unknown.
         """
+        if name not in self._members and len(self._members) >= MOST_PARTICIPANTS:
+            gone = next((member for member in self._members if member in self._unreachable), None)
+            if gone is None:
+                return []
+            self._remove(gone)
+        self._unreachable.discard(name)
         self._members[name] = None
         self._newcomers[name] = None
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
@@ -59,6 +70,17 @@ class Participants:
         if plan is None or map_name not in {None, plan.map}:
             return []
         return [encode_notice(self._sender, name, plan)]
+
+    def note_unreachable(self, name: str) -> None:
+        """Note that a notice to a program could not be handed over."""
+        if name in self._members:
+            self._unreachable.add(name)
+
+    def _remove(self, name: str) -> None:
+        del self._members[name]
+        self._newcomers.pop(name, None)
+        self._unreachable.discard(name)
+        self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
 
     def show(self, view: View) -> list[TextMessage]:
         """Return the messages of the view, for those who do not have it; its pictures follow through `pieces`."""

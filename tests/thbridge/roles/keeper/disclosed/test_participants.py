@@ -27,7 +27,7 @@ from thbridge.protocols.text import legacy
 from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.consent import ConsentStatus
-from thbridge.roles.keeper.disclosed.participants import PIECE_PERIOD, PIECE_SIZE, Participants
+from thbridge.roles.keeper.disclosed.participants import MOST_PARTICIPANTS, PIECE_PERIOD, PIECE_SIZE, Participants
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
 from thbridge.roles.participant.bot_strategy import BotStrategy
@@ -121,6 +121,25 @@ def test_the_house_is_told_when_somebody_joins_and_when_they_join_again():
 def test_a_house_that_the_robots_are_not_in_is_kept():
     audience = Participants(KEEPER, Briefing(HOUSE))
     assert [len(audience.join("TabUI", robots_on)) for robots_on in (None, "stage", "elsewhere")] == [1, 1, 0]
+
+
+def test_invented_programs_make_room_and_no_more_than_so_many_are_told():
+    audience = Participants(KEEPER, Briefing(HOUSE))
+    assert [len(audience.join(f"real{number}", None)) for number in range(10)] == [1] * 10
+    for number in range(5000):
+        audience.join(f"invented{number}", None)
+        audience.note_unreachable(f"invented{number}")
+    assert audience.join("TabUI", None)
+    receivers = {message.receiver for message in audience.show(Played(Briefing(HOUSE)).tabui.view)}
+    assert receivers >= {"TabUI", *(f"real{number}" for number in range(10))}
+    assert len(receivers) == MOST_PARTICIPANTS
+
+
+def test_who_can_be_reached_makes_room_for_nobody():
+    audience = Participants(KEEPER, Briefing(HOUSE))
+    assert all(audience.join(f"real{number}", None) for number in range(MOST_PARTICIPANTS))
+    assert audience.join("late", None) == []
+    assert "late" not in audience
 
 
 def test_a_picture_is_told_once_it_is_taken():
