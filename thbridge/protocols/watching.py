@@ -297,7 +297,9 @@ class WatcherSession:
         self._understood = True
         if not self.admitted:
             message = value.get("key")
-            right = isinstance(message, str) and hmac.compare_digest(message.encode(), (self._key or "").encode())
+            right = isinstance(message, str) and hmac.compare_digest(
+                message.encode(errors="surrogatepass"), (self._key or "").encode()
+            )
             self.admitted, self.rejected = right, not right
             yield (
                 WatcherAdmitted()

@@ -12,6 +12,7 @@ from asyncio import Protocol as AsyncioProtocol
 from asyncio import Transport
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Protocol
 
 from thbridge.files.ros.definitions import Definitions
@@ -37,13 +38,15 @@ MAX_WATCHERS = 8
 """Most watchers at a time; further ones are turned away."""
 
 MAX_CONNECTIONS = 4 * MAX_WATCHERS
-"""Most connections, with the key or without; further ones are closed without a message."""
+"""Most connections, with the key or without; one more takes the place of the oldest that has not been admitted."""
 
 _log = logging.getLogger(__name__)
 
 _STATUS = Topic(STATUS, types.STRING, latched=True)
 _KEY_SECONDS = 10.0
 """Seconds that a connection has to send its key."""
+_WRONG_KEY_SECONDS = 1.0
+"""Seconds until a connection that sent a wrong one is told so, and may try again."""
 _LINGER = 1.0
 """Seconds that a disconnected watcher has to read the reason."""
 _HEARTBEAT = 1.0
@@ -90,7 +93,7 @@ class WatchServer:
         self._latest: Sequence[RosMessage] = ()
         self._stamp_ns = 0
         self._watchers: list[_Watcher] = []
-        self._open: set[_Watcher] = set()
+        self._open: dict[_Watcher, None] = {}
         self._connection_count = 0
         self._all_closed = asyncio.Event()
         self._server: asyncio.Server | None = None
@@ -138,14 +141,12 @@ class WatchServer:
 
     # Connections and requests of watchers
 
-    @property
-    def is_crowded(self) -> bool:
-        """True when no further connection is accepted, not even to turn it away."""
-        return len(self._open) >= MAX_CONNECTIONS
-
     def connection_opened(self, watcher: _Watcher) -> int:
         """Add a connection and return its number."""
-        self._open.add(watcher)
+        if len(self._open) >= MAX_CONNECTIONS:
+            # Whoever has the key shows it at once; all others, whoever they are, make room.
+            next(each for each in self._open if each not in self._watchers).abort()
+        self._open[watcher] = None
         self._connection_count += 1
         return self._connection_count
 
@@ -180,7 +181,7 @@ class WatchServer:
     def lost(self, watcher: _Watcher) -> None:
         """Remove a connection that is closed on both sides."""
         self.left(watcher)
-        self._open.discard(watcher)
+        self._open.pop(watcher, None)
         self._all_closed.set()
 
     def left(self, watcher: _Watcher) -> None:
@@ -245,14 +246,12 @@ class _Watcher(AsyncioProtocol):
         self._chunks = chunks
         self._full = False
         self._closing = False
+        self._deaf = False
         self._begun = False
         self._input_ended = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
-            return
-        if self._server.is_crowded:
-            transport.abort()
             return
         self._transport = transport
         transport.set_write_buffer_limits(_SEGMENT)
@@ -263,6 +262,8 @@ class _Watcher(AsyncioProtocol):
             asyncio.get_running_loop().call_later(_KEY_SECONDS, self._key_timed_out)
 
     def data_received(self, data: bytes) -> None:
+        if self._deaf:
+            return
         begun, self._begun = self._begun, True
         if not begun and begins_http(data):
             _log.warning("a client speaks HTTP, as a page in a browser does, and is cut off")
@@ -282,8 +283,10 @@ class _Watcher(AsyncioProtocol):
                     self.refuse(event)
                     self._server.tell_status()
                 case WatchRefusal():
-                    self._server.turn_away(self, event)
-        if self.decoder.rejected:
+                    self._deaf = True
+                    turn_away = partial(self._server.turn_away, self, event)
+                    asyncio.get_running_loop().call_later(_WRONG_KEY_SECONDS, turn_away)
+        if self.decoder.rejected and not self._deaf:
             self.close()
 
     def eof_received(self) -> bool:
@@ -336,6 +339,13 @@ class _Watcher(AsyncioProtocol):
             return
         asyncio.get_running_loop().call_later(_LINGER, transport.abort)
 
+    def abort(self) -> None:
+        """Close the connection at once."""
+        self._closing = True
+        if self._transport is not None:
+            self._transport.abort()
+        self._server.lost(self)
+
     def _key_timed_out(self) -> None:
-        if not self.decoder.admitted and not self._closing:
+        if not (self.decoder.admitted or self._closing or self._deaf):
             self._server.turn_away(self, WatchRefusal("", "a key is wanted"))

@@ -18,6 +18,7 @@ from thbridge.ros.topics import GAME_EVENTS, SEND_ROBOTS, SUCCESS, RosMessage, T
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
+from thbridge.sockets.watching import server as watch_server
 from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.sockets.watching.history import MAX_BYTES, MAX_MESSAGES, MessageHistory
 from thbridge.sockets.watching.server import MAX_CONNECTIONS, MAX_WATCHERS, SessionPace, WatchServer
@@ -279,18 +280,37 @@ async def test_a_ninth_is_turned_away_until_somebody_leaves() -> None:
 
 
 @run
-async def test_a_crowd_without_the_key_is_bounded_and_keeps_nobody_out_for_long() -> None:
+async def test_a_crowd_without_the_key_keeps_nobody_out() -> None:
     async with serving("sesame") as door:
         door.say((LEVEL, "level"))
+        first = door.enter("sesame")
+        await first.until_text("level")
         crowd = [await asyncio.open_connection(door.where.host, door.where.port) for _ in range(MAX_CONNECTIONS + 5)]
         async with asyncio.timeout(PATIENCE):
-            for reader, _ in crowd[MAX_CONNECTIONS:]:
+            for reader, _ in crowd[:6]:
                 with contextlib.suppress(ConnectionError):
                     assert await reader.read() == b""
-        for _, writer in crowd:
-            writer.close()
         visitor = door.enter("sesame")
         await visitor.until_text("level")
+        assert len(door.server._open) == MAX_CONNECTIONS
+        door.say((LEVEL, "still there"))
+        await first.until_text("still there")
+        for _, writer in crowd:
+            writer.close()
+
+
+@run
+async def test_who_shows_wrong_keys_waits_and_may_not_try_others_meanwhile() -> None:
+    async with serving("sesame") as door:
+        reader, writer = await asyncio.open_connection(door.where.host, door.where.port)
+        writer.write(b'{"key":"open"}\n{"key":"sesame"}\n')
+        began = asyncio.get_running_loop().time()
+        async with asyncio.timeout(PATIENCE):
+            told = await reader.read()
+        writer.close()
+        assert b"the key is wrong" in told
+        assert asyncio.get_running_loop().time() - began >= watch_server._WRONG_KEY_SECONDS
+        assert door.house.asked == []
 
 
 @run
