@@ -1,12 +1,14 @@
 """The command line: `thbridge`."""
 
 import logging
+import os
 import signal
 from importlib import metadata
 from typing import Annotated
 
 import typer
 
+from thbridge.recording.bag.options import Readers
 from ui.commands import programs, templates
 from ui.commands.argue import argue
 from ui.commands.bag import bag
@@ -127,6 +129,8 @@ class NoteHandler(logging.Handler):
 
 def main() -> None:
     """Run the command line."""
+    # What is written tells of people, and of treasures that are not found yet.
+    os.umask(Readers.OWNER.umask)
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         # Begun by `&` in a script. Else Ctrl-C would stop a server or not, by the moment, and SIGTERM not stop a kiosk.
         signal.signal(signal.SIGINT, signal.default_int_handler)

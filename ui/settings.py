@@ -1,6 +1,7 @@
 """Settings of a session: the study, what options change in it, and all that it names."""
 
 import dataclasses
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -71,6 +72,8 @@ def with_server(study: Study, host: str | None, port: int | None) -> Study:
 
 def setting_of(study: Study, file: Path | None) -> StudySetting:
     """Everything the study names; paths start from the folder of its file."""
+    # From now on whatever is written is for the study's readers.
+    os.umask(study.recording.readers.umask)
     with bad_input():
         return read_setting(study, Path() if file is None else file.parent, written=_written(file))
 

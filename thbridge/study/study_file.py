@@ -26,7 +26,7 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.protocols.text.canonical import Dialect
-from thbridge.recording.bag.options import Compression, DefinitionTexts, RecordingDetail, SplitLimits
+from thbridge.recording.bag.options import Compression, DefinitionTexts, Readers, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import TEXT_SERVER_PORT
 from thbridge.study.external_nodes import ExternalNodes
@@ -241,6 +241,11 @@ class RecordingSection:
         "comments, as `rosbag check` wants them",
     )
     errors: bool = param(True, "the pose that each robot believes at every scan, its errors, and whether it is lost")
+    readers: Readers = param(
+        Readers.OWNER,
+        "accounts of this machine that may read what is recorded, the treasures of the game under way among it: owner, "
+        "group (that of the account) or everyone",
+    )
     split_size: float | None = param(
         None, "size of a file beyond which the recording goes on in another; null: one file", "MB", 0.1, 1e6
     )

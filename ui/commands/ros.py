@@ -29,8 +29,12 @@ ros_app = typer.Typer(
 @ros_app.command("messages")
 def ros_messages(folder: Annotated[Path, typer.Argument(help="Where packages go, e.g. a catkin `src`.")]) -> None:
     """Write our message types as the ROS package `thbridge_msgs`; where ROS lacks mavros, also those we have of it."""
-    from thbridge.files.ros.package import write_packages
+    import os
 
+    from thbridge.files.ros.package import write_packages
+    from thbridge.recording.bag.options import Readers
+
+    os.umask(Readers.EVERYONE.umask)  # There is no secret in them, and a system's ROS has many users.
     with bad_input():
         packages = write_packages(folder)
     for package in packages:

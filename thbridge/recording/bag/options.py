@@ -43,3 +43,16 @@ class SplitLimits:
     def wanted(self) -> bool:
         """True when there is a limit, so that there may be several files."""
         return self.size is not None or self.duration_ns is not None
+
+
+class Readers(StrEnum):
+    """Accounts of the machine that may read what is written."""
+
+    OWNER = "owner"
+    GROUP = "group"
+    EVERYONE = "everyone"
+
+    @property
+    def umask(self) -> int:
+        """The permissions that new files and folders do not get."""
+        return {Readers.OWNER: 0o077, Readers.GROUP: 0o027, Readers.EVERYONE: 0o022}[self]
