@@ -34,6 +34,15 @@ Server = Annotated[
         metavar="HOST:PORT",
     ),
 ]
+OpenTo = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--open-to",
+        metavar="NETWORK",
+        help="Network, such as 10.0.0.0/24, whose machines may connect where an address is not this machine's alone; "
+        "see docs/security.md. May be given several times.",
+    ),
+]
 Ros = Annotated[bool, typer.Option("--ros", help="Take part in a ROS 1 graph; see docs/live-graph.md.")]
 RosMaster = Annotated[
     str | None,

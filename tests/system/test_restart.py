@@ -67,7 +67,9 @@ def test_after_a_game_the_terminal_says_how_another_begins_and_so_it_does(tmp_pa
     def first_of(game: int) -> list[str]:
         return [event["event"] for event in journal(tmp_path, game)][:2]
 
-    (tmp_path / "study.yaml").write_text(f"robots: 1\nserver: {{host: 0.0.0.0, port: {free_port()}}}\n")
+    (tmp_path / "study.yaml").write_text(
+        f"robots: 1\nserver: {{host: 0.0.0.0, port: {free_port()}}}\nopen_to: [10.0.0.0/8]\n"
+    )
     running = [Program(tmp_path, "server", "study.yaml")]
     try:
         programs.port_of(running[0], running)

@@ -17,6 +17,7 @@ from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.publisher import TeamPublisher
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
+from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence
 from thbridge.sockets.watching.server import WatchServer
@@ -117,7 +118,7 @@ async def listeners(
             listening.append(live)
         if options.watch is not None:
             desk = WatchRequestHandler(ask, team, pacer, has_game=has_game)
-            server = WatchServer(desk, options.watch.key)
+            server = WatchServer(desk, options.watch.key, admission=Admission.to(setting.study.open_to))
             opened.push_async_callback(server.stop)
             callbacks.watched(await server.start(options.watch.host, options.watch.port))
             listening += [desk, server]

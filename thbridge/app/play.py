@@ -36,6 +36,7 @@ from thbridge.roles.role import Role
 from thbridge.roles.simr.simr import SimR
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.sockets.rosgraph.joining import GraphAddress
@@ -197,7 +198,7 @@ async def play(
             rehearse(setting)
         session = Session(build_keeper(setting), roles, (), inside, vehicle_factory(setting, simr))
         desk = ConsentDesk(session, introduction(setting)) if setting.consent and inside is None else None
-        server = TextServer(desk or session, session.note_forwarded)
+        server = TextServer(desk or session, session.note_forwarded, admission=Admission.to(setting.study.open_to))
         session.perform = server.perform
 
         async def listen() -> None:

@@ -11,6 +11,7 @@ from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text.server import TextServer
 from thbridge.timing.loop import run_ticks
@@ -77,7 +78,7 @@ async def serve(
         for dialogue in keeper.dialogues_not_restored:
             _log.warning("dialogue %d cannot be taken up again; what was said in it is in the journal", dialogue)
         session = Session(keeper, [], log=ConsentedLog(journals, lambda: keeper.consent))
-        server = TextServer(session, session.note_forwarded)
+        server = TextServer(session, session.note_forwarded, admission=Admission.to(setting.study.open_to))
         session.perform = server.perform
         listening = await server.start(setting.study.server.host, setting.study.server.port)
         ready(listening)

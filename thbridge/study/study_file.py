@@ -29,6 +29,7 @@ from thbridge.protocols.text.canonical import Dialect
 from thbridge.recording.bag.options import Compression, DefinitionTexts, Readers, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import TEXT_SERVER_PORT
+from thbridge.sockets.admission import parse_network
 from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
 from thbridge.study.noise import (
@@ -216,7 +217,7 @@ class DialogueSection:
 class ServerSection:
     """The text server of the game's programs."""
 
-    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
+    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets those of open_to in")
     port: int = param(TEXT_SERVER_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
     dialect: Dialect = param(Dialect.LEGACY_2016, "which reading of %%goto comes first")
     tell_refusals: bool = param(
@@ -266,7 +267,7 @@ class RecordingSection:
 class WatchSection:
     """Address for researchers' windows: they see the truth, and may send requests to robots."""
 
-    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
+    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets those of open_to in")
     port: int | None = param(None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535)
     key: Path | None = param(None, "path of a file whose first line whoever connects has to know; null: no such thing")
 
@@ -292,6 +293,11 @@ class Study:
     dialogue: DialogueSection = param(DialogueSection(), "how robots talk")
     server: ServerSection = param(ServerSection(), "the text server")
     watch: WatchSection = param(WatchSection(), "researchers' windows")
+    open_to: tuple[str, ...] = param(
+        (),
+        "networks, such as 10.0.0.0/24, whose machines may reach what listens on an address that is not this machine's"
+        " alone; the text server, MAVLink and ROS have neither keys nor encryption",
+    )
     mavlink: MavlinkSection = param(MavlinkSection(), "the robots as MAVLink vehicles, for ground stations")
     recording: RecordingSection = param(RecordingSection(), "the bag")
     fleet: FleetSection = param(FleetSection(), "real robots: what their topics and frames are called")
@@ -466,6 +472,10 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
         problem = f"suggestions would err with probabilities from {rate - spread:g} to {rate + spread:g}"
         remedy = f"Write at most {room:g}, or change adviser_error_rate"
         yield loaded.fault("dialogue.confidence_spread", problem, remedy)
+    for index, text in enumerate(study.open_to):
+        if parse_network(text) is None:
+            remedy = "Write an address with the length of its prefix, such as 10.0.0.0/24; 0.0.0.0/0 is everybody"
+            yield loaded.fault(f"open_to[{index}]", f"{text!r} is no network", remedy)
     yield from faults_of_fleet(loaded, study.fleet, study.robots)
     yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
     yield from faults_of_things(loaded, study.things)

@@ -6,6 +6,7 @@ import secrets
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from itertools import chain
 from pathlib import Path
 
 import typer
@@ -21,6 +22,7 @@ from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames
 from ui.hosting.kiosk.host import KioskHost, StudyClock
 from ui.hosting.window_process import THBRIDGE, WindowProcess
+from ui.listening import check_doors
 from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
 
@@ -38,6 +40,8 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
     with bad_input():
         place, clock = ExperimentFolder(folder), StudyClock()
         design = place.read(with_files=True)
+        for study in chain.from_iterable(cell.studies for cell in design.cells):
+            check_doors(study)
         why = None if program else why_no_window()
         if why is not None:
             fail(BAD_INPUT, why)

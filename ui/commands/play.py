@@ -24,6 +24,7 @@ from ui.options import (
     MavlinkTcp,
     MavlinkUdp,
     MavlinkUdpListen,
+    OpenTo,
     ParticipantKind,
     Port,
     Robots,
@@ -89,6 +90,7 @@ def play(
     watch: WatchAt = None,
     watch_key: WatchKey = None,
     foxglove: FoxglovePort = None,
+    open_to: OpenTo = None,
     mavlink: Mavlink = None,
     identity: MavlinkIdentity = None,
     udp: MavlinkUdp = None,
@@ -115,7 +117,7 @@ def play(
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
     from ui.hosting.seats import seat_of_bot, seat_of_person
-    from ui.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
+    from ui.listening import check_doors, check_foxglove, graph_of, hosts_of, ports_of, watch_of, with_open_to
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report
     from ui.settings import changes_of, setting_of, study_of, with_mavlink, with_options, with_server, with_strategy
@@ -127,6 +129,7 @@ def play(
         study = with_changes(study, files, assignments)
     study = with_server(with_options(study, {"robots": robots, "map": map_name, "seed": seed}), None, port)
     study = with_mavlink(study, mavlink, identity=identity, udp=udp, udp_listen=udp_listen, tcp=tcp, tlog=tlog)
+    study = with_open_to(study, open_to)
     if participant not in (None, ParticipantKind.PERSON):
         study = with_strategy(study, BotStrategy(participant))
     if study.robots_from is RobotsFrom.ROS:
@@ -146,6 +149,7 @@ def play(
     pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
     told = hosts_of(graph, as_json)
     door = watch_of(study, study_file, watch, watch_key)
+    check_doors(study, door, graph)
     check_foxglove(foxglove)
     if windowed:
         offered = offer_of(setting, given=robots is not None)

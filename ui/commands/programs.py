@@ -19,6 +19,7 @@ from ui.options import (
     FoxglovePort,
     LookOption,
     MapName,
+    OpenTo,
     ParticipantKind,
     Port,
     Robots,
@@ -42,6 +43,7 @@ def server(
     study_file: StudyFile = None,
     host: Annotated[str | None, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in.")] = None,
     port: Port = None,
+    open_to: OpenTo = None,
     journal: Annotated[Path, typer.Option(help="Folder of the games' journals.")] = Path("journal"),
     new_game: Annotated[bool, typer.Option("--new-game", help="Do not go on with an unfinished game.")] = False,
 ) -> None:
@@ -49,9 +51,12 @@ def server(
     from thbridge.app.server import serve
     from thbridge.recording.journal_folder import JournalStore
     from ui.event_loop import run
+    from ui.listening import check_doors, with_open_to
     from ui.settings import setting_of, study_of, with_server
 
-    setting = setting_of(with_server(study_of(study_file, {}), host, port), study_file)
+    study = with_open_to(with_server(study_of(study_file, {}), host, port), open_to)
+    check_doors(study)
+    setting = setting_of(study, study_file)
 
     with bad_input():
         ledger = JournalStore(journal)
@@ -85,6 +90,7 @@ def simr(
     watch: WatchAt = None,
     watch_key: WatchKey = None,
     foxglove: FoxglovePort = None,
+    open_to: OpenTo = None,
 ) -> None:
     """Run the robots (SimR) at a text server until stopped."""
     from thbridge.app import programs
@@ -93,12 +99,12 @@ def simr(
     from ui.actions.programs import address_of, new_token, settings_without_effect, tell_lost
     from ui.event_loop import run
     from ui.first_start import compile_ahead
-    from ui.listening import check_foxglove, graph_of, hosts_of, watch_of
+    from ui.listening import check_doors, check_foxglove, graph_of, hosts_of, watch_of, with_open_to
     from ui.settings import setting_of, study_of
 
     study_file = the_study(study_file, study_option)
     changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
-    study = study_of(study_file, changes)
+    study = with_open_to(study_of(study_file, changes), open_to)
     host, port = address_of(server, study.server)
     if study.mavlink.on:
         # Whether a robot may be sent somewhere is for the game to say, which is another program's.
@@ -122,6 +128,8 @@ def simr(
     if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
         fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or take fewer robots.")
     graph = graph_of(ros or real, ros_master, ros_host)
+    door = None if real else watch_of(setting.study, study_file, watch, watch_key)
+    check_doors(study, door, graph, serves_text=False)
     if bag is not None:
         make_ready(bag)
     if real and graph is not None:
@@ -132,7 +140,6 @@ def simr(
         if unfit is not None:
             fail(FAILED, unfit)
         return
-    door = watch_of(setting.study, study_file, watch, watch_key)
     check_foxglove(foxglove)
     compile_ahead(whole_hunt=True)
     options = SimrOptions(host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door, foxglove)

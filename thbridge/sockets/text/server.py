@@ -26,6 +26,7 @@ from thbridge.protocols.text.router import (
     TurnedAway,
 )
 from thbridge.sockets.addresses import DEBIAN_HOST, LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.warn_once import WarnOnce
@@ -84,6 +85,7 @@ class TextServer:
         router: makes the decisions; it may have local endpoints without a socket.
         tap: called with every message passed on, delivered or not, in order. It must not raise.
         clock: returns seconds; must not run backwards.
+        admission: of clients by their addresses.
     """
 
     def __init__(
@@ -91,7 +93,9 @@ class TextServer:
         router: RouterInterface,
         tap: Callable[[Forwarded], None] = _ignore,
         clock: Callable[[], float] = time.monotonic,
+        admission: Admission = OWN_MACHINE,
     ) -> None:
+        self._admission = admission
         self._router = router
         self._tap = tap
         self._clock = clock
@@ -184,7 +188,12 @@ class TextServer:
                     self._tap(output)
 
     def connected(self, transport: Transport) -> ConnectionId | None:
-        """Accept a new connection, or turn it away."""
+        """Accept a new connection, or turn it away; cut off one whose machine is not admitted."""
+        stranger = self._admission.refused(transport)
+        if stranger is not None:
+            self.complaints.warn(f"{stranger} is in none of the networks of open_to, and is cut off")
+            transport.abort()
+            return None
         self._open.add(transport)
         now = self._clock()
         self._perform(self._router.make_room(now))

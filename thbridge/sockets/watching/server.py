@@ -29,6 +29,7 @@ from thbridge.recording.bag.writing.stream import BEGINNING, BagStream, ChunkMak
 from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.watching.backlog import Backlog
@@ -83,9 +84,17 @@ class WatchServer:
         session: carries out requests.
         key: key that watchers must send; None admits every connection.
         definitions: message definitions; None takes them from an installed ROS, where there is one.
+        admission: of watchers by their addresses.
     """
 
-    def __init__(self, session: WatchedSession, key: str | None = None, definitions: Definitions | None = None) -> None:
+    def __init__(
+        self,
+        session: WatchedSession,
+        key: str | None = None,
+        definitions: Definitions | None = None,
+        admission: Admission = OWN_MACHINE,
+    ) -> None:
+        self.admission = admission
         self._session = session
         self._key = key
         self._stream = BagStream(definitions or Definitions())
@@ -252,6 +261,11 @@ class _Watcher(AsyncioProtocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
+            return
+        stranger = self._server.admission.refused(transport)
+        if stranger is not None:
+            _log.warning("%s is in none of the networks of open_to, and is cut off", stranger)
+            transport.abort()
             return
         self._transport = transport
         transport.set_write_buffer_limits(_SEGMENT)

@@ -1,0 +1,66 @@
+"""Nothing that other machines reach is opened without a word."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from tests.system.ports import free_port
+from thbridge.recording.bag.reading.reader import recorded
+from thbridge.ros.messages import types, unpack
+from thbridge.study.study_file import read_study_text
+from ui.cli import app
+
+KEY = "a key that nobody can guess"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    key = Path("key.txt")
+    key.write_text(KEY)
+    key.chmod(0o600)
+
+
+def refusal(*arguments: str) -> str:
+    done = CliRunner().invoke(app, [*arguments])
+    assert done.exit_code == 2, (done.output, done.exception)
+    assert not [*Path().rglob("*.bag"), *Path().rglob("*.jsonl")]
+    return done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "door"),
+    [
+        (("server", "--host", "0.0.0.0"), "the text server"),
+        (("play", "--headless", "--watch", "0.0.0.0:0", "--watch-key", "key.txt"), "researchers' windows"),
+        (("play", "--headless", "--ros", "--ros-host", "10.0.0.1"), "ROS"),
+        (("play", "--headless", "--mavlink", "--tcp", "0.0.0.0:5760"), "MAVLink by TCP"),
+        (("play", "--headless", "--mavlink", "--udp-listen", "0.0.0.0:5760"), "MAVLink by UDP"),
+        (("simr", "--watch", "0.0.0.0:0", "--watch-key", "key.txt"), "researchers' windows"),
+    ],
+)
+def test_a_door_to_other_machines_wants_their_networks_named(arguments: tuple[str, ...], door: str) -> None:
+    told = refusal(*arguments)
+    assert told.startswith(f"{door}: other machines could reach")
+    assert "Add --open-to NETWORK" in told
+
+
+def test_researchers_windows_of_other_machines_want_a_key() -> None:
+    told = refusal("play", "--headless", "--watch", "0.0.0.0:0", "--open-to", "10.0.0.0/24")
+    assert "--watch-key FILE" in told
+
+
+def test_networks_that_are_none_are_told() -> None:
+    assert "--open-to: 'lab' is no network" in refusal("server", "--open-to", "lab")
+    Path("study.yaml").write_text("open_to: [10.0.0.0/24, 10.0.0.0/64]\n")
+    assert "study.yaml, line 1, open_to[1]: '10.0.0.0/64' is no network" in refusal("server", "study.yaml")
+
+
+def test_who_is_let_in_is_told_and_recorded() -> None:
+    arguments = ("--headless", "--rate", "0", "--max-seconds", "1", "--no-report", "--port", str(free_port()))
+    Path("study.yaml").write_text("server: {host: 0.0.0.0}\n")
+    done = CliRunner().invoke(app, ["play", "study.yaml", *arguments, "--open-to", "10.0.0.0/24", "--bag", "a.bag"])
+    assert "Open to 10.0.0.0/24, without encryption: the text server." in done.stderr
+    (session,) = (data for publisher, _, data in recorded(Path("a.bag")) if publisher.msgtype == types.SESSION)
+    assert read_study_text(Path("a.bag"), unpack.session(session).study).open_to == ("10.0.0.0/24",)
