@@ -38,8 +38,9 @@ from thbridge.sockets.watching.history import MessageHistory
 MAX_WATCHERS = 8
 """Most watchers at a time; further ones are turned away."""
 
-MAX_CONNECTIONS = 4 * MAX_WATCHERS
-"""Most connections, with the key or without; one more takes the place of the oldest that has not been admitted."""
+MAX_CONNECTIONS = 256
+"""Most connections, with the key or without; one more takes the place of one that has not been admitted. They are more
+than the loop accepts at a time: whoever has the key is heard before it is their turn to make room."""
 
 _log = logging.getLogger(__name__)
 
@@ -153,8 +154,9 @@ class WatchServer:
     def connection_opened(self, watcher: _Watcher) -> int:
         """Add a connection and return its number."""
         if len(self._open) >= MAX_CONNECTIONS:
-            # Whoever has the key shows it at once; all others, whoever they are, make room.
-            next(each for each in self._open if each not in self._watchers).abort()
+            # Whoever has the key shows it at once. First those make room who showed a wrong one, then the oldest.
+            outside = [each for each in self._open if each not in self._watchers]
+            next((each for each in outside if each.deaf), outside[0]).abort()
         self._open[watcher] = None
         self._connection_count += 1
         return self._connection_count
@@ -243,6 +245,7 @@ class _Watcher(AsyncioProtocol):
         decoder: decodes its lines.
         backlog: messages it has not read.
         status: its status as of the last change.
+        deaf: True once it has shown a wrong key, of which it is told in a moment.
     """
 
     def __init__(self, server: WatchServer, decoder: WatcherSession, chunks: ChunkMaker) -> None:
@@ -255,7 +258,7 @@ class _Watcher(AsyncioProtocol):
         self._chunks = chunks
         self._full = False
         self._closing = False
-        self._deaf = False
+        self.deaf = False
         self._begun = False
         self._input_ended = False
 
@@ -276,7 +279,7 @@ class _Watcher(AsyncioProtocol):
             asyncio.get_running_loop().call_later(_KEY_SECONDS, self._key_timed_out)
 
     def data_received(self, data: bytes) -> None:
-        if self._deaf:
+        if self.deaf:
             return
         begun, self._begun = self._begun, True
         if not begun and begins_http(data):
@@ -297,10 +300,10 @@ class _Watcher(AsyncioProtocol):
                     self.refuse(event)
                     self._server.tell_status()
                 case WatchRefusal():
-                    self._deaf = True
+                    self.deaf = True
                     turn_away = partial(self._server.turn_away, self, event)
                     asyncio.get_running_loop().call_later(_WRONG_KEY_SECONDS, turn_away)
-        if self.decoder.rejected and not self._deaf:
+        if self.decoder.rejected and not self.deaf:
             self.close()
 
     def eof_received(self) -> bool:
@@ -361,5 +364,5 @@ class _Watcher(AsyncioProtocol):
         self._server.lost(self)
 
     def _key_timed_out(self) -> None:
-        if not (self.decoder.admitted or self._closing or self._deaf):
+        if not (self.decoder.admitted or self._closing or self.deaf):
             self._server.turn_away(self, WatchRefusal("", "a key is wanted"))

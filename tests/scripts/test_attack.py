@@ -1,0 +1,19 @@
+"""The whole attack on a session, by its own command: nobody else notices much."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.slow
+def test_a_session_bears_each_attack() -> None:
+    command = [sys.executable, "scripts/attack.py", "--scale", "3"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=400, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    outcome = json.loads(done.stdout.splitlines()[-1])
+    assert outcome["held"] == outcome["attacks"] > 20
