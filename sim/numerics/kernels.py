@@ -6,6 +6,7 @@ import inspect
 import os
 import pickle
 import shutil
+import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext, suppress
@@ -102,7 +103,7 @@ def wait_for_others(compiled: Mapping[Path, Callable[[], object]]) -> None:
 def _cache() -> Path:
     """Return the folder of all compiled code: the user's own, so that it outlives a checkout and serves them all.
 
-    Where it cannot be written, it is a folder beside the sources; where neither can be, one that goes with the process.
+    Where it cannot be written, or others may write there, it is a folder beside the sources; where neither can be, one that goes with the process.
     """
     users = Path(config.CACHE_DIR or AppDirs("thbridge", appauthor=False).user_cache_dir, "kernels")
     for folder in (users, ROOT / "sim" / "__pycache__" / "kernels"):
@@ -111,8 +112,15 @@ def _cache() -> Path:
             with suppress(OSError):
                 folder.mkdir(parents=True, exist_ok=True)
                 TemporaryFile(dir=folder).close()
-                return folder
+                if _is_trusted(folder):
+                    return folder
     return Path(_of_this_process().name)
+
+
+def _is_trusted(folder: Path) -> bool:
+    """Return False for a folder into which other accounts can put code, which would be run."""
+    state = folder.stat()
+    return state.st_uid in (os.getuid(), 0) and not state.st_mode & stat.S_IWOTH
 
 
 @once

@@ -142,6 +142,13 @@ def test_where_the_folder_cannot_be_written_code_is_kept_beside_the_sources_or_n
     assert run(checkout, "3") == ["7", "0"]
 
 
+def test_code_that_others_could_put_there_is_not_run(checkout: Path) -> None:
+    run(checkout, "3")
+    (checkout.parent / "cache" / "kernels").chmod(0o777)
+    assert run(checkout, "3") == ["7", "0"]
+    assert run(checkout, "3") == ["7", "1"], "it is kept beside the sources"
+
+
 def test_old_code_goes_when_new_code_comes(checkout: Path) -> None:
     folder = checkout.parent / "cache" / "kernels"
     now = time.time()

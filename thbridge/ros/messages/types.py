@@ -182,7 +182,7 @@ def plain_definition(msgtype: str) -> Definition:
     """
     text = full_text(msgtype, TEXTS.get)
     if text is not None:
-        return Definition(text, md5(_summed(msgtype).encode()).hexdigest())
+        return Definition(text, md5(_summed(msgtype).encode(), usedforsecurity=False).hexdigest())
     try:
         return Definition(*typestore().generate_msgdef(normalize_msgtype(msgtype)))
     except TypesysError:
@@ -215,7 +215,7 @@ def service_type(name: str) -> ServiceType:
     """
     request, response = f"{name}Request", f"{name}Response"
     fields = _summed(request) + _summed(response)
-    return ServiceType(name, md5(fields.encode()).hexdigest(), request, response)
+    return ServiceType(name, md5(fields.encode(), usedforsecurity=False).hexdigest(), request, response)
 
 
 def _summed(msgtype: str) -> str:
