@@ -103,7 +103,8 @@ def wait_for_others(compiled: Mapping[Path, Callable[[], object]]) -> None:
 def _cache() -> Path:
     """Return the folder of all compiled code: the user's own, so that it outlives a checkout and serves them all.
 
-    Where it cannot be written, or others may write there, it is a folder beside the sources; where neither can be, one that goes with the process.
+    Where it cannot be written, or others may write there, it is a folder beside the sources; where neither can be, one
+    that goes with the process.
     """
     users = Path(config.CACHE_DIR or AppDirs("thbridge", appauthor=False).user_cache_dir, "kernels")
     for folder in (users, ROOT / "sim" / "__pycache__" / "kernels"):
