@@ -5,6 +5,7 @@ from array import array
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,15 @@ EVENT = "event_"
 """Beginning of the names of columns that come from an event's JSON."""
 HAS_COLUMNS = frozenset({"v", "event", "robot", "room"})
 """Keys of the JSON that get no column: they have one in ROS's numbering, or are format details."""
+LONGEST_TABLE = 200
+"""Characters of a table's name at most, without the digest that longer ones get: names of files end at 255."""
 MOST_FRAMES = 3
 """Largest number of frames that the dictionary lists for a column; if there are more, it names the column with them."""
+
+
+def short_name(name: str, longest: int) -> str:
+    """A name that files can have; of one that is longer than so many characters its beginning and a digest."""
+    return name if len(name) <= longest else f"{name[:longest]}_{sha256(name.encode()).hexdigest()[:8]}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +157,7 @@ class _TableNode:
             return _TableNode(
                 self.name, f"{self.source}: {path}", self.meaning or meaning, items.record, True, own_frame
             )
-        name, source = f"{self.name}.{path}", f"{self.source}: {path}"
+        name, source = short_name(f"{self.name}.{path}", LONGEST_TABLE), f"{self.source}: {path}"
         return _TableNode(name, source, meaning or self.meaning, items.record, False, own_frame)
 
     @property

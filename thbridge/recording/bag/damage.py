@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rosbags.rosbag1 import ReaderError
+from rosbags.serde.errors import SerdeError
 
 from thbridge.files.errors import BadFile
 from thbridge.recording.recordings import ACTIVE
@@ -15,6 +16,7 @@ VERSION = b"2.0\n"
 
 _STUMBLES = (
     ReaderError,
+    SerdeError,
     AssertionError,
     struct.error,
     ValueError,
@@ -25,6 +27,10 @@ _STUMBLES = (
     RuntimeError,
 )
 """Errors of rosbags and of its decompressors on damaged files; they include failed assertions."""
+
+
+class TooLargeChunk(ValueError):  # noqa: N818 - it names the fault of a chunk
+    """A chunk unpacks to more than one may; the text says so as a clause."""
 
 
 def check_is_bag(path: Path) -> None:
@@ -49,6 +55,9 @@ def damage_as_bad_file(path: Path) -> Iterator[None]:
     """Convert errors of parser and decompressors within the block to BadFile."""
     try:
         yield
+    except TooLargeChunk as error:
+        remedy = "it is forged or damaged; `thbridge bag reindex` saves what else there is in it"
+        raise BadFile(path, str(error), remedy) from error
     except _STUMBLES as error:
         raise damaged(path) from error
 

@@ -166,6 +166,8 @@ def bag_to_mcap_command(
             return
         for topic in folder.left_out:
             note(f"{topic} is left out: its type cannot be converted.")
+        if folder.broken:
+            note(f"{folder.broken} messages are left out: they do not fit their definitions.")
         say(f"Wrote {folder.messages} messages to {folder.path}.")
         return
     with bad_input(), destination(new or bag.with_suffix(".mcap"), ".mcap") as file:
