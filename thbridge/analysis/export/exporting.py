@@ -92,6 +92,7 @@ def export(
     exported.frames |= poses.FRAMES
     for each in together:
         yield from _counted(map(numbered.of, each.pieces()), (), exported, tables)
+    exported.notices += together[0].notices()
     exported.notices += [f"{count} messages of {what}." for what, count in broken.items()]
 
 

@@ -73,6 +73,8 @@ def bag_plot(
         fail(FAILED, f"{bag}: {drawn.sentence}")
     with bad_input(), destination(to) as file:
         _write(file, look.rendered(drawn, FigureFormat(kind)))
+    for sentence in report.left_out:
+        note(sentence)
     for track in report.tracks:
         note(f"{track.label}: {'; '.join(track.sources)}.")
     if to != STANDARD_OUTPUT:
