@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.errors import BadFile, reason_of, visible
 from ui.outputs import STANDARD_OUTPUT, destination
 from ui.recordings import Estimated, Recording, Truth
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
@@ -74,9 +74,9 @@ def bag_plot(
     with bad_input(), destination(to) as file:
         _write(file, look.rendered(drawn, FigureFormat(kind)))
     for sentence in report.left_out:
-        note(sentence)
+        note(visible(sentence))
     for track in report.tracks:
-        note(f"{track.label}: {'; '.join(track.sources)}.")
+        note(visible(f"{track.label}: {'; '.join(track.sources)}."))
     if to != STANDARD_OUTPUT:
         note(f"Figure: {to}")
 
