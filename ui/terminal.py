@@ -1,5 +1,6 @@
 """Output, error messages and exit codes of all commands."""
 
+import errno
 import json
 import shlex
 from collections.abc import Iterable, Iterator, Mapping
@@ -10,7 +11,7 @@ import typer
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 
-from thbridge.files.errors import BadFile, visible
+from thbridge.files.errors import BadFile, reason_of, visible
 
 FAILED = 1
 BAD_INPUT = 2
@@ -35,6 +36,9 @@ class VisibleConsole(Console):
 
 
 _KEPT = "\n\t"
+_DISK_FAULTS = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.EFBIG})
+_LONGEST_NAME = 200
+"""Letters that are shown of the name of a file at fault."""
 out = VisibleConsole()
 err = VisibleConsole(stderr=True)
 
@@ -72,6 +76,24 @@ def bad_input(code: int = BAD_INPUT) -> Iterator[None]:
         yield
     except BadFile as fault:
         fail(code, str(fault))
+
+
+@contextmanager
+def faults_of_files() -> Iterator[None]:
+    """Report what the system says of a file or a disk, where nobody who knows more about it did, and end the command.
+
+    Errors of sockets name no file, and are not reported.
+    """
+    try:
+        yield
+    except MemoryError:
+        fail(BAD_INPUT, "There is not enough memory for it. Name a smaller file, or end other programs.")
+    except OSError as error:
+        if error.filename is None and error.errno not in _DISK_FAULTS:
+            raise
+        name = "the disk" if error.filename is None else str(error.filename)
+        shown = name if len(name) <= _LONGEST_NAME else f"{name[:_LONGEST_NAME]}..."
+        fail(BAD_INPUT, f"{shown}: {reason_of(error).lower()}. Check the name, the folder and the disk.")
 
 
 def print_json(value: Mapping[str, object]) -> None:

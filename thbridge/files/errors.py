@@ -9,6 +9,9 @@ from pathlib import Path
 _UNSEEN = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 """Controls of terminals, those of the direction of writing, ends of lines, and bytes of names that are no UTF-8."""
 
+_LONGEST = 1000
+"""Letters that are shown of a path or a key: names of others may have half a million."""
+
 
 def visible(text: str, keep: str = "") -> str:
     """A text of others with its control characters as escapes, such as \\x1b: they clear screens and forge lines.
@@ -45,6 +48,7 @@ class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is s
         if key is not None:
             where.append(key)
         remedy = remedy[:1].upper() + remedy[1:].rstrip(".")
+        where = [word if len(word) <= _LONGEST else f"{word[:_LONGEST]}..." for word in where]
         super().__init__(visible(f"{', '.join(where)}: {problem.rstrip('.')}. {remedy}."))
 
     def __reduce__(self) -> tuple[type["BadFile"], tuple[Path, str, str, int | None, str | None]]:

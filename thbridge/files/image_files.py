@@ -1,14 +1,18 @@
 """Images of maps: PGM files are read here, all others by Pillow; pixels have 8 bits."""
 
+import io
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thbridge.files.errors import BadFile
+from thbridge.files.regular_files import content_of
 
 MOST_PIXELS = 64_000_000
 """Largest number of pixels: 400 m x 400 m at 0.05 m."""
+LARGEST_IMAGE = 1 << 29
+"""Largest file in bytes."""
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
@@ -22,7 +26,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         BadFile: it is not an image, or a part of it is missing.
     """
     try:
-        data = path.read_bytes()
+        data = content_of(path, LARGEST_IMAGE)
     except OSError as error:
         raise BadFile(path, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
     if data[:2] in {b"P2", b"P5"}:
@@ -31,7 +35,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415
 
     try:
-        with Image.open(path) as image:
+        with Image.open(io.BytesIO(data)) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise _too_large(path, image.width, image.height)
             if image.mode.startswith("I;16"):

@@ -9,6 +9,7 @@ from rosbags.rosbag1 import ReaderError
 from rosbags.serde.errors import SerdeError
 
 from thbridge.files.errors import BadFile
+from thbridge.files.regular_files import open_regular
 from thbridge.recording.recordings import ACTIVE
 
 MAGIC = b"#ROSBAG V"
@@ -40,7 +41,7 @@ def check_is_bag(path: Path) -> None:
         BadFile: it does not, or cannot be read.
     """
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             head = file.read(len(MAGIC) + len(VERSION))
     except OSError as error:
         raise BadFile(path, (error.strerror or str(error)).lower(), "name a bag that can be read") from error
