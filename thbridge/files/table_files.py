@@ -209,7 +209,8 @@ def _of_numbers(values: Array, known: NDArray[np.bool_] | None = None) -> pa.Arr
 
 
 def _of_words(words: list[str] | list[str | None] | list[bytes], kind: pa.DataType) -> pa.Array:
-    pieces = [word.encode() if isinstance(word, str) else word or b"" for word in words]
+    # JSON of others may hold half of a surrogate pair.
+    pieces = [word.encode(errors="replace") if isinstance(word, str) else word or b"" for word in words]
     ends = np.cumsum([0, *map(len, pieces)], dtype=np.int32)
     known = None
     if None in words:

@@ -1,6 +1,5 @@
 """The tables of a topic: one row a message, and a separate table for each array of messages within them."""
 
-import json
 from array import array
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -15,6 +14,7 @@ from thbridge.analysis.export.columns import ColumnReader, fields_of
 from thbridge.analysis.export.gathering import GatheredRows
 from thbridge.analysis.export.layout import MessageArray, MessageLayout
 from thbridge.files.table_files import Column, Values
+from thbridge.json_text import json_of
 from thbridge.ros.messages.types import GAME_EVENT
 
 SECONDS = Column("t_s", "float64", "s", "since the beginning of the recording, when the message was recorded")
@@ -267,7 +267,7 @@ def _with_events(piece: TableRows) -> TableRows:
 
 def _object(text: object) -> dict[str, object]:
     try:
-        read = json.loads(str(text))
+        read = json_of(str(text))
     except ValueError:
         return {}
     return read if isinstance(read, dict) else {}

@@ -4,7 +4,6 @@ Only messages are used, so it works on bags of other robots, too, and lists what
 hold several games; each has a report of its own, since robots are put back and energy and score begin anew.
 """
 
-import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable
@@ -23,6 +22,7 @@ from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, 
 from thbridge.files.errors import BadFile
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.rooms import RoomNames
+from thbridge.json_text import json_of
 from thbridge.recording.bag.reading.reader import RawMessage, info
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
@@ -328,7 +328,7 @@ def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:
 def _event_text(event: GameEvent) -> tuple[str, int | None]:
     """An event's plain JSON values as text for people, and its points."""
     try:
-        fields = json.loads(event.json)
+        fields = json_of(event.json)
     except ValueError:
         return event.json, None
     if not isinstance(fields, dict):
