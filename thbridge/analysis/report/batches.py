@@ -106,5 +106,6 @@ def _block(rows: GatheredRows, index: int) -> NDArray[np.void]:
 def _poses(times: FloatArray, values: NDArray[np.void]) -> FloatArray:
     """(n, 4) time, x, y, yaw of blocks that begin with a position and a quaternion."""
     x, y, qx, qy, qz, qw = (values[name] for name in "013456")
-    yaw = elementary_arrays.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+    with np.errstate(over="ignore", invalid="ignore"):  # of quaternions that are none
+        yaw = elementary_arrays.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
     return np.column_stack((times, x, y, np.where(yaw == np.pi, -np.pi, yaw)))
