@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from thbridge.files.errors import visible
 from ui.terminal import bad_input, note
 
 
@@ -18,7 +19,7 @@ def _converted(path: Path) -> Path:
             found = converted(path)
         note(f"{path} is {found.kind}; it is read as the ROS 1 bag that it becomes.")
         for topic, reason in found.left_out.items():
-            note(f"{topic} is left out: {reason}.")
+            note(visible(f"{topic} is left out: {reason}."))
     return path
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from thbridge.files.edited_file import write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.progress import Tell, untold
 from ui.outputs import STANDARD_OUTPUT, destination
@@ -39,11 +40,7 @@ def write_report(
 
         grid = read_grid(map_yaml)
     html = build_report(bag, grid, tell, named or FOUND_BY_NAME)
-    try:
-        with destination(page) as file:
-            file.write_text(html, encoding="utf-8")
-    except OSError as error:
-        problem = f"it cannot be written ({error.strerror})"
-        raise BadFile(page, problem, "choose another file by --to") from None
+    with destination(page) as file:
+        write_whole(file, html.encode(errors="replace"), "choose another file by --to")
     if page != STANDARD_OUTPUT:
         note(f"Report: {page}")

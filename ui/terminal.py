@@ -1,15 +1,17 @@
 """Output, error messages and exit codes of all commands."""
 
+import errno
 import json
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import NoReturn
 
 import typer
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 
-from thbridge.files.errors import BadFile
+from thbridge.files.errors import BadFile, reason_of, visible
 
 FAILED = 1
 BAD_INPUT = 2
@@ -20,8 +22,25 @@ DECLINED = 3
 NOT_TAKING_PART = "The participant did not agree to take part. Nothing was recorded."
 """The message that goes with `DECLINED`."""
 
-out = Console()
-err = Console(stderr=True)
+
+class VisibleConsole(Console):
+    """A console that prints names of others as they are, without markup, and their control characters as escapes."""
+
+    def __init__(self, stderr: bool = False) -> None:
+        super().__init__(stderr=stderr, markup=False, emoji=False)
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        """Render an object; colours and cursor are set by segments of their own, or not in the text."""
+        for text, style, control in super().render(renderable, options):
+            yield Segment(text if control else visible(text, _KEPT), style, control)
+
+
+_KEPT = "\n\t"
+_DISK_FAULTS = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.EFBIG})
+_LONGEST_NAME = 200
+"""Letters that are shown of the name of a file at fault."""
+out = VisibleConsole()
+err = VisibleConsole(stderr=True)
 
 
 def command(*words: object) -> str:
@@ -31,22 +50,22 @@ def command(*words: object) -> str:
 
 def say(text: str) -> None:
     """Print a line as it is, for people and for grep."""
-    out.print(text, highlight=False, markup=False, soft_wrap=True)
+    out.print(visible(text, _KEPT), highlight=False, markup=False, soft_wrap=True)
 
 
 def show(text: str) -> None:
     """Print a sentence: broken between words on a terminal, in one line for files and other programs."""
-    out.print(text, highlight=False, markup=False, soft_wrap=not out.is_terminal)
+    out.print(visible(text, _KEPT), highlight=False, markup=False, soft_wrap=not out.is_terminal)
 
 
 def note(text: str) -> None:
     """Print a line beside the result, on standard error."""
-    err.print(text, highlight=False, markup=False, soft_wrap=True)
+    err.print(visible(text, _KEPT), highlight=False, markup=False, soft_wrap=True)
 
 
 def fail(code: int, message: str) -> NoReturn:
     """End the command with the one message that says what to change."""
-    err.print(message, style="red", highlight=False, markup=False, soft_wrap=True)
+    err.print(visible(message, _KEPT), style="red", highlight=False, markup=False, soft_wrap=True)
     raise typer.Exit(code)
 
 
@@ -57,6 +76,24 @@ def bad_input(code: int = BAD_INPUT) -> Iterator[None]:
         yield
     except BadFile as fault:
         fail(code, str(fault))
+
+
+@contextmanager
+def faults_of_files() -> Iterator[None]:
+    """Report what the system says of a file or a disk, where nobody who knows more about it did, and end the command.
+
+    Errors of sockets name no file, and are not reported.
+    """
+    try:
+        yield
+    except MemoryError:
+        fail(BAD_INPUT, "There is not enough memory for it. Name a smaller file, or end other programs.")
+    except OSError as error:
+        if error.filename is None and error.errno not in _DISK_FAULTS:
+            raise
+        name = "the disk" if error.filename is None else str(error.filename)
+        shown = name if len(name) <= _LONGEST_NAME else f"{name[:_LONGEST_NAME]}..."
+        fail(BAD_INPUT, f"{shown}: {reason_of(error).lower()}. Check the name, the folder and the disk.")
 
 
 def print_json(value: Mapping[str, object]) -> None:

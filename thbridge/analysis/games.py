@@ -1,11 +1,11 @@
 """Beginnings of games in a recording, by its events."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import GameStarted
+from thbridge.json_text import json_of
 from thbridge.recording.bag.reading.reader import RawMessage, info, messages
 from thbridge.ros.messages import types, unpack
 
@@ -30,10 +30,10 @@ def game_start(message: RawMessage) -> GameStart | None:
         return None
     try:
         event = unpack.game_event(message.data)
-        number = json.loads(event.json)["game"] if event.kind == _STARTED else None
+        number = json_of(event.json)["game"] if event.kind == _STARTED else None
     except (ValueError, TypeError, KeyError):
         return None
-    return GameStart(number, message.stamp_ns) if isinstance(number, int) else None
+    return GameStart(number, message.stamp_ns) if isinstance(number, int) and 0 <= number < 2**31 else None
 
 
 def game_starts(bag: Path) -> tuple[GameStart, ...]:

@@ -6,6 +6,7 @@ has them, else those that the bag defines. Fields that only ROS 2 has are 0, tho
 
 import io
 import shutil
+import struct
 from collections.abc import Callable
 from contextlib import redirect_stdout
 from dataclasses import dataclass
@@ -22,7 +23,8 @@ from rosbags.interfaces import (
     QosTime,
 )
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer, WriterError
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.serde.errors import SerdeError
+from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.msg import normalize_msgtype
 
 from thbridge.analysis.to_mcap import METADATA, STUDY
@@ -30,6 +32,7 @@ from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
+from thbridge.ros.messages.foreign_types import register, store_of, types_in
 from thbridge.ros.messages.types import SESSION
 
 _FOREVER = QosTime(2147483647, 4294967295)
@@ -43,11 +46,13 @@ class Ros2Result:
         path: the folder.
         messages: number of messages.
         left_out: topics that could not be converted.
+        broken: number of messages of other topics that are left out, for they do not fit their definition.
     """
 
     path: Path
     messages: int
     left_out: tuple[str, ...]
+    broken: int = 0
 
 
 def to_ros2(bag: Path, out: Path, packed: bool = True) -> Ros2Result:
@@ -79,12 +84,12 @@ def to_ros2(bag: Path, out: Path, packed: bool = True) -> Ros2Result:
     return Ros2Result(out, *result)
 
 
-def _write(bag: Path, folder: Path, packed: bool) -> tuple[int, tuple[str, ...]]:
-    """Write the folder; the number of messages, and the topics left out."""
+def _write(bag: Path, folder: Path, packed: bool) -> tuple[int, tuple[str, ...], int]:
+    """Write the folder; the number of messages, the topics left out, and the number of messages left out of others."""
     writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
     if packed:
         writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-    messages, left_out = 0, set[str]()
+    messages, broken, left_out = 0, 0, set[str]()
     with writer:
         conversion = _Conversion(writer)
         for publisher, stamp_ns, data in recorded(bag):
@@ -93,11 +98,16 @@ def _write(bag: Path, folder: Path, packed: bool) -> tuple[int, tuple[str, ...]]
                 left_out.add(publisher.topic)
                 continue
             connection, convert = way
-            writer.write(connection, stamp_ns, convert(data))
+            try:
+                converted = convert(data)
+            except (SerdeError, ValueError, LookupError, MemoryError, struct.error):
+                broken += 1
+                continue
+            writer.write(connection, stamp_ns, converted)
             messages += 1
             if publisher.msgtype == SESSION:
                 _keep_session(writer, data)
-    return messages, tuple(sorted(left_out))
+    return messages, tuple(sorted(left_out)), broken
 
 
 class _Conversion:
@@ -121,11 +131,10 @@ class _Conversion:
     def _way(self, publisher: BagConnection) -> tuple[Connection, Callable[[bytes], memoryview]]:
         source = normalize_msgtype(publisher.msgtype)
         target = "tf2_msgs/msg/TFMessage" if source == "tf/msg/tfMessage" else source
-        ours = get_typestore(Stores.EMPTY)
-        ours.register(get_types_from_msg(publisher.definition, source))
+        ours = store_of(types_in(publisher.msgtype, publisher.definition))
         if target not in self._theirs.fielddefs:
             fields = ours.fielddefs.items()
-            self._theirs.register({name: own for name, own in fields if name not in self._theirs.fielddefs})
+            register(self._theirs, {name: own for name, own in fields if name not in self._theirs.fielddefs})
         with redirect_stdout(io.StringIO()):  # it tells what it will do
             convert = generate_message_converter(ours, self._theirs, source, target, {}, src_is2=False, dst_is2=True)
         key = publisher.topic, target, publisher.latching is True

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import cast
 
 import pyarrow as pa
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.msg import normalize_msgtype
 from rosbags.typesys.store import Typestore
 
@@ -24,6 +23,7 @@ from thbridge.recording.bag.damage import damage_as_bad_file
 from thbridge.recording.bag.reading.reader import info, messages, recorded
 from thbridge.recording.recordings import make_room, try_place
 from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.ros.messages.foreign_types import check_type_name, store_of, types_in
 from thbridge.study.study_file import read_study_text
 
 
@@ -192,12 +192,11 @@ class HuntRecording:
 
 
 def _store(definition: str, name: str, topic: str) -> Typestore:
-    store = get_typestore(Stores.EMPTY)
     try:
-        store.register(get_types_from_msg(definition, name) if definition.strip() else {name: ([], [])})
-    except TypesysError:
-        raise HuntError(f"{topic}: its definition cannot be read. Leave the topic out.") from None
-    return store
+        check_type_name(name)
+        return store_of(types_in(name, definition) if definition.strip() else {name: ([], [])})
+    except ValueError as error:
+        raise HuntError(f"{topic}: {error}. Leave the topic out.") from None
 
 
 def _plain(value: object) -> object:

@@ -14,6 +14,7 @@ from thbridge.batch.whole_files import PART, whole_file
 from thbridge.files.errors import BadFile
 from thbridge.files.resources import shipped
 from thbridge.files.yaml.tree import read_text
+from thbridge.json_text import json_of
 from thbridge.study.study_file import Study
 from thbridge.study.text import resolved
 
@@ -194,9 +195,11 @@ def _digest(path: Path) -> str:
 def _read(folder: SweepFolder) -> Mapping[str, object]:
     path, remedy = folder.manifest, "name the folder of a sweep"
     try:
-        told = cast(object, json.loads(read_text(path, LARGEST_MANIFEST)))
+        told: object = json_of(read_text(path, LARGEST_MANIFEST))
     except json.JSONDecodeError as error:
         raise BadFile(path, f"not JSON ({error.msg})", remedy, line=error.lineno) from None
+    except ValueError as error:
+        raise BadFile(path, str(error), remedy) from None
     except BadFile as fault:
         raise BadFile(path, fault.problem, remedy) from None
     if not isinstance(told, dict) or told.get("layout") != LAYOUT:

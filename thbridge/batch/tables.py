@@ -10,6 +10,7 @@ from thbridge.batch.chunks import GameChunk
 from thbridge.batch.folder import SweepFolder, read_manifest
 from thbridge.batch.results import read_table
 from thbridge.batch.whole_files import whole_file
+from thbridge.files.csv_cells import text_cells
 from thbridge.files.errors import BadFile
 from thbridge.files.table_files import TableFormat
 
@@ -59,9 +60,9 @@ def _plain(table: pa.Table) -> pa.Table:
     for name in table.column_names:
         column = table[name]
         if not pa.types.is_list(column.type):
-            columns[name] = column
+            columns[name] = text_cells(column) if pa.types.is_string(column.type) else column
         elif pa.types.is_string(column.type.value_type):
-            columns[name] = compute.binary_join(column, " ")
+            columns[name] = text_cells(compute.binary_join(column, " "))
     return pa.table(columns)
 
 

@@ -16,6 +16,7 @@ from thbridge.argumentation.semantics import grounded
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.locutions import origin_of_hearsay
+from thbridge.json_text import json_of
 
 MOST_ARGUMENTS = 40
 """Greatest number of arguments in a portrait."""
@@ -126,7 +127,7 @@ class DialoguePortrait:
 def read_portrait(text: str) -> DialoguePortrait:
     """Return the portrait that was written as this text. Raises ValueError for any other text."""
     try:
-        values = json.loads(text)
+        values = json_of(text)
         gamma, stores, arguments = values["gamma"], values["stores"], values["arguments"]
         portrait = DialoguePortrait(
             games=tuple(

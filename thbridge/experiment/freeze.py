@@ -9,6 +9,7 @@ from pathlib import Path
 from thbridge.batch.whole_files import whole_file
 from thbridge.experiment.folder import EXPORTS, FREEZE, RECORDINGS, STORE, ExperimentFolder
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.json_text import json_of
 
 _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
 """What comes of running an experiment; all else in its folder is what was planned."""
@@ -80,7 +81,7 @@ def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[s
     if not folder.freeze.exists():
         return None
     try:
-        told = json.loads(folder.freeze.read_text(encoding="utf-8"))
+        told = json_of(folder.freeze.read_text(encoding="utf-8"))
         frozen = Fingerprint(told["files"], told["versions"])
         if frozen.digest != told["digest"]:
             raise ValueError

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.regular_files import open_regular
 from thbridge.files.yaml.tree import read_text
 
 _MARK = "\ufeff"
@@ -39,7 +40,7 @@ def read_edited(path: Path) -> TextOnDisk:
         return TextOnDisk("", exists=False)
     text = read_text(path)
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             marked = file.read(3) == _MARK.encode()
     except OSError:
         marked = False
@@ -61,8 +62,8 @@ def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
     return TextOnDisk(text, exists=True, marked=marked)
 
 
-def write_whole(path: Path, data: bytes) -> None:
-    """Replace the file, or make it, in one step; links and permissions are kept.
+def write_whole(path: Path, data: bytes, remedy: str = "check the folder and the disk") -> None:
+    """Replace the file, or make it, in one step; links and permissions are kept. Devices and pipes are written to.
 
     Raises:
         BadFile: it cannot be written; then the file is unchanged.
@@ -70,6 +71,9 @@ def write_whole(path: Path, data: bytes) -> None:
     target = path.resolve()
     part = ""
     try:
+        if target.exists() and not target.is_file():
+            target.write_bytes(data)
+            return
         handle, part = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
         with os.fdopen(handle, "wb") as file:
             file.write(data)
@@ -83,7 +87,7 @@ def write_whole(path: Path, data: bytes) -> None:
             with suppress(OSError):
                 Path(part).unlink()
         problem = f"it cannot be written ({reason_of(error)})"
-        raise BadFile(path, problem, "Check the folder and the disk") from None
+        raise BadFile(path, problem, remedy) from None
 
 
 def _umask() -> int:

@@ -1,9 +1,26 @@
 """Errors of files that a person can correct."""
 
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+_UNSEEN = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Controls of terminals, those of the direction of writing, ends of lines, and bytes of names that are no UTF-8."""
+
+_LONGEST = 1000
+"""Letters that are shown of a path or a key: names of others may have half a million."""
+
+
+def visible(text: str, keep: str = "") -> str:
+    """A text of others with its control characters as escapes, such as \\x1b: they clear screens and forge lines.
+
+    Args:
+        text: the text.
+        keep: control characters that stay.
+    """
+    return _UNSEEN.sub(lambda found: found[0] if found[0] in keep else repr(found[0])[1:-1], text)
 
 
 class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is shown to people as a sentence
@@ -31,7 +48,8 @@ class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is s
         if key is not None:
             where.append(key)
         remedy = remedy[:1].upper() + remedy[1:].rstrip(".")
-        super().__init__(f"{', '.join(where)}: {problem.rstrip('.')}. {remedy}.")
+        where = [word if len(word) <= _LONGEST else f"{word[:_LONGEST]}..." for word in where]
+        super().__init__(visible(f"{', '.join(where)}: {problem.rstrip('.')}. {remedy}."))
 
     def __reduce__(self) -> tuple[type["BadFile"], tuple[Path, str, str, int | None, str | None]]:
         return (type(self), (self.path, self.problem, self.remedy, self.line, self.key))

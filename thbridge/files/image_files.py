@@ -1,14 +1,20 @@
 """Images of maps: PGM files are read here, all others by Pillow; pixels have 8 bits."""
 
+import io
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thbridge.files.errors import BadFile
+from thbridge.files.regular_files import content_of
 
-MOST_PIXELS = 64_000_000
-"""Largest number of pixels: 400 m x 400 m at 0.05 m."""
+MOST_PIXELS = 32_000_000
+"""Largest number of pixels: 280 m x 280 m at 0.05 m. To localise on such a map takes 32 bytes a cell, a gigabyte."""
+MOST_WORDS = 8_000_000
+"""Largest number of pixels that are written as words (P2), for each takes 40 bytes."""
+LARGEST_IMAGE = 1 << 29
+"""Largest file in bytes."""
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
@@ -22,7 +28,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         BadFile: it is not an image, or a part of it is missing.
     """
     try:
-        data = path.read_bytes()
+        data = content_of(path, LARGEST_IMAGE)
     except OSError as error:
         raise BadFile(path, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
     if data[:2] in {b"P2", b"P5"}:
@@ -31,7 +37,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415
 
     try:
-        with Image.open(path) as image:
+        with Image.open(io.BytesIO(data)) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise _too_large(path, image.width, image.height)
             if image.mode.startswith("I;16"):
@@ -60,6 +66,9 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
         raise BadFile(path, f"the header's greatest value is {deepest}", "Save it with 8 or 16 bit")
     if width * height > MOST_PIXELS:
         raise _too_large(path, width, height)
+    if data[:2] == b"P2" and width * height > MOST_WORDS:
+        problem = f"{width} x {height} pixels as words are more than {MOST_WORDS}"
+        raise BadFile(path, problem, "Save the map as a binary PGM (P5), or as PNG")
     if data[:2] == b"P5":
         depth = np.dtype(np.uint8) if deepest < 256 else np.dtype(">u2")
         # Exactly one blank ends the header; the byte after it is a pixel, even if it is a blank, too.

@@ -23,6 +23,7 @@ from sim.robot.costmap.footprint import radii
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.image_files import read_image
 from thbridge.files.map_times import MAP_TIMES, read_map_times
+from thbridge.files.regular_files import is_regular
 from thbridge.files.yaml.load import Loaded, load
 from thbridge.hunt.rooms import Room, RoomNames
 
@@ -192,9 +193,9 @@ def _read_map_yaml(map_yaml: Path, moved: bool = False) -> tuple[Loaded[_MapYaml
         problem = f"{entry.free_thresh} is not below occupied_thresh {entry.occupied_thresh}"
         raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
     image = map_yaml.parent / entry.image
-    if moved and not image.is_file():
+    if moved and not is_regular(image):
         image = map_yaml.parent / image.name
-    if not image.is_file():
+    if not is_regular(image):
         remedy = "Name the image, beside map.yaml or with its full path"
         raise loaded.fault("image", f"there is no file {image}", remedy)
     pixels = read_image(image)

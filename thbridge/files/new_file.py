@@ -1,7 +1,7 @@
 """New files that are written completely or not at all, and never replace another one unasked."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
@@ -23,10 +23,12 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
         BadFile: the file exists already, or it cannot be written.
     """
     if path.exists() and source.exists() and path.samefile(source):
-        raise BadFile(path, "this is the recording itself", "choose another file by --out")
+        raise BadFile(path, "this is the recording itself", "choose another file by --to")
     if path.exists() and not overwrite:
-        remedy = "choose another file by --out, or give --overwrite"
+        remedy = "choose another file by --to, or give --overwrite"
         raise BadFile(path, "there is such a file already", remedy)
+    if path.exists() and not path.is_file():
+        raise BadFile(path, "this is no file", "choose another name by --to")
     part = path.with_name(path.name + UNFINISHED)
     try:
         part.unlink(missing_ok=True)
@@ -34,7 +36,7 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
         part.replace(path)
     except OSError as error:
         problem = f"it cannot be written ({reason_of(error)})"
-        raise BadFile(path, problem, "choose another place by --out, or make room") from error
+        raise BadFile(path, problem, "choose another place by --to, or make room") from error
     finally:
-        if path.parent.is_dir():
+        with suppress(OSError):  # a folder that nobody may write to has no such file
             part.unlink(missing_ok=True)

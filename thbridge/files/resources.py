@@ -7,11 +7,15 @@ from pathlib import Path
 from typing import Literal
 
 from thbridge.files.errors import BadFile
+from thbridge.files.regular_files import is_regular
 
 ResourceKind = Literal["maps", "templates"]
 
 PACKAGE = Path(__file__).resolve().parent.parent
 """The folder of the package thbridge, in a wheel or in a checkout."""
+
+LONGEST_PATH = 4096
+"""Characters of the longest path that Linux takes."""
 
 _MARKS: Mapping[ResourceKind, str] = {"maps": "map.yaml", "templates": "DialogueText"}
 """The file that every folder of a kind has."""
@@ -44,9 +48,12 @@ class Resources:
             BadFile: there is no such folder.
         """
         mark, word = _MARKS[kind], _WORDS[kind]
+        if len(wanted) > LONGEST_PATH:
+            problem = f"no {word} has a name of {len(wanted)} characters"
+            raise BadFile(self.root / kind, problem, f"The names are: {self._listed(kind)}")
         if "/" in wanted or "\\" in wanted:
             folder = beside / Path(wanted).expanduser()
-            if (folder / mark).is_file():
+            if is_regular(folder / mark):
                 return folder
             problem = f"there is no {mark} in this folder"
             raise BadFile(folder, problem, f"Give the path of a {word}, or one of: {self._listed(kind)}")

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.regular_files import open_regular
 from thbridge.protocols.mavlink.frames.signing import InvalidKey, SigningKey, parse_key
 
 _REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits there"
@@ -16,7 +17,7 @@ def read_signing_key(path: Path) -> SigningKey:
         BadFile: it cannot be read, or it has no key.
     """
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             content = file.read(_LARGEST)
     except OSError as error:
         raise BadFile(path, f"the signing key cannot be read ({reason_of(error)})", _REMEDY) from None

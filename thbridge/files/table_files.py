@@ -14,6 +14,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from pyarrow import compute, csv, ipc, parquet
 
+from thbridge.files.csv_cells import text_cells
 from thbridge.files.progress import Tell
 from thbridge.files.spool import SpoolFile
 
@@ -209,7 +210,8 @@ def _of_numbers(values: Array, known: NDArray[np.bool_] | None = None) -> pa.Arr
 
 
 def _of_words(words: list[str] | list[str | None] | list[bytes], kind: pa.DataType) -> pa.Array:
-    pieces = [word.encode() if isinstance(word, str) else word or b"" for word in words]
+    # JSON of others may hold half of a surrogate pair.
+    pieces = [word.encode(errors="replace") if isinstance(word, str) else word or b"" for word in words]
     ends = np.cumsum([0, *map(len, pieces)], dtype=np.int32)
     known = None
     if None in words:
@@ -221,7 +223,8 @@ def _cells(array: pa.Array) -> pa.Array:
     """Values that can be written as CSV: arrays as their elements with blanks between, bytes as base64."""
     if pa.types.is_list(array.type):
         texts = pa.ListArray.from_arrays(array.offsets, compute.cast(array.values, pa.string()))
-        return compute.binary_join(texts, _of_words([" "], pa.string())[0])
+        joined = compute.binary_join(texts, _of_words([" "], pa.string())[0])
+        return text_cells(joined) if pa.types.is_string(array.type.value_type) else joined
     if pa.types.is_binary(array.type):
         return _of_words([base64.b64encode(each).decode() for each in array.to_pylist()], pa.string())
-    return array
+    return text_cells(array) if pa.types.is_string(array.type) else array

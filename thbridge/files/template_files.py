@@ -17,6 +17,7 @@ from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template
 from thbridge.dialogue.words import word_fault
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.map_times import MAP_TIMES, read_map_times
+from thbridge.files.regular_files import open_regular
 from thbridge.files.template_lines import first_line, numbered_lines
 from thbridge.files.treasure_files import (
     PARTICIPANT_TREASURES,
@@ -158,7 +159,7 @@ def _priced_map(path: Path) -> str | None:
 def _picture(treasures: Path, name: str, file: Path) -> bytes:
     """The image file of a treasure."""
     try:
-        with file.open("rb") as opened:
+        with open_regular(file) as opened:
             data = opened.read(LARGEST_PICTURE + 1)
     except FileNotFoundError:
         problem, remedy = f"there is no picture {file.name}", f"put it into {file.parent} or mend the file name"

@@ -14,6 +14,7 @@ from thbridge.offline.odometry import OdometrySample, OdometryTrack
 from thbridge.recording.bag.reading.reader import RawMessage, TopicInfo, info, messages
 from thbridge.ros.frames import FrameTree, PlanarMount
 from thbridge.ros.messages import unpack
+from thbridge.ros.messages.plausible import is_plausible
 from thbridge.ros.messages.types import LASER_SCAN, ODOMETRY, TFMESSAGE
 from thbridge.ros.messages.unpack import LaserScan
 from thbridge.ros.names import frame_name
@@ -103,7 +104,9 @@ def open_recording(
     odometry = _topic(topics, odom_name, (ODOMETRY,))
     if odometry is not None:
         tree = FrameTree()
-        steps, child = _odometry_of_topic(path, odometry.name)
+        steps, child, left_out = _odometry_of_topic(path, odometry.name)
+        if left_out:
+            notices.append(f"{left_out} poses of {odometry.name} are left out: they are not finite, or too large.")
         source = odometry.name
         bases = _base_names(child, first.frame)
         if laser_in_base is None:
@@ -200,15 +203,26 @@ def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
         yield StampedScan(scan.stamp_ns or raw.stamp_ns, raw.stamp_ns, scan)
 
 
-def _odometry_of_topic(path: Path, topic: str) -> tuple[list[OdometrySample], str]:
-    """All odometry of a topic, and its child frame; zero stamps are replaced by the time of recording."""
+def _is_plausible(pose: Pose2) -> bool:
+    return is_plausible(pose.x, pose.y, pose.theta)
+
+
+def _odometry_of_topic(path: Path, topic: str) -> tuple[list[OdometrySample], str, int]:
+    """All odometry of a topic, its child frame, and the number of poses left out, which are not finite or too large.
+
+    Zero stamps are replaced by the time of recording.
+    """
     steps = []
     child = ""
+    left_out = 0
     for raw in messages(path, (topic,)):
         read = _decoded(raw, unpack.odometry, path)
         child = child or read.child_frame
-        steps.append(OdometrySample(raw.stamp_ns, read.stamp_ns or raw.stamp_ns, read.pose))
-    return steps, child
+        if _is_plausible(read.pose):
+            steps.append(OdometrySample(raw.stamp_ns, read.stamp_ns or raw.stamp_ns, read.pose))
+        else:
+            left_out += 1
+    return steps, child, left_out
 
 
 def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> list[OdometrySample]:
@@ -216,7 +230,7 @@ def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> lis
         OdometrySample(raw.stamp_ns, stamp_ns or raw.stamp_ns, pose)
         for raw in messages(path, topics)
         for stamp_ns, (parent, child, pose) in _decoded(raw, unpack.transforms, path)
-        if (frame_name(parent), frame_name(child)) == edge
+        if (frame_name(parent), frame_name(child)) == edge and _is_plausible(pose)
     ]
 
 
@@ -224,7 +238,8 @@ def _frames(path: Path, topics: list[str], enough: Callable[[FrameTree], bool]) 
     """The frame tree of a bag, read until it is sufficient."""
     tree = FrameTree()
     for raw in messages(path, topics):
-        added = [tree.add(transform) for transform in _decoded(raw, unpack.spatial_transforms, path)]
+        transforms = _decoded(raw, unpack.spatial_transforms, path)
+        added = [tree.add(each) for each in transforms if is_plausible(*each.position, *each.orientation)]
         if any(added) and enough(tree):
             break
     return tree

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import IO, Self
 
 from thbridge.files.errors import BadFile
+from thbridge.files.regular_files import content_of
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.events import DialogueOpened, DialogueSaid, GameStarted, JournalEntry
 from thbridge.hunt.game import GameState, apply, begin
@@ -64,7 +65,7 @@ def read_journal(path: Path) -> RecoveredGame:
             not an event of this game.
     """
     try:
-        content = path.read_bytes()
+        content = content_of(path)
     except OSError as error:
         raise BadFile(path, f"cannot be read ({error.strerror})", "name the journal of a game") from None
     lines, checksum, size, torn = _lines(path, content)

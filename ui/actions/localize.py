@@ -13,7 +13,7 @@ from sim.common.grid import OccupancyGrid
 from sim.numerics.elementary import wrap_angle
 from sim.parameters import AmclParameters, RobotParameters, with_ros_defaults
 from sim.robot.localization.amcl import Amcl
-from thbridge.files.errors import BadFile
+from thbridge.files.edited_file import write_whole
 from thbridge.files.ros.defaults import RosDefault, ros_defaults
 from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.hunt.refusals import RequestRefused
@@ -95,11 +95,7 @@ def trajectory_text(result: LocalizationResult) -> str:
 
 def write_text(path: Path, text: str, option: str) -> None:
     """Write a file that an option names."""
-    try:
-        path.write_text(text, encoding="ascii")
-    except OSError as error:
-        problem = f"it cannot be written ({error.strerror})"
-        raise BadFile(path, problem, f"choose another file by {option}") from None
+    write_whole(path, text.encode("ascii"), f"choose another file by {option}")
 
 
 def write_localization_picture(path: Path, result: LocalizationResult, grid: OccupancyGrid, bag: Path) -> None:

@@ -1,10 +1,11 @@
 """Files of pictures: the same picture gives the same bytes."""
 
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.edited_file import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,9 +29,7 @@ def write_picture(draw: Callable[[], "Figure"], to: Path, option: str) -> None:
 
     dates = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}
     undated = dates.get(to.suffix.lower(), {"CreationDate": None, "Creator": None, "Producer": None})
-    try:
-        with rc_context({"svg.hashsalt": "thbridge"}):
-            draw().savefig(to, metadata=undated)
-    except OSError as error:
-        problem = f"it cannot be written ({reason_of(error)})"
-        raise BadFile(to, problem, f"choose another place by {option}") from None
+    drawn = io.BytesIO()
+    with rc_context({"svg.hashsalt": "thbridge"}):
+        draw().savefig(drawn, format=to.suffix.lower().removeprefix("."), metadata=undated)
+    write_whole(to, drawn.getvalue(), f"choose another place by {option}")

@@ -6,6 +6,8 @@ from typer._click.core import ParameterSource  # typer's own copy of click
 from typer._coercion import RuntimeParam, build_runtime_param
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
+from ui.terminal import faults_of_files
+
 if TYPE_CHECKING:
     from typer._click.core import Command, Context
     from typer.core import _TyperParameter
@@ -37,6 +39,11 @@ class CommandGroup(TyperGroup):
         if command is not None:
             _convert_if_given(command, ctx)
         return name, command, rest
+
+    def invoke(self, ctx: "Context") -> object:
+        """Carry a command out; faults of files that it does not tell end in a message, too."""
+        with faults_of_files():
+            return super().invoke(ctx)
 
 
 def _convert_if_given(command: "Command", ctx: "Context") -> None:

@@ -11,10 +11,10 @@ from struct import Struct
 from typing import Protocol
 
 import numpy as np
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.msg import normalize_msgtype
 
 from sim.numerics.float_array import FloatArray
+from thbridge.ros.messages.foreign_types import store_of, types_in
 
 Quaternion = tuple[float, float, float, float]
 """x, y, z, w."""
@@ -161,12 +161,8 @@ def fields_of(msgtype: str, text: str) -> Fields:
     Raises:
         ValueError: the text cannot be parsed, or lacks a type that it names.
     """
-    try:
-        types = get_types_from_msg(text, normalize_msgtype(msgtype))
-        # Registering finds further faults, in names and nesting.
-        get_typestore(Stores.EMPTY).register(types)
-    except (TypesysError, LookupError, AssertionError, RecursionError):
-        raise ValueError("its definition cannot be parsed") from None
+    types = types_in(msgtype, text)
+    store_of(types)  # it finds further faults, in names
     fields: dict[str, Sequence[tuple[str, object]]] = {name: described for name, (_, described) in types.items()}
     missing = missing_types(fields)
     if missing:

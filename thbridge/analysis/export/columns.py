@@ -233,7 +233,8 @@ def _yaw(index: int, run: FixedBlock, position: int) -> _NewColumn:
     def values(rows: GatheredRows) -> Values:
         table = rows.run(index, run)
         x, y, z, w = (table[str(position - 3 + axis)] for axis in range(4))
-        yaw: NDArray[np.float64] = elementary_arrays.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        with np.errstate(over="ignore", invalid="ignore"):  # of quaternions that are none
+            yaw: NDArray[np.float64] = elementary_arrays.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         return yaw
 
     path = run.leaves[position].path

@@ -5,6 +5,7 @@ import io
 import json
 
 from thbridge.analysis.export.exporting import ExportSummary
+from thbridge.files.csv_cells import SENTENCE, text_cell
 
 HEADER = ("table", "column", "type", "unit", "frame", "meaning")
 
@@ -17,7 +18,8 @@ def dictionary_csv(exported: ExportSummary) -> str:
     for name, (table, _) in sorted(exported.tables.items()):
         for column in table.columns:
             frame = exported.frames.get((name, column.name), "")
-            writer.writerow((name, column.name, column.kind, column.unit, frame, column.meaning))
+            row = (name, column.name, column.kind, column.unit, frame, column.meaning)
+            writer.writerow(map(text_cell, row))
     return text.getvalue()
 
 
@@ -78,5 +80,6 @@ _CONVENTIONS = (
     "* Arrays of messages are tables of their own, `TABLE.FIELD`: `row` is the row of `TABLE` they belong to, `index`",
     "  the place in the array. Where a message is nothing but one array (tf), the elements are the topic's own rows.",
     "* Plain values in the JSON of game events are columns `event_...`. Robots count from 1, 0 is none.",
+    f"* {SENTENCE}",
     "* `nan` in CSV and NaN in Parquet: not measured, or not a number in the message itself.",
 )

@@ -10,7 +10,7 @@ import numpy as np
 
 from thbridge.analysis.export import dialogues, poses
 from thbridge.analysis.export.layout import layout_of
-from thbridge.analysis.export.tables import GAME, ROOM_NAME, SECONDS, Table, TableRows, TopicTables
+from thbridge.analysis.export.tables import GAME, ROOM_NAME, SECONDS, Table, TableRows, TopicTables, short_name
 from thbridge.analysis.games import OF_A_GAME, GameStart
 from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.records import BagConnection
@@ -22,6 +22,8 @@ EMPTY_MD5 = "d41d8cd98f00b204e9800998ecf8427e"
 """Md5 sum of types without fields."""
 PIECE = 4 << 20
 """Bytes of a topic's messages that are converted to rows together, at most."""
+LONGEST_TOPIC = 100
+"""Characters of a topic that its table's name has at most, and a digest."""
 HELD = 48 << 20
 """Bytes of all topics' messages that wait for others of their topic; beyond, those of one topic are converted."""
 
@@ -90,6 +92,7 @@ def export(
     exported.frames |= poses.FRAMES
     for each in together:
         yield from _counted(map(numbered.of, each.pieces()), (), exported, tables)
+    exported.notices += together[0].notices()
     exported.notices += [f"{count} messages of {what}." for what, count in broken.items()]
 
 
@@ -169,8 +172,8 @@ def rooms_in(data: bytes) -> RoomNames:
 
 
 def table_name(topic: str) -> str:
-    """The name of a topic's table: "/robot1/move_base/goal" gives robot1_move_base_goal."""
-    return re.sub(r"[^A-Za-z0-9_]+", "_", topic).strip("_") or "topic"
+    """The name of a topic's table: "/robot1/move_base/goal" gives robot1_move_base_goal; long names are cut off."""
+    return re.sub(r"[^A-Za-z0-9_]+", "_", short_name(topic, LONGEST_TOPIC)).strip("_") or "topic"
 
 
 def _file_name(topic: str, taken: set[str]) -> str:

@@ -1,6 +1,7 @@
 """Export of a bag to a folder of tables."""
 
 from collections.abc import Collection
+from contextlib import suppress
 from pathlib import Path
 
 from thbridge.analysis.export.bag_rows import rows_of_bag
@@ -40,6 +41,7 @@ def export_bag(
     found, exported = info(bag), ExportSummary()
     first_ns = found.start_ns or 0
 
+    new = not folder.exists()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if next(folder.iterdir(), None) is not None:
@@ -57,5 +59,15 @@ def export_bag(
         ):
             (folder / name).write_text(text, encoding="utf-8")
     except OSError as error:
+        _remove(folder, new)
         raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "choose another folder by --to") from None
     return exported
+
+
+def _remove(folder: Path, whole: bool) -> None:
+    """Remove what was written of an export that a disk has no room for: half a table looks like a whole one."""
+    with suppress(OSError):
+        for file in folder.iterdir():
+            file.unlink()
+        if whole:
+            folder.rmdir()

@@ -14,8 +14,9 @@ from typing import TypeAlias, cast
 
 import numpy as np
 from rosbags.interfaces import Nodetype
-from rosbags.typesys import TypesysError, get_types_from_msg
 from rosbags.typesys.msg import denormalize_msgtype, normalize_msgtype
+
+from thbridge.ros.messages.foreign_types import check_type_name, types_in
 
 TIME = "time"
 DURATION = "duration"
@@ -156,11 +157,12 @@ def layout_of(msgtype: str, definition: str) -> MessageLayout:
     Raises:
         ValueError: the text cannot be parsed, lacks a type, or has one that contains itself.
     """
+    check_type_name(msgtype)
     full, empty = _without_empty_types(msgtype, definition)
     try:
-        types = get_types_from_msg(full, normalize_msgtype(msgtype)) if full else {}
-    except TypesysError as error:
-        raise ValueError(f"the definition of {msgtype} cannot be read: {error}") from None
+        types = types_in(msgtype, full) if full else {}
+    except ValueError as error:
+        raise ValueError(f"{msgtype}: {error}") from None
     compiler = _Compiler({**types, **{normalize_msgtype(name): ((), ()) for name in empty}})
     compiler.add(normalize_msgtype(msgtype), ())
     return MessageLayout(msgtype, compiler.parts())

@@ -61,10 +61,10 @@ class PosesTable:
             self._add_frames(table.source.partition(":")[0], frames, children, rows)
         elif table.msgtype == ODOMETRY:
             poses = self._series.odometry.setdefault(table.source, self._series.poses_of(frames[0], children[0]))
-            poses.rows.frombytes(rows.tobytes())
+            poses.rows.frombytes(self._series.plausible(table.source, rows).tobytes())
         else:
             poses = self._series.poses.setdefault(table.source, self._series.poses_of(frames[0], ""))
-            poses.rows.frombytes(rows.tobytes())
+            poses.rows.frombytes(self._series.plausible(table.source, rows).tobytes())
 
     def _add_frames(self, topic: str, parents: list[str], children: list[str], rows: FloatArray) -> None:
         pairs = np.array([f"{parent}\n{child}" for parent, child in zip(parents, children, strict=True)])
@@ -73,7 +73,11 @@ class PosesTable:
             if is_map_frame(parent) or is_odom_frame(parent):
                 key = (topic.strip("/").rpartition("/")[0], parent, child)
                 edge = self._series.edges.setdefault(key, self._series.poses_of(parent, child))
-                edge.rows.frombytes(rows[pairs == pair].tobytes())
+                edge.rows.frombytes(self._series.plausible(topic, rows[pairs == pair]).tobytes())
+
+    def notices(self) -> tuple[str, ...]:
+        """Sentences on poses that are left out."""
+        return tuple(f"poses: {sentence}" for sentence in self._series.left_out_sentences())
 
     def pieces(self) -> Iterator[TableRows]:
         """Yield the table's rows, robot by robot; nothing when there were no poses."""

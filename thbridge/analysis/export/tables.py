@@ -1,10 +1,10 @@
 """The tables of a topic: one row a message, and a separate table for each array of messages within them."""
 
-import json
 from array import array
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from thbridge.analysis.export.columns import ColumnReader, fields_of
 from thbridge.analysis.export.gathering import GatheredRows
 from thbridge.analysis.export.layout import MessageArray, MessageLayout
 from thbridge.files.table_files import Column, Values
+from thbridge.json_text import json_of
 from thbridge.ros.messages.types import GAME_EVENT
 
 SECONDS = Column("t_s", "float64", "s", "since the beginning of the recording, when the message was recorded")
@@ -25,8 +26,15 @@ EVENT = "event_"
 """Beginning of the names of columns that come from an event's JSON."""
 HAS_COLUMNS = frozenset({"v", "event", "robot", "room"})
 """Keys of the JSON that get no column: they have one in ROS's numbering, or are format details."""
+LONGEST_TABLE = 200
+"""Characters of a table's name at most, without the digest that longer ones get: names of files end at 255."""
 MOST_FRAMES = 3
 """Largest number of frames that the dictionary lists for a column; if there are more, it names the column with them."""
+
+
+def short_name(name: str, longest: int) -> str:
+    """A name that files can have; of one that is longer than so many characters its beginning and a digest."""
+    return name if len(name) <= longest else f"{name[:longest]}_{sha256(name.encode()).hexdigest()[:8]}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +157,7 @@ class _TableNode:
             return _TableNode(
                 self.name, f"{self.source}: {path}", self.meaning or meaning, items.record, True, own_frame
             )
-        name, source = f"{self.name}.{path}", f"{self.source}: {path}"
+        name, source = short_name(f"{self.name}.{path}", LONGEST_TABLE), f"{self.source}: {path}"
         return _TableNode(name, source, meaning or self.meaning, items.record, False, own_frame)
 
     @property
@@ -259,7 +267,7 @@ def _with_events(piece: TableRows) -> TableRows:
 
 def _object(text: object) -> dict[str, object]:
     try:
-        read = json.loads(str(text))
+        read = json_of(str(text))
     except ValueError:
         return {}
     return read if isinstance(read, dict) else {}

@@ -71,8 +71,9 @@ class MessageBatches:
         values = _block(rows, 3)
         frame, child = rows.texts(1)[0], rows.texts(2)[0]
         poses = self._series.odometry.setdefault(topic, self._series.poses_of(frame, child))
-        poses.rows.frombytes(_poses(times, values).tobytes())
-        poses.speeds.frombytes(np.column_stack((times, values["8"], values["13"])).tobytes())
+        poses.rows.frombytes(self._series.plausible(topic, _poses(times, values)).tobytes())
+        speeds = np.column_stack((times, values["8"], values["13"]))
+        poses.speeds.frombytes(self._series.plausible(topic, speeds).tobytes())
 
     def _transforms(self, topic: str, times: FloatArray, rows: GatheredRows) -> None:
         (inner,) = rows.inner
@@ -86,11 +87,12 @@ class MessageBatches:
             if is_map_frame(parent) or is_odom_frame(parent):
                 key = (topic.strip("/").rpartition("/")[0], frame_name(parent), frame_name(child))
                 edge = self._series.edges.setdefault(key, self._series.poses_of(key[1], key[2]))
-                edge.rows.frombytes(poses[found].tobytes())
+                edge.rows.frombytes(self._series.plausible(topic, poses[found]).tobytes())
 
     def _velocities(self, topic: str, times: FloatArray, rows: GatheredRows) -> None:
         values = _block(rows, 0)
-        self._series.commands[topic].frombytes(np.column_stack((times, values["0"], values["5"])).tobytes())
+        commands = np.column_stack((times, values["0"], values["5"]))
+        self._series.commands[topic].frombytes(self._series.plausible(topic, commands).tobytes())
 
 
 def _block(rows: GatheredRows, index: int) -> NDArray[np.void]:
@@ -104,5 +106,6 @@ def _block(rows: GatheredRows, index: int) -> NDArray[np.void]:
 def _poses(times: FloatArray, values: NDArray[np.void]) -> FloatArray:
     """(n, 4) time, x, y, yaw of blocks that begin with a position and a quaternion."""
     x, y, qx, qy, qz, qw = (values[name] for name in "013456")
-    yaw = elementary_arrays.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+    with np.errstate(over="ignore", invalid="ignore"):  # of quaternions that are none
+        yaw = elementary_arrays.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
     return np.column_stack((times, x, y, np.where(yaw == np.pi, -np.pi, yaw)))

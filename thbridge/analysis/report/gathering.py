@@ -4,7 +4,6 @@ Only messages are used, so it works on bags of other robots, too, and lists what
 hold several games; each has a report of its own, since robots are put back and energy and score begin anew.
 """
 
-import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable
@@ -23,9 +22,11 @@ from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, 
 from thbridge.files.errors import BadFile
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.rooms import RoomNames
+from thbridge.json_text import json_of
 from thbridge.recording.bag.reading.reader import RawMessage, info
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
+from thbridge.ros.messages.plausible import is_plausible
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 from thbridge.ros.messages.unpack import PoseInFrame
 from thbridge.ros.names import MAP, ROOMS, THINGS
@@ -188,6 +189,7 @@ class ReportBuilder:
         duration = self._seconds(self._last_ns)
         self._batches.flush()
         tracks = self._series.thinned_tracks(duration)
+        left_out = self._series.left_out_sentences()
         grid = grid or next((self._grids[name] for name in usual_first(self._grids, (MAP.strip("/"),))), None)
         return Report(
             duration,
@@ -198,11 +200,12 @@ class ReportBuilder:
             tuple(self._timeline),
             self._score,
             self._inputs,
-            (*self._unread.values(), *self._missing(tracks, grid)),
+            (*self._unread.values(), *left_out, *self._missing(tracks, grid)),
             self.game,
             self._begins,
             self._rooms,
             self._dialogues.dialogues(),
+            left_out,
         )
 
     def _missing(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
@@ -235,14 +238,18 @@ class ReportBuilder:
         poses = self._series.poses.get(topic)
         if poses is None:
             poses = self._series.poses[topic] = self._series.poses_of(message.frame, "")
-        poses.add(time, message.pose)
+        pose = message.pose
+        if not is_plausible(pose.x, pose.y, pose.theta):
+            self._series.left_out[topic] += 1
+            return
+        poses.add(time, pose)
         if (row := deviations(time, message.covariance)) is not None:
             poses.deviations.extend(row)
 
     def _battery(self, time: float, topic: str, data: bytes) -> None:
         message = unpack.battery_state(data)
         left = message.charge if math.isfinite(message.charge) else 100.0 * message.percentage
-        if math.isfinite(left):
+        if is_plausible(left):
             self._series.energy[topic].extend((time, left))
 
     def _goal(self, time: float, topic: str, data: bytes) -> None:
@@ -262,7 +269,8 @@ class ReportBuilder:
     def _things(self, time: float, topic: str, data: bytes) -> None:
         if topic == THINGS:
             for name, outline in unpack.outlines(data):
-                self._outlines[name].append(outline)
+                if len(self._series.plausible(topic, outline)) == len(outline):
+                    self._outlines[name].append(outline)
         elif topic == ROOMS:
             self._rooms = RoomNames.of(unpack.room_labels(data).items())
 
@@ -312,7 +320,7 @@ def _action(topic: str) -> str:
 
 
 def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:
-    middles = np.array([outline[:-1].mean(axis=0) for outline in outlines])
+    middles = np.array([(outline[:-1] if len(outline) > 1 else outline).mean(axis=0) for outline in outlines])
     moved = np.hypot(*np.diff(middles, axis=0).T) > 0.0
     return ObstacleTrack(name, outlines[0], middles[np.concatenate(([True], moved))])
 
@@ -320,7 +328,7 @@ def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:
 def _event_text(event: GameEvent) -> tuple[str, int | None]:
     """An event's plain JSON values as text for people, and its points."""
     try:
-        fields = json.loads(event.json)
+        fields = json_of(event.json)
     except ValueError:
         return event.json, None
     if not isinstance(fields, dict):

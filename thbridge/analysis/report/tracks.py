@@ -1,6 +1,6 @@
 """Assignment of topics to robots, and choice of each robot's truth, odometry and estimate among them."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -13,6 +13,7 @@ from thbridge.analysis.report.values import NEVER, GoalAttempt, Track
 from thbridge.analysis.report.ways_made import WaysMade
 from thbridge.files.number_rows import NumberRows
 from thbridge.files.spool import SpoolFile
+from thbridge.ros.messages.plausible import LARGEST
 from thbridge.ros.names import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
@@ -101,6 +102,7 @@ class SeriesByTopic:
         attempts: goals that ended.
         carried: times at which a robot was set elsewhere, by the name of the robot.
         ways_made: times in which robots made way for others.
+        left_out: number of rows that `plausible` left out, by topic.
     """
 
     named: TrajectoryTopics = FOUND_BY_NAME
@@ -114,6 +116,7 @@ class SeriesByTopic:
     attempts: defaultdict[str, list[GoalAttempt]] = field(default_factory=lambda: defaultdict(list))
     carried: defaultdict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     ways_made: WaysMade = field(default_factory=WaysMade)
+    left_out: Counter[str] = field(default_factory=Counter)
 
     def __post_init__(self) -> None:
         self.energy, self.commands = defaultdict(self.numbers), defaultdict(self.numbers)
@@ -125,6 +128,21 @@ class SeriesByTopic:
     def poses_of(self, frame: str, child: str) -> PoseSeries:
         """An empty series of poses."""
         return PoseSeries(frame, child, self.numbers(), self.numbers(), self.numbers())
+
+    def plausible(self, topic: str, rows: FloatArray) -> FloatArray:
+        """The rows of a topic without those that no figure can show, which are counted."""
+        good = (np.abs(rows) <= LARGEST).all(axis=1)  # NaN fails it
+        if good.all():
+            return rows
+        self.left_out[topic] += int(np.count_nonzero(~good))
+        return rows[good]
+
+    def left_out_sentences(self) -> tuple[str, ...]:
+        """Sentences on what `plausible` left out."""
+        return tuple(
+            f"{count} values of {topic} are left out: they are not finite, or beyond {LARGEST:.0e}."
+            for topic, count in self.left_out.items()
+        )
 
     def tracks(self, duration: float) -> Iterator[Track]:
         """Yield the track of each robot, in the order of their numbers."""
@@ -313,6 +331,6 @@ def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
 def deviations(time: float, covariance: FloatArray) -> tuple[float, float, float] | None:
     """A row of `PoseSeries.deviations`; None when the covariance is not valid."""
     position, heading = covariance[0, 0] + covariance[1, 1], covariance[2, 2]
-    if not (position >= 0.0 and heading >= 0.0):
+    if not (0.0 <= position <= LARGEST and 0.0 <= heading <= LARGEST):
         return None
     return time, float(np.sqrt(position)), float(np.sqrt(heading))

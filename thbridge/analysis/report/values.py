@@ -159,6 +159,7 @@ class Report:
         rooms: names of the map's rooms.
         begins: seconds from the recording's first message to the beginning of this game, from which its times count.
         dialogues: those in which robots argued.
+        left_out: sentences on values that no figure can show; they are among `missing`, too.
     """
 
     duration: float
@@ -174,3 +175,4 @@ class Report:
     begins: float = 0.0
     rooms: RoomNames = field(default_factory=RoomNames)
     dialogues: RecordedDialogues = field(default_factory=RecordedDialogues)
+    left_out: tuple[str, ...] = ()

@@ -23,6 +23,7 @@ from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.map_times import MAP_TIMES, read_map_times
+from thbridge.files.regular_files import is_regular
 from thbridge.files.resources import Resources, shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_in, read_language
@@ -103,7 +104,7 @@ def read_setting(
     if place is not None and templates is not None:
         with faults.kept():
             path = _costs_file(study, beside, place, folder, templates, resources)
-            with keys.naming("game.costs", study.game.costs is not None and not path.exists()):
+            with keys.naming("game.costs", study.game.costs is not None and not is_regular(path)):
                 costs = _costs(path, place)
             model = study.game.cost_model
             by_position = path == place.costs if model is None else model is CostModel.POSITION

@@ -23,6 +23,7 @@ from thbridge.app.session import inputs
 from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.session import TickRecord
 from thbridge.files.errors import BadFile
+from thbridge.json_text import json_of
 from thbridge.recording.append import append_whole, sync_folder
 from thbridge.ros.messages.session_records import InputRecord, SessionRecord
 
@@ -124,7 +125,7 @@ class InputLog:
 
     def _read(self, number: int, line: bytes) -> LoggedTick:
         try:
-            told = json.loads(line)
+            told = json_of(line)
             given = [from_record(InputRecord(kind, "", "", text)) for kind, text in told["inputs"]]
             return LoggedTick(told["tick"], tuple(given), told["digest"])
         except (ValueError, KeyError, TypeError):

@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.inputs import SendGoal
 from thbridge.app.session import inputs
+from thbridge.json_text import json_of
 from thbridge.protocols.mavlink.dialect import name_of
 from thbridge.roles.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
 from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
@@ -54,7 +55,7 @@ def from_record(record: InputRecord) -> inputs.Input:
     input_class = _CLASSES.get(record.kind)
     if input_class is None:
         raise ValueError(f"no input is of the kind {record.kind!r}")
-    value: object = json.loads(record.json)
+    value: object = json_of(record.json)
     return decode_request(value) if input_class is inputs.ClientRequest else decode_value(value, input_class)
 
 

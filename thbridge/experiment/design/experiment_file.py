@@ -14,6 +14,7 @@ from thbridge.experiment.allocation.places import Allocation
 from thbridge.experiment.design.steps import StepEntry, StepKind
 from thbridge.experiment.questionnaires.form import SHIPPED, Form, read_form
 from thbridge.files.errors import BadFile, FaultCollection
+from thbridge.files.regular_files import is_regular
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Node, Section, at_line, parse, read_text
 from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread
@@ -237,8 +238,8 @@ def _study(path: Path, start: Node, levels: Mapping[str, Level]) -> Loaded[Study
 
 def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry) -> Form:
     own, shipped = loaded.path.parent / entry.form, SHIPPED / f"{entry.form}.yaml"
-    path = shipped if not own.is_file() and shipped.is_file() else own
-    if not path.is_file():
+    path = shipped if not is_regular(own) and is_regular(shipped) else own
+    if not is_regular(path):
         names = ", ".join(sorted(form.stem for form in SHIPPED.glob("*.yaml")))
         raise loaded.fault(f"steps[{index}].form", f"there is no form {entry.form}", f"Name a file, or one of {names}")
     form = read_form(path).value
@@ -274,7 +275,7 @@ def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFi
         key, name = f"steps[{index}]", name_of(index, entry)
         if entry.step in _TEXTS and entry.text is None:
             yield loaded.fault(key, f"{entry.step} without a text", "Write text: FILE")
-        if entry.text is not None and not (loaded.path.parent / entry.text).is_file():
+        if entry.text is not None and not is_regular(loaded.path.parent / entry.text):
             yield loaded.fault(f"{key}.text", f"there is no file {entry.text}", "Write the path of a text")
         if entry.step in _FORMS and not entry.form:
             yield loaded.fault(key, f"a {entry.step} without a form", "Write form: NAME")

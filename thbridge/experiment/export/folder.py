@@ -20,6 +20,7 @@ from thbridge.experiment.export.tables import ExperimentRecords, game_tables, lo
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.recordings import told_leftovers
 from thbridge.experiment.store.events import LogEntry
+from thbridge.files.csv_cells import SENTENCE, text_cell
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.table_files import TableFiles, TableFormat
 
@@ -212,7 +213,7 @@ def _dictionary(tables: Sequence[ExperimentTable]) -> str:
         for each in table.columns:
             range_ = ("" if bound is None else f"{bound:g}" for bound in (each.least, each.greatest))
             row = (table.name, each.name, each.kind, each.unit, each.meaning, *range_, each.role)
-            writer.writerow((*row, "; ".join(each.levels)))
+            writer.writerow(map(text_cell, (*row, "; ".join(each.levels))))
     return text.getvalue()
 
 
@@ -229,6 +230,7 @@ def _readme(records: ExperimentRecords, tables: Sequence[ExperimentTable], writt
         *(f"| {table.name} | {table.meaning} | {written.rows[table.name]} |" for table in tables),
         "",
         "`tables/` has them as Parquet, with units; `data/` as CSV, named as Psych-DS asks, each described beside it.",
+        SENTENCE,
         "`dictionary.csv` explains each column: its type, unit, meaning, range, and of factors the levels. `counts` is",
         "true of rows that are data: those of complete runs that were not excluded, and of no practice or check.",
         "`python analysis.py` (pandas, pyarrow, scipy, matplotlib) and `Rscript analysis.R` (base R) compare",

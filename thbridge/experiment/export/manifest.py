@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from thbridge.experiment.folder import ExperimentFolder
+from thbridge.json_text import json_of
 
 MANIFEST = "manifest.json"
 """File of an export that says of which people it has data."""
@@ -64,7 +65,7 @@ def manifest_text(title: str, participants: Iterable[str], events: int) -> str:
 def last_event_of(export: Path) -> int | None:
     """Return the number of the last event of the log that is in an export; None where no manifest says it."""
     try:
-        last = json.loads((export / MANIFEST).read_text(encoding="utf-8"))["events"]
+        last = json_of((export / MANIFEST).read_text(encoding="utf-8"))["events"]
     except (OSError, ValueError, KeyError, TypeError):
         return None
     return last if isinstance(last, int) else None
@@ -73,7 +74,7 @@ def last_event_of(export: Path) -> int | None:
 def people_of(export: Path) -> frozenset[str] | None:
     """Return the ids of those of whom an export has data; None where no manifest says it."""
     try:
-        people = json.loads((export / MANIFEST).read_text(encoding="utf-8"))["participants"]
+        people = json_of((export / MANIFEST).read_text(encoding="utf-8"))["participants"]
     except (OSError, ValueError, KeyError, TypeError):
         return None
     return frozenset(map(str, people)) if isinstance(people, list) else None

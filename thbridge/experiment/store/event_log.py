@@ -32,6 +32,7 @@ from thbridge.experiment.store.events import (
     Tombstone,
 )
 from thbridge.files.errors import BadFile
+from thbridge.json_text import json_of
 from thbridge.recording.append import sync_folder
 
 WITHDRAWN = "withdrawn"
@@ -460,7 +461,7 @@ def _encoded(event: NewEvent) -> str:
 
 
 def _decoded(content: str) -> NewEvent:
-    whole = json.loads(content)
+    whole = json_of(content)
     clocks = Clocks(whole["wall"], whole["monotonic_ns"], whole["simulated"], whole.get("lsl"))
     return NewEvent(
         whole["kind"],

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from thbridge.batch.whole_files import whole_file
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.json_text import json_of
 
 _REMEDY = "Bring it back from a backup, or find the folders yourself and move this file away"
 
@@ -50,7 +51,7 @@ class KnownFolders:
 
     def _noted(self) -> list[str]:
         try:
-            told = json.loads(self._list.read_text(encoding="utf-8"))
+            told = json_of(self._list.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return []
         except OSError as error:

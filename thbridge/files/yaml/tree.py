@@ -19,6 +19,7 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from thbridge.files.errors import BadFile
+from thbridge.files.regular_files import content_of
 
 LARGEST_FILE = 1 << 20
 """Largest file in bytes; files of people have some thousand."""
@@ -78,14 +79,14 @@ def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
         BadFile: it is missing, not a file, larger than `largest` bytes, or not UTF-8.
     """
     try:
-        with path.open("rb") as file:
-            data = file.read(largest + 1)
+        data = content_of(path, largest)
     except FileNotFoundError:
         raise BadFile(path, "there is no such file", "Check the name and the folder") from None
     except OSError as error:
         raise BadFile(path, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
-    if len(data) > largest:
-        raise BadFile(path, f"larger than {largest} bytes", "Check that it is the right file")
+    if b"\0" in data:
+        line = data.count(b"\n", 0, data.index(b"\0")) + 1
+        raise BadFile(path, "there is a NUL byte in it", "Check that it is a text file, and take it out", line=line)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -228,6 +229,8 @@ def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
         raise BadFile(path, "a tag (!)", "Write the plain value, or quote it", line=line, key=str(event.tag))
     start = event.start_mark.index
     if isinstance(event, ScalarEvent):
+        if "\0" in event.value:
+            raise BadFile(path, "a text with a NUL (\\0)", "Take it out", line=line)
         tag = None if event.tag is None else str(event.tag)
         return Scalar(event.value, event.style is None, line, tag, start, event.end_mark.index)
     flow = bool(event.flow_style)

@@ -6,8 +6,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rosbags.rosbag1 import ReaderError
+from rosbags.serde.errors import SerdeError
 
 from thbridge.files.errors import BadFile
+from thbridge.files.regular_files import open_regular
 from thbridge.recording.recordings import ACTIVE
 
 MAGIC = b"#ROSBAG V"
@@ -15,6 +17,7 @@ VERSION = b"2.0\n"
 
 _STUMBLES = (
     ReaderError,
+    SerdeError,
     AssertionError,
     struct.error,
     ValueError,
@@ -27,6 +30,10 @@ _STUMBLES = (
 """Errors of rosbags and of its decompressors on damaged files; they include failed assertions."""
 
 
+class TooLargeChunk(ValueError):  # noqa: N818 - it names the fault of a chunk
+    """A chunk unpacks to more than one may; the text says so as a clause."""
+
+
 def check_is_bag(path: Path) -> None:
     """Raise BadFile unless a file begins like a ROS 1 bag.
 
@@ -34,7 +41,7 @@ def check_is_bag(path: Path) -> None:
         BadFile: it does not, or cannot be read.
     """
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             head = file.read(len(MAGIC) + len(VERSION))
     except OSError as error:
         raise BadFile(path, (error.strerror or str(error)).lower(), "name a bag that can be read") from error
@@ -49,6 +56,9 @@ def damage_as_bad_file(path: Path) -> Iterator[None]:
     """Convert errors of parser and decompressors within the block to BadFile."""
     try:
         yield
+    except TooLargeChunk as error:
+        remedy = "it is forged or damaged; `thbridge bag reindex` saves what else there is in it"
+        raise BadFile(path, str(error), remedy) from error
     except _STUMBLES as error:
         raise damaged(path) from error
 

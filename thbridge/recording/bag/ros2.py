@@ -19,12 +19,13 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from rosbags.convert.converter import generate_message_converter
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import QosDurability
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.store import Typestore
 
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.bag_file import BagFile
+from thbridge.ros.messages.foreign_types import register, types_in
 from thbridge.ros.messages.types import md5_of, typestore
 
 METADATA = "metadata.yaml"
@@ -180,8 +181,8 @@ def _conversion(msgtype: str, theirs: Typestore, ours: Typestore) -> tuple[str, 
     target = _RENAMED.get(msgtype, msgtype)
     if target not in ours.fielddefs:
         text, _ = theirs.generate_msgdef(msgtype, ros_version=1)
-        found = get_types_from_msg(text, target)
-        ours.register({name: fields for name, fields in found.items() if name not in ours.fielddefs})
+        found = types_in(target, text)
+        register(ours, {name: fields for name, fields in found.items() if name not in ours.fielddefs})
     with redirect_stdout(io.StringIO()):  # it tells what it will do
         convert = generate_message_converter(theirs, ours, msgtype, target, {}, src_is2=True, dst_is2=False)
     return target, convert

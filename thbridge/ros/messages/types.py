@@ -10,6 +10,7 @@ from rosbags.typesys.msg import normalize_msgtype
 from rosbags.typesys.store import Typestore
 
 from thbridge.ros.messages.definition_texts import ROS_TEXTS
+from thbridge.ros.messages.foreign_types import store_of, types_in
 from thbridge.ros.messages.standard_texts import STANDARD_TEXTS
 
 TFMESSAGE = "tf2_msgs/TFMessage"
@@ -244,11 +245,9 @@ def _summed(msgtype: str) -> str:
 @cache
 def md5_of(msgtype: str, text: str) -> str | None:
     """The md5 sum of a type by a full definition text; None when the text cannot be parsed."""
-    store = get_typestore(Stores.EMPTY)
     try:
-        store.register(get_types_from_msg(text, normalize_msgtype(msgtype)))
-        return store.generate_msgdef(normalize_msgtype(msgtype))[1]
-    except TypesysError:
+        return store_of(types_in(msgtype, text)).generate_msgdef(normalize_msgtype(msgtype))[1]
+    except (TypesysError, ValueError, AssertionError):
         return None
 
 

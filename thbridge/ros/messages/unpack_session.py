@@ -1,7 +1,6 @@
 """Our own message type Session, which a summary of a bag reads without loading anything of the simulator."""
 
-import json
-
+from thbridge.json_text import json_of
 from thbridge.ros.messages.cursor import UINT32, UINT64, Cursor
 from thbridge.ros.messages.session_records import SessionRecord
 
@@ -11,7 +10,7 @@ def session(data: bytes) -> SessionRecord:
     cursor = Cursor(data)
     cursor.header()
     study, seed = cursor.string(), cursor.integer(UINT64)
-    versions = json.loads(cursor.string())
+    versions = json_of(cursor.string())
     if not isinstance(versions, dict):
         raise ValueError("the versions are not a JSON object")
     texts = {str(name): str(version) for name, version in versions.items()}

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from thbridge.analysis.check import NO_TRAJECTORY, BagTool, Finding, FindingSeverity, Judgement
+from thbridge.files.errors import visible
 from ui.terminal import say
 
 _VERDICTS = {
@@ -56,7 +57,7 @@ def show_judgements(judgements: Mapping[Path, Judgement]) -> None:
         for finding in judgement.findings:
             seconds = _seconds_in(finding, judgement)
             since = "" if seconds is None else f" (first at {seconds:.3f} s{_messages(finding.count)})"
-            what = f"{finding.topic or 'the bag'}: {finding.what}{since}"
+            what = visible(f"{finding.topic or 'the bag'}: {finding.what}{since}")
             remedy = finding.remedy[:1].upper() + finding.remedy[1:]
             say(f"{finding.severity} for {', '.join(finding.tools)}: {what}. {remedy}. [{finding.rule}]")
     nothing = all(

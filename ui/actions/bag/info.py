@@ -1,8 +1,12 @@
 """The summary that `thbridge bag info` shows."""
 
 from thbridge.analysis.summary import RecordingSummary
+from thbridge.files.errors import visible
 from thbridge.ros.messages.session_records import MACHINE
 from ui.terminal import say
+
+WIDEST = 80
+"""Characters for which a column makes room; what is longer moves the rest of its own row."""
 
 
 def show_summary(found: RecordingSummary) -> None:
@@ -13,18 +17,19 @@ def show_summary(found: RecordingSummary) -> None:
     if found.session is not None:
         told = found.session.versions
         versions = ", ".join(f"{name} {version}" for name, version in told.items() if name not in MACHINE)
-        say(f"a session of ours, seed {found.session.seed}: {versions}")
+        say(f"a session of ours, seed {found.session.seed}: {visible(versions)}")
         # Features are many words, for programs to compare.
         machine = ", ".join(f"{name} {told[name]}" for name in MACHINE if name in told and "features" not in name)
-        say(f"recorded on: {machine or 'a machine of which it does not tell'}")
+        say(f"recorded on: {visible(machine) or 'a machine of which it does not tell'}")
     rows = [("topic", "messages", "Hz", "from", "to", "", "type", "md5", "published by")]
     for topic in found.topics:
         rate = "" if topic.hertz is None else f"{topic.hertz:.1f}"
         latched = "latched" if topic.latched else ""
         times = (_seconds(topic.start_ns, found.start_ns), _seconds(topic.end_ns, found.start_ns))
         callers = ", ".join(topic.callers)
-        rows.append((topic.name, str(topic.messages), rate, *times, latched, topic.msgtype, topic.md5, callers))
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+        names = (visible(topic.msgtype), visible(topic.md5), visible(callers))
+        rows.append((visible(topic.name), str(topic.messages), rate, *times, latched, *names))
+    widths = [min(WIDEST, max(len(row[column]) for row in rows)) for column in range(len(rows[0]))]
     for row in rows:
         # Names to the left, figures to the right.
         cells = (f"{cell:{'>' if 1 <= column <= 4 else '<'}{widths[column]}}" for column, cell in enumerate(row))
@@ -34,7 +39,7 @@ def show_summary(found: RecordingSummary) -> None:
             longest = topic.gaps[0]
             number = f"{len(topic.gaps)} gap{'s' if len(topic.gaps) > 1 else ''}"
             since = _seconds(longest.start_ns, found.start_ns)
-            say(f"{topic.name}: {number}, the longest {longest.seconds:.1f} s, from {since} s on")
+            say(f"{visible(topic.name)}: {number}, the longest {longest.seconds:.1f} s, from {since} s on")
 
 
 def _seconds(stamp_ns: int | None, start_ns: int | None) -> str:

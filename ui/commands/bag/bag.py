@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from thbridge.files.errors import visible
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.recordings import parts_of
 from ui.commands.group import CommandGroup
@@ -165,7 +166,9 @@ def bag_to_mcap_command(
             print_json(msgspec.to_builtins(folder, enc_hook=str))
             return
         for topic in folder.left_out:
-            note(f"{topic} is left out: its type cannot be converted.")
+            note(f"{visible(topic)} is left out: its type cannot be converted.")
+        if folder.broken:
+            note(f"{folder.broken} messages are left out: they do not fit their definitions.")
         say(f"Wrote {folder.messages} messages to {folder.path}.")
         return
     with bad_input(), destination(new or bag.with_suffix(".mcap"), ".mcap") as file:

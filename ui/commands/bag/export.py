@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from thbridge.files.errors import visible
 from ui.options import AsJson
 from ui.recordings import Recording
 from ui.terminal import bad_input, note, print_json, say
@@ -51,7 +52,7 @@ def bag_export(
         with bar_of_progress() as tell:
             exported = export_bag(bag, to, formats, chosen, start, until, wanted, tell)
     for notice in exported.notices:
-        note(notice)
+        note(visible(notice))
     rows = {name: count for name, (_, count) in sorted(exported.tables.items())}
     if as_json:
         print_json({"folder": str(to), "rows": rows, "notices": exported.notices})

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.errors import visible
 from ui.outputs import STANDARD_OUTPUT, destination
 from ui.recordings import Estimated, Recording, Truth
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
@@ -53,6 +53,7 @@ def bag_plot(
     from thbridge.analysis.plot.figures import FigureKind, draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
     from thbridge.analysis.report.gathering import read_games, trajectory_topics
+    from thbridge.files.edited_file import write_whole
     from thbridge.files.map_files import read_grid
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.recording.bag.reading.reader import messages
@@ -72,15 +73,10 @@ def bag_plot(
     if isinstance(drawn, RequestRefused):
         fail(FAILED, f"{bag}: {drawn.sentence}")
     with bad_input(), destination(to) as file:
-        _write(file, look.rendered(drawn, FigureFormat(kind)))
+        write_whole(file, look.rendered(drawn, FigureFormat(kind)), "choose another by --to")
+    for sentence in report.left_out:
+        note(visible(sentence))
     for track in report.tracks:
-        note(f"{track.label}: {'; '.join(track.sources)}.")
+        note(visible(f"{track.label}: {'; '.join(track.sources)}."))
     if to != STANDARD_OUTPUT:
         note(f"Figure: {to}")
-
-
-def _write(to: Path, data: bytes) -> None:
-    try:
-        to.write_bytes(data)
-    except OSError as error:
-        raise BadFile(to, f"it cannot be written ({reason_of(error)})", "choose another by --to") from None

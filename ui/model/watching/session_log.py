@@ -1,6 +1,5 @@
 """Log of a session: the lists of events, dialogue, lines and inputs beside the map, and the marks on the timeline."""
 
-import json
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
@@ -13,6 +12,7 @@ from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.events import Commander
 from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.treasures import name_in_words
+from thbridge.json_text import json_of
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.records import LogLevel
@@ -245,5 +245,5 @@ def _answer(fields: dict[str, object]) -> str:
 
 
 def _fields(text: str) -> dict[str, object]:
-    read: object = json.loads(text)
+    read: object = json_of(text)
     return {str(name): value for name, value in read.items()} if isinstance(read, dict) else {}

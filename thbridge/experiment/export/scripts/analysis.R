@@ -11,7 +11,11 @@ outcomes_of <- list(
   trials = c("score", "rooms_visited"), reliance = "appropriate", fluency = c("human_idle", "concurrent_activity")
 ) # columns that are compared beside all scores of forms; add yours
 
-dictionary <- read.csv(file.path(here, "dictionary.csv"), colClasses = "character")
+# Texts as they were: those that spreadsheets would take for formulas have an apostrophe before them.
+plain <- function(column) if (is.character(column)) sub("^'('*[=+@\t\r-])", "\\1", column) else column
+plain_texts <- function(read) { read[] <- lapply(read, plain); read }
+
+dictionary <- plain_texts(read.csv(file.path(here, "dictionary.csv"), colClasses = "character"))
 
 # A table with the rows that are data, its columns of their types: factors, numbers, booleans, times.
 read_table <- function(name) {
@@ -20,6 +24,7 @@ read_table <- function(name) {
   columns <- dictionary[dictionary$table == name, ]
   classes <- c(string = "character", time = "character", float64 = "numeric", int64 = "numeric", bool = "logical")
   read <- read.csv(file, check.names = FALSE, na.strings = "", colClasses = unname(classes[columns$type]))
+  read <- plain_texts(read)
   for (i in seq_len(nrow(columns))) {
     column <- columns$column[i]
     if (columns$factor[i] != "") {

@@ -31,6 +31,8 @@ OUTCOMES = {
 """Columns that are compared beside all scores of forms; add yours."""
 
 dictionary = pd.read_csv(HERE / "dictionary.csv", keep_default_na=False)
+# Texts that spreadsheets would take for formulas have an apostrophe before them.
+dictionary = dictionary.replace(r"^'('*[=+\-@\t\r])", r"\1", regex=True)
 
 
 def table(name: str) -> pd.DataFrame:

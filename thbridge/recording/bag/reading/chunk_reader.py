@@ -3,17 +3,18 @@
 import os
 import struct
 from collections import OrderedDict
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.rosbag1.reader import Header, RecordType, decompressors, read_bytes, read_uint32
+from rosbags.rosbag1.reader import Header, RecordType, read_bytes, read_uint32
 
 from thbridge.recording.bag.damage import damage_as_bad_file, damaged
 from thbridge.recording.bag.options import Compression
+from thbridge.recording.bag.reading.unpacking import COMPRESSIONS, UnpackedBytes, unpacked
 from thbridge.recording.bag.records import INDEX_ENTRY_BYTES, U32
 
 BYTES_KEPT = 32 * 1024 * 1024
@@ -56,12 +57,17 @@ class ChunkInfo:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Packed:
-    """Position and size of a chunk's data in its file, compression, and decompressor; None when not compressed."""
+    """Position and size of a chunk's data in its file, compression, and bytes of the data when they are unpacked."""
 
     position: int
     size: int
     compression: str
-    unpack: Callable[[bytes], bytes] | None
+    unpacked: int
+
+    @property
+    def plain(self) -> bool:
+        """True when it is not compressed."""
+        return self.compression == Compression.NONE
 
 
 class ChunkReader:
@@ -78,6 +84,8 @@ class ChunkReader:
         self._packed: dict[ChunkInfo, _Packed] = {}
         self._unpacked: OrderedDict[ChunkInfo, bytes] = OrderedDict()
         self._bytes = 0
+        self._so_far = [UnpackedBytes(_size_of(file)) for file in files]
+        self._counted: set[ChunkInfo] = set()
 
     def close(self) -> None:
         """Close the files."""
@@ -96,6 +104,8 @@ class ChunkReader:
             packed = self._packed_at(chunk)
             file.seek(packed.position + packed.size)
             size = sum(chunk.counts.values()) * INDEX_ENTRY_BYTES + len(chunk.counts) * _USUAL_HEAD
+            if size > _size_of(file):
+                raise ValueError("a chunk's index is longer than the file")
             block = file.read(size)
             while (found := _index_in(block, len(chunk.counts))) is None:
                 more = file.read(size)
@@ -112,7 +122,7 @@ class ChunkReader:
         if packed is None:
             with damage_as_bad_file(self._parts[chunk.file]):
                 packed = self._packed_at(chunk)
-        if packed.unpack is None and packed.size > WHOLE:
+        if packed.plain and packed.size > WHOLE:
             return self._message_alone(chunk, packed, offset)
         data = self._data(chunk, packed)
         try:
@@ -141,7 +151,7 @@ class ChunkReader:
         """Yield the messages whose records begin at these offsets of the unpacked chunk."""
         with damage_as_bad_file(self._parts[chunk.file]):
             packed = self._packed_at(chunk)
-        if packed.unpack is None and (packed.size > WHOLE or len(offsets) <= FEW):
+        if packed.plain and (packed.size > WHOLE or len(offsets) <= FEW):
             yield from (self._message_alone(chunk, packed, offset) for offset in offsets.tolist())
             return
         data = self._data(chunk, packed)
@@ -158,10 +168,11 @@ class ChunkReader:
         if known is None:
             file = self._files[chunk.file]
             file.seek(chunk.position)
-            compression = Header.read(file, RecordType.CHUNK).get_string("compression")
-            unpack = None if compression == Compression.NONE else decompressors[compression]
-            size = read_uint32(file)
-            known = self._packed[chunk] = _Packed(file.tell(), size, compression, unpack)
+            head = Header.read(file, RecordType.CHUNK)
+            compression, size = head.get_string("compression"), read_uint32(file)
+            if compression not in COMPRESSIONS:
+                raise ValueError(f"compression {compression!r} is not known")
+            known = self._packed[chunk] = _Packed(file.tell(), size, compression, head.get_uint32("size"))
         return known
 
     def _message_alone(self, chunk: ChunkInfo, packed: _Packed, offset: int) -> bytes:
@@ -181,13 +192,21 @@ class ChunkReader:
         file = self._files[chunk.file]
         with damage_as_bad_file(self._parts[chunk.file]):
             file.seek(packed.position)
-            known = read_bytes(file, packed.size)
-            known = known if packed.unpack is None else packed.unpack(known)
+            known = unpacked(packed.compression, read_bytes(file, packed.size), packed.unpacked)
+            if not packed.plain and len(known) < packed.unpacked:
+                raise ValueError("a packed chunk ends too early")
+            if chunk not in self._counted:
+                self._counted.add(chunk)
+                self._so_far[chunk.file].add(len(known))
         self._unpacked[chunk] = known
         self._bytes += len(known)
         while self._bytes > self._bytes_kept and len(self._unpacked) > 1:
             self._bytes -= len(self._unpacked.popitem(last=False)[1])
         return known
+
+
+def _size_of(file: BinaryIO) -> int:
+    return os.fstat(file.fileno()).st_size
 
 
 def _after_length(data: bytes, at: int) -> int:

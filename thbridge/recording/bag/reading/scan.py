@@ -3,7 +3,6 @@
 Source: the bag format 2.0 of ROS 1 (rosbag, bag.py and bag.cpp).
 """
 
-import bz2
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,10 +11,10 @@ from pathlib import Path
 from struct import Struct
 from typing import BinaryIO
 
-import lz4.frame
 from rosbags.rosbag1.reader import RecordType
 
 from thbridge.recording.bag.damage import MAGIC, VERSION, check_is_bag
+from thbridge.recording.bag.reading.unpacking import UnpackedBytes, unpacked
 from thbridge.recording.bag.ros2 import as_ros1
 
 _UINT32 = Struct("<I")
@@ -178,6 +177,7 @@ def scan(path: Path) -> Iterator[BagRecord]:
     check_is_bag(path)
     with path.open("rb") as file:
         end = file.seek(0, SEEK_END)
+        so_far = UnpackedBytes(end)
         at = file.seek(len(MAGIC + VERSION))
         while at < end:
             try:
@@ -190,22 +190,24 @@ def scan(path: Path) -> Iterator[BagRecord]:
             left = end - file.tell()
             after = file.tell() + size
             if size > left:
-                yield from _cut_off(at, kind, fields, file.read(left), size)
+                yield from _cut_off(at, kind, fields, file.read(left), size, so_far)
                 return
             try:
-                yield from _outer(at, kind, fields, file.read(size))
+                yield from _outer(at, kind, fields, file.read(size), so_far)
             except (_Torn, OSError) as torn:
                 yield UnreadableSpan(at, after - at, str(torn))
             at = file.seek(after)
 
 
-def _cut_off(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Iterator[BagRecord]:
+def _cut_off(
+    at: int, kind: int, fields: dict[bytes, bytes], data: bytes, size: int, so_far: UnpackedBytes
+) -> Iterator[BagRecord]:
     """The last record of a file that ends before it: what can be read of a chunk, nothing of others."""
     lost = len(data)
     if kind == RecordType.CHUNK:
         lost = 0
         try:
-            for record in _outer(at, kind, fields, data):
+            for record in _outer(at, kind, fields, data, so_far):
                 if isinstance(record, UnreadableSpan):
                     lost = record.lost
                 else:
@@ -215,7 +217,7 @@ def _cut_off(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, size: 
     yield UnreadableSpan(at, lost, f"the file ends {size - len(data)} bytes too early")
 
 
-def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes) -> Iterator[BagRecord]:
+def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, so_far: UnpackedBytes) -> Iterator[BagRecord]:
     match kind:
         case RecordType.BAGHEADER:
             encryptor = fields.get(b"encryptor", b"").decode(errors="replace")
@@ -230,10 +232,10 @@ def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes) -> Itera
             )
         case RecordType.CHUNK:
             compression = _word(fields, b"compression")
-            unpacked = _unpack(_UINT32, fields, b"size")
+            size = _unpack(_UINT32, fields, b"size")
             flags = data[_LZ4_FLAGS] if compression == "lz4" and len(data) > _LZ4_FLAGS else None
-            yield ChunkRecord(at, compression, len(data), unpacked, flags)
-            yield from _chunk(at, compression, data, unpacked)
+            yield ChunkRecord(at, compression, len(data), size, flags)
+            yield from _chunk(at, compression, data, size, so_far)
         case RecordType.CHUNK_INFO:
             start, end = _time(fields, b"start_time"), _time(fields, b"end_time")
             counts = dict(_PAIR.iter_unpack(data[: len(data) // 8 * 8]))
@@ -248,9 +250,10 @@ def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes) -> Itera
             raise _Torn(f"there is no kind of record {kind}")
 
 
-def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[BagRecord]:
+def _chunk(at: int, compression: str, packed: bytes, size: int, so_far: UnpackedBytes) -> Iterator[BagRecord]:
     try:
-        data = _unpacked(compression, packed, size)
+        data = unpacked(compression, packed, size)
+        so_far.add(len(data))
     except (OSError, RuntimeError, EOFError, ValueError, MemoryError) as error:
         yield UnreadableSpan(at, len(packed), f"a chunk cannot be unpacked ({error})")
         return
@@ -295,19 +298,6 @@ def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
     if end > len(data):
         return None
     return MessageRecord(number, seconds * 1_000_000_000 + nanoseconds, data[start:end]), end
-
-
-def _unpacked(compression: str, packed: bytes, size: int) -> bytes:
-    """The chunk's data, at most as long as its record says: a forged chunk must not fill the memory."""
-    match compression:
-        case "none":
-            return packed
-        case "bz2":
-            return bz2.BZ2Decompressor().decompress(packed, max_length=size)
-        case "lz4":
-            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=size))
-        case other:
-            raise ValueError(f"compression {other!r} is not known")
 
 
 def _connection(fields: dict[bytes, bytes], data: bytes) -> ConnectionRecord:

@@ -14,11 +14,14 @@ from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 from thbridge.ros.messages.cursor import FLOAT32, INT32, UINT32, Cursor
 from thbridge.ros.messages.pack import ADD, Transform
+from thbridge.ros.messages.plausible import is_plausible
 from thbridge.ros.messages.unpack.poses import read_pose
 
 _COVARIANCE = 36
 _HEAD = 16
 """Bytes of a header before the frame's name."""
+_POSE_STAMPED = _HEAD + 7 * 8
+"""Bytes of a geometry_msgs/PoseStamped without the frame's name."""
 _PLANAR = (0, 1, 5)
 """Indices of x, y and yaw in ROS's covariances."""
 _MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
@@ -204,6 +207,8 @@ def read_grid(cursor: Cursor) -> OccupancyGrid:
     resolution = round(cursor.real(), 6)  # a float32 of 0.05 is not 0.05, and grids are placed by it
     cols, rows = cursor.integer(UINT32), cursor.integer(UINT32)
     origin = read_pose(cursor)
+    if not is_plausible(origin.x, origin.y, origin.theta, resolution):
+        raise ValueError(f"a map of cells of {resolution} m lies at {origin.x}, {origin.y}, {origin.theta}")
     cells: NDArray[np.int8] = np.frombuffer(cursor.take(cursor.integer(UINT32)), dtype=np.int8)
     if cells.size != rows * cols:
         raise ValueError(f"a map of {rows} x {cols} cells has {cells.size} of them")
@@ -258,6 +263,8 @@ def path(data: bytes) -> FloatArray:
     """nav_msgs/Path: (n, 3) x, y, yaw of its poses, in its frame."""
     cursor = Cursor.behind_header(data)
     count = cursor.integer(UINT32)
+    if count * _POSE_STAMPED > len(cursor.remaining()):
+        raise ValueError("the message ends too early")
     alike = _poses_alike(cursor.remaining(), count)
     if alike is not None:
         return _planar(alike)

@@ -1,0 +1,84 @@
+"""Bags with numbers that are none: NaN, inf, and such as no robot drives."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from tests.thbridge.analysis.planting import Planted, clean, write
+from thbridge.analysis.export.folder import export_bag
+from thbridge.analysis.plot.figures import FigureKind, draw
+from thbridge.analysis.plot.style import ONE_COLUMN, FigureFormat
+from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.report.page import build_report
+from thbridge.files.table_files import TableFormat
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.offline.recording import open_recording
+from thbridge.recording.bag.reading.reader import messages
+from thbridge.ros.messages import unpack
+from thbridge.ros.messages.types import ODOMETRY
+
+BAD = [math.nan, math.inf, -math.inf, 1e308, -1e308]
+
+
+def wild(value: float) -> Planted:
+    """Every third odometry message and every transform on the map is wild."""
+    planted = clean()
+    for entry in planted.of("/odom")[::3]:
+        entry.message.pose.pose.position.x = value  # type: ignore[attr-defined]
+        entry.message.pose.covariance[0] = value  # type: ignore[attr-defined]
+        entry.message.twist.twist.linear.x = value  # type: ignore[attr-defined]
+    for entry in planted.of("/tf")[1::3]:
+        for transform in entry.message.transforms:  # type: ignore[attr-defined]
+            transform.transform.translation.x = value
+    return planted
+
+
+@pytest.mark.parametrize("value", BAD)
+def test_figures_leave_them_out_and_say_so(value: float, tmp_path: Path) -> None:
+    bag = write(tmp_path / "wild.bag", wild(value))
+    report = read_report(messages(bag))
+    assert report.left_out == (
+        "20 values of /tf are left out: they are not finite, or beyond 1e+09.",
+        "20 values of /odom are left out: they are not finite, or beyond 1e+09.",
+    )
+    assert set(report.left_out) <= set(report.missing)
+    for kind in (FigureKind.PATHS, FigureKind.VELOCITY):
+        drawn = draw(kind, report, ONE_COLUMN)
+        assert not isinstance(drawn, RequestRefused)
+        assert ONE_COLUMN.rendered(drawn, FigureFormat.SVG)
+    assert "20 values of /odom are left out" in build_report(bag, None)
+
+
+@pytest.mark.parametrize("value", BAD)
+def test_the_table_of_poses_leaves_them_out_and_others_keep_them(value: float, tmp_path: Path) -> None:
+    bag = write(tmp_path / "wild.bag", wild(value))
+    exported = export_bag(bag, tmp_path / "out", [TableFormat.CSV])
+    assert any(notice.startswith("poses: 10 values of /odom are left out") for notice in exported.notices)
+    assert exported.tables["poses"][1] == 20
+    assert exported.tables["odom"][1] == 30
+
+
+def test_localisation_leaves_them_out_and_says_so(tmp_path: Path) -> None:
+    recording = open_recording(write(tmp_path / "wild.bag", wild(math.nan)), None, None, None)
+    assert len(recording.odometry) == 20
+    assert any("10 poses of /odom are left out" in notice for notice in recording.notices)
+
+
+def test_a_map_that_lies_nowhere_is_no_map() -> None:
+    planted = clean()
+    message = planted.of("/map")[0]
+    message.message.info.origin.position.x = math.nan  # type: ignore[attr-defined]
+    with pytest.raises(ValueError, match="lies at nan"):
+        unpack.occupancy_grid(message.bytes())
+
+
+def test_a_path_does_not_claim_billions_of_poses() -> None:
+    header = bytes(12) + bytes(4)
+    with pytest.raises(ValueError, match="ends too early"):
+        unpack.path(header + (2**32 - 1).to_bytes(4, "little") + bytes(100))
+
+
+def test_no_odometry_is_left_out_of_a_clean_bag(tmp_path: Path) -> None:
+    bag = write(tmp_path / "clean.bag", clean())
+    assert read_report(message for message in messages(bag) if message.msgtype == ODOMETRY).left_out == ()

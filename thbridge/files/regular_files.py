@@ -1,0 +1,52 @@
+"""Opening of files that people name: a pipe or a device in a file's place would be waited for, or never end."""
+
+import stat
+from pathlib import Path
+from typing import BinaryIO
+
+from thbridge.files.errors import BadFile
+
+_KINDS = {
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+
+
+def is_regular(path: Path) -> bool:
+    """True for a file that is there and can be looked at; False for any name that none can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def open_regular(path: Path) -> BinaryIO:
+    """Open a file for reading.
+
+    Raises:
+        BadFile: it is a pipe, a socket or a device; or its name has a NUL.
+        OSError: it cannot be opened.
+    """
+    try:
+        kind = stat.S_IFMT(path.stat().st_mode)
+    except ValueError:
+        raise BadFile(path, "no file has a NUL in its name", "Check the name") from None
+    if kind in _KINDS:
+        raise BadFile(path, f"it is {_KINDS[kind]} and no file", "Save what comes from it, and name that file")
+    return path.open("rb")
+
+
+def content_of(path: Path, largest: int | None = None) -> bytes:
+    """The content of a file.
+
+    Raises:
+        BadFile: it is none, as `open_regular` has it, or larger than `largest` bytes.
+        OSError: it cannot be read.
+    """
+    with open_regular(path) as file:
+        data = file.read() if largest is None else file.read(largest + 1)
+    if largest is not None and len(data) > largest:
+        raise BadFile(path, f"larger than {largest} bytes", "Check that it is the right file")
+    return data
