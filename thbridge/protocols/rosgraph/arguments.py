@@ -11,7 +11,10 @@ from thbridge.protocols.rosgraph.names import ANY_TYPE, SEPARATOR, resolve
 from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
 
 LONGEST_NAME = 1024
-"""Most characters of a name, a type or a URI."""
+"""Most characters of a name or a type."""
+
+LONGEST_URI = 256
+"""Most characters of a URI; those of all subscribers of a topic are told at once."""
 
 
 class InvalidArgumentError(Exception):
@@ -49,7 +52,7 @@ def api_uri(value: XmlRpcValue, what: str = "caller_api") -> str:
         raise InvalidArgumentError(f"ERROR: parameter [{what}] is not an XMLRPC URI")
     if not value.startswith(("http://", "rosrpc://")):
         raise InvalidArgumentError(f"ERROR: parameter [{what}] is not an RPC URI")
-    return _short(value, what)
+    return _short(value, what, LONGEST_URI)
 
 
 def topic_type(value: XmlRpcValue) -> str:
@@ -75,7 +78,7 @@ def global_key(value: XmlRpcValue, caller: str) -> str:
     return resolve(relative_key(value), caller)
 
 
-def _short(value: str, what: str) -> str:
-    if len(value) > LONGEST_NAME:
-        raise InvalidArgumentError(f"ERROR: parameter [{what}] is longer than {LONGEST_NAME} characters")
+def _short(value: str, what: str, longest: int = LONGEST_NAME) -> str:
+    if len(value) > longest:
+        raise InvalidArgumentError(f"ERROR: parameter [{what}] is longer than {longest} characters")
     return value

@@ -45,12 +45,21 @@ class ParameterUpdate:
     own: bool
 
 
+@dataclass(frozen=True, slots=True)
+class _Measure:
+    """Number of values, those inside others included; of their characters and those of names; and of levels."""
+
+    values: int
+    characters: int
+    depth: int = 0
+
+
 class ParameterTree:
     """Parameters by their global names; a namespace is a dict of what is in it."""
 
     def __init__(self) -> None:
         self._root: dict[str, XmlRpcValue] = {}
-        self._values, self._characters = _size(self._root)
+        self._size = _measured(self._root)
 
     def get(self, key: str) -> XmlRpcValue:
         """Return a parameter, or the dict of a namespace.
@@ -79,17 +88,18 @@ class ParameterTree:
             ValueError: the root would be no dict, or the tree too deep, too long or of too many values to be sent.
         """
         path = parts(key)
-        if len(path) + _depth(value) > MAX_DEPTH - _REPLY_DEPTH:
+        measure = _measured(value)
+        if len(path) + measure.depth > MAX_DEPTH - _REPLY_DEPTH:
             raise ValueError("the tree of parameters would be nested too deeply")
         if not path and not isinstance(value, dict):
             raise ValueError("cannot set root of parameter tree to non-dictionary")
-        values, characters = self._size_with(path, value)
-        if values > MAX_VALUES:
+        size = self._size_with(path, measure)
+        if size.values > MAX_VALUES:
             raise ValueError(f"there would be more than {MAX_VALUES} parameters")
-        if characters > MAX_CHARACTERS:
+        if size.characters > MAX_CHARACTERS:
             raise ValueError(f"the parameters would be longer than {MAX_CHARACTERS} characters")
         self._root = _with(self._root, path, value) if path else value if isinstance(value, dict) else {}
-        self._values, self._characters = values, characters
+        self._size = size
 
     def delete(self, key: str) -> None:
         """Delete a parameter or a namespace.
@@ -100,14 +110,13 @@ class ParameterTree:
         path = parts(key)
         if not path:
             raise KeyError(key)
-        values, characters = _size(self.get(key))
+        gone = _measured(self.get(key))
         self._root = _without(self._root, path)
-        self._values -= values
-        self._characters -= characters + len(path[-1])
+        self._size = _Measure(self._size.values - gone.values, self._size.characters - gone.characters - len(path[-1]))
 
-    def _size_with(self, path: list[str], value: XmlRpcValue) -> tuple[int, int]:
-        """Return the number of values and of characters that there would be with a value at a path."""
-        values, characters = _size(value)
+    def _size_with(self, path: list[str], new: _Measure) -> _Measure:
+        """Return the measure of the tree with a new value at a path."""
+        values, characters = self._size.values + new.values, self._size.characters + new.characters
         there: XmlRpcValue = self._root
         for at, part in enumerate(path):
             if isinstance(there, dict) and part in there:
@@ -117,11 +126,11 @@ class ParameterTree:
             values += len(path) - at - 1
             characters += sum(map(len, path[at:]))
             if isinstance(there, dict):
-                return self._values + values, self._characters + characters
+                return _Measure(values, characters)
             values += 1
             break
-        gone, less = _size(there)
-        return self._values + values - gone, self._characters + characters - less
+        gone = _measured(there)
+        return _Measure(values - gone.values, characters - gone.characters)
 
     def search(self, space: str, key: str) -> str | None:
         """Look for a parameter in a namespace and then in each that encloses it.
@@ -155,7 +164,9 @@ class ParameterTree:
 
     def names(self) -> list[str]:
         """Return the global names of all parameters, without namespaces."""
-        return [*_leaves(SEPARATOR, self._root)]
+        names: list[str] = []
+        _add_leaves(names, SEPARATOR, self._root)
+        return names
 
 
 def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[ParameterUpdate]:
@@ -196,39 +207,34 @@ def _branches(key: str, value: XmlRpcValue, wanted: _Wanted) -> Iterator[tuple[s
                 yield from _branches(below, inner, wanted[name])
 
 
-def _leaves(key: str, tree: dict[str, XmlRpcValue]) -> Iterator[str]:
+def _add_leaves(names: list[str], space: str, tree: dict[str, XmlRpcValue]) -> None:
     for name, value in tree.items():
+        whole = join(space, name) if name[:1] in ("", SEPARATOR, "~") else space + name
         if isinstance(value, dict):
-            yield from _leaves(join(key, name), value)
+            _add_leaves(names, whole.removesuffix(SEPARATOR) + SEPARATOR, value)
         else:
-            yield join(key, name)
+            names.append(whole)
 
 
-def _size(value: XmlRpcValue) -> tuple[int, int]:
-    """Return the number of values, those inside included, and of characters in a value."""
-    values = characters = 0
-    waiting = [value]
-    while waiting:
-        each = waiting.pop()
-        values += 1
-        if isinstance(each, dict):
-            characters += sum(map(len, each))
-            waiting += each.values()
-        elif isinstance(each, list):
-            waiting += each
-        elif isinstance(each, str | bytes):
-            characters += len(each)
-        elif isinstance(each, DateTime):
-            characters += len(each.text)
-    return values, characters
-
-
-def _depth(value: XmlRpcValue) -> int:
-    if isinstance(value, dict):
-        return 1 + max(map(_depth, value.values()), default=0)
-    if isinstance(value, list):
-        return 1 + max(map(_depth, value), default=0)
-    return 1
+def _measured(value: XmlRpcValue) -> _Measure:
+    values = characters = depth = 0
+    level = [value]
+    while level:
+        depth += 1
+        values += len(level)
+        below: list[XmlRpcValue] = []
+        for each in level:
+            if isinstance(each, str | bytes):
+                characters += len(each)
+            elif isinstance(each, dict):
+                characters += sum(map(len, each))
+                below += each.values()
+            elif isinstance(each, list):
+                below += each
+            elif isinstance(each, DateTime):
+                characters += len(each.text)
+        level = below
+    return _Measure(values, characters, depth)
 
 
 def _with(tree: dict[str, XmlRpcValue], path: list[str], value: XmlRpcValue) -> dict[str, XmlRpcValue]:

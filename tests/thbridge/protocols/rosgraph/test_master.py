@@ -182,7 +182,7 @@ def test_types_of_topics_that_are_gone_are_forgotten_in_the_end(ask, monkeypatch
 )
 def test_names_have_a_longest_length(ask, method, params):
     refused = ask(method, "/test", *params)
-    assert refused.status == -1 and "longer than 1024" in refused.message
+    assert refused.status == -1 and "longer than" in refused.message
     assert "longer than 1024" in ask(method, "/" + "a" * 2000, "/a").message
 
 
