@@ -5,8 +5,9 @@ It keeps the registrations of publishers, subscribers and services, and the para
 Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py, whose status
 codes, texts and order of checks are used here.
 
-Differs: a tree of parameters that is nested too deeply to be sent is refused. A node that answers a parameter's update
-with an error loses the subscription, as rosmaster means to do. Caller ids are taken for global names.
+Differs: nodes, registrations, the lengths of names and the size of all parameters have bounds; beyond them a call is
+answered with the status of an error. A node that answers a parameter's update with an error loses the subscription, as
+rosmaster means to do. Caller ids are taken for global names.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import TypeAlias
 from thbridge.protocols.rosgraph.arguments import (
     InvalidArgumentError,
     api_uri,
+    caller_id,
     global_key,
     graph_name,
     relative_key,
@@ -26,11 +28,13 @@ from thbridge.protocols.rosgraph.arguments import (
 )
 from thbridge.protocols.rosgraph.names import ANY_TYPE, SEPARATOR
 from thbridge.protocols.rosgraph.parameter_tree import ParameterTree, updates
-from thbridge.protocols.rosgraph.registrations import ProviderKind, Registrations
+from thbridge.protocols.rosgraph.registrations import MAX_REGISTRATIONS, ProviderKind, Registrations
 from thbridge.protocols.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 
 ERROR, FAILURE, SUCCESS = -1, 0, 1
 """Status codes: the caller's error, the master's error, success."""
+
+_MAX_TYPES = 2 * MAX_REGISTRATIONS
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,9 +146,7 @@ class Master:
             return ApiReply(ERROR, "missing required caller_id parameter", on_error), []
         caller, *given = call.params
         try:
-            if not isinstance(caller, str):
-                raise InvalidArgumentError("caller_id must be a string")
-            reply = self._carry_out(call.method, caller, given)
+            reply = self._carry_out(call.method, caller_id(caller), given)
         except InvalidArgumentError as error:
             reply = ApiReply(ERROR, str(error), on_error)
         except ValueError as error:
@@ -240,9 +242,16 @@ class Master:
     def _register_publisher(self, caller: str, topic: str, type_: str, api: str) -> ApiReply:
         self._register(ProviderKind.PUBLISHER, topic, caller, api)
         if type_ != ANY_TYPE or topic not in self._types:
-            self._types[topic] = type_
+            self._learn_type(topic, type_)
         subscribers = self._tell_subscribers(topic)
         return ApiReply(SUCCESS, f"Registered [{caller}] as publisher of [{topic}]", [*subscribers])
+
+    def _learn_type(self, topic: str, type_: str) -> None:
+        # A topic's type outlives its registrations, until there are as many types again as there can be registrations.
+        if topic not in self._types and len(self._types) >= _MAX_TYPES:
+            there = self._registrations.is_topic
+            self._types = {name: kept for name, kept in self._types.items() if there(name)}
+        self._types[topic] = type_
 
     def _unregister_publisher(self, caller: str, topic: str, api: str) -> ApiReply:
         reply = self._unregister(ProviderKind.PUBLISHER, caller, topic, api)
@@ -252,8 +261,8 @@ class Master:
 
     def _register_subscriber(self, caller: str, topic: str, type_: str, api: str) -> ApiReply:
         self._register(ProviderKind.SUBSCRIBER, topic, caller, api)
-        if type_ != ANY_TYPE:
-            self._types.setdefault(topic, type_)
+        if type_ != ANY_TYPE and topic not in self._types:
+            self._learn_type(topic, type_)
         publishers = self._registrations.apis(ProviderKind.PUBLISHER, topic)
         return ApiReply(SUCCESS, f"Subscribed to [{topic}]", [*publishers])
 

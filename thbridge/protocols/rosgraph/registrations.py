@@ -8,7 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
+from thbridge.protocols.rosgraph.arguments import InvalidArgumentError
 from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
+
+MAX_NODES = 2048
+"""Most nodes; each may have a socket here, and be told of every change of a topic."""
+
+MAX_REGISTRATIONS = 32_768
+"""Most registrations of all nodes together: a thousand nodes with five thousand topics have some twenty thousand."""
 
 
 class ProviderKind(Enum):
@@ -50,11 +57,17 @@ class Registrations:
 
     def __init__(self) -> None:
         self._nodes: dict[str, _Node] = {}
-        self._providers: dict[ProviderKind, dict[str, list[Provider]]] = {kind: {} for kind in ProviderKind}
+        self._count = 0
+        # Providers are the keys of a dict, an ordered set: a topic may have thousands.
+        self._providers: dict[ProviderKind, dict[str, dict[Provider, None]]] = {kind: {} for kind in ProviderKind}
 
     def keys(self, kind: ProviderKind) -> list[str]:
         """Return the topics, services or parameters with a registration."""
         return [*self._providers[kind]]
+
+    def is_topic(self, name: str) -> bool:
+        """Return True for a topic with a publisher or a subscriber."""
+        return any(name in self._providers[kind] for kind in (ProviderKind.PUBLISHER, ProviderKind.SUBSCRIBER))
 
     def providers(self, kind: ProviderKind, key: str) -> tuple[Provider, ...]:
         """Return the registered nodes, in the order of registration."""
@@ -86,20 +99,27 @@ class Registrations:
         Returns:
             the slave API of another node of the same name that this one replaces, or None. All registrations of that
             node are removed.
+
+        Raises:
+            InvalidArgumentError: there are too many nodes or registrations already.
         """
         known = self._nodes.get(node)
+        if known is None and len(self._nodes) >= MAX_NODES:
+            raise InvalidArgumentError(f"ERROR: {MAX_NODES} nodes are registered, and no more are taken")
         replaced = None if known is None or known.api == node_api else known.api
+        is_new = known is None or (replaced is None and (kind, key) not in known.registered)
+        if is_new and self._count >= MAX_REGISTRATIONS:
+            raise InvalidArgumentError(f"ERROR: there are {MAX_REGISTRATIONS} registrations, and no more are taken")
+        if known is not None and replaced is not None:
+            self._forget(node, known)
         if known is None or replaced is not None:
             known = self._nodes[node] = _Node(node_api)
-        if replaced is not None:
-            self._forget(node)
+        self._count += (kind, key) not in known.registered
         known.registered.add((kind, key))
-        provider = Provider(node, api or node_api)
-        there = self._providers[kind].setdefault(key, [])
+        there = self._providers[kind].setdefault(key, {})
         if kind is ProviderKind.SERVICE:
-            there[:] = [provider]
-        elif provider not in there:
-            there.append(provider)
+            there.clear()
+        there[Provider(node, api or node_api)] = None
         return replaced
 
     def unregister(self, kind: ProviderKind, key: str, node: str, api: str) -> bool:
@@ -107,14 +127,10 @@ class Registrations:
         known = self._nodes.get(node)
         if known is None:
             return False
-        there = self._providers[kind].get(key, [])
-        provider = Provider(node, api)
-        found = provider in there
+        found = self._remove(kind, key, Provider(node, api))
         if found:
-            there.remove(provider)
+            self._count -= (kind, key) in known.registered
             known.registered.discard((kind, key))
-            if not there:
-                del self._providers[kind][key]
         if not known.registered:
             del self._nodes[node]
         return found
@@ -125,10 +141,18 @@ class Registrations:
             if provider.api == api:
                 self.unregister(ProviderKind.PARAMETER, key, provider.node, api)
 
-    def _forget(self, node: str) -> None:
-        for kind, by_key in self._providers.items():
-            self._providers[kind] = {
-                key: rest
-                for key, there in by_key.items()
-                if (rest := [provider for provider in there if provider.node != node])
-            }
+    def _forget(self, node: str, known: _Node) -> None:
+        self._count -= len(known.registered)
+        for kind, key in known.registered:
+            provided = self._providers[kind].get(key, {}) if kind is ProviderKind.SERVICE else ()
+            for provider in [each for each in provided if each.node == node] or [Provider(node, known.api)]:
+                self._remove(kind, key, provider)
+
+    def _remove(self, kind: ProviderKind, key: str, provider: Provider) -> bool:
+        there = self._providers[kind].get(key, {})
+        if provider not in there:
+            return False
+        del there[provider]
+        if not there:
+            del self._providers[kind][key]
+        return True

@@ -6,6 +6,7 @@ consequence for the node. Codes are ROS's: 1 done, 0 failed, -1 the caller's err
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -51,7 +52,7 @@ class NodeDescription:
         publications: type by topic.
         subscriptions: type by topic.
         parameters: keys it subscribes to.
-        connections: open connections.
+        connections: returns the open connections, of which there may be thousands.
     """
 
     name: str
@@ -62,7 +63,7 @@ class NodeDescription:
     publications: Mapping[str, str]
     subscriptions: Mapping[str, str]
     parameters: Iterable[str]
-    connections: Sequence[BusConnection]
+    connections: Callable[[], Iterable[BusConnection]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,13 +127,16 @@ def _wrong(message: str, value: XmlRpcValue = 0) -> SlaveReply:
 
 def _get_bus_stats(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
     # After rospy, which for subscribers has the number of messages where the specification has none.
+    by_topic: defaultdict[tuple[str, bool], list[BusConnection]] = defaultdict(list)
+    for each in node.connections():
+        by_topic[each.topic, each.outgoing].append(each)
     sent: list[XmlRpcValue] = []
     for topic in node.publications:
-        links = [each for each in node.connections if each.outgoing and each.topic == topic]
+        links = by_topic[topic, True]
         sent.append([topic, sum(each.bytes for each in links), [[c.id, c.bytes, c.messages, True] for c in links]])
     received: list[XmlRpcValue] = []
     for topic in node.subscriptions:
-        links = [each for each in node.connections if not each.outgoing and each.topic == topic]
+        links = by_topic[topic, False]
         received.append([topic, [[c.id, c.bytes, c.messages, -1, True] for c in links]])
     return _done([sent, received, []], "bus stats")
 
@@ -183,7 +187,7 @@ def _request_topic(node: NodeDescription, params: Sequence[XmlRpcValue]) -> Slav
 
 
 _METHODS: Mapping[str, Callable[[NodeDescription, Sequence[XmlRpcValue]], SlaveReply]] = {
-    "getBusInfo": lambda node, _: _done([_bus_info(each) for each in node.connections], "bus info"),
+    "getBusInfo": lambda node, _: _done([_bus_info(each) for each in node.connections()], "bus info"),
     "getBusStats": _get_bus_stats,
     "getMasterUri": lambda node, _: _done(node.master_uri),
     "getName": lambda node, _: _done(node.name),

@@ -28,6 +28,9 @@ MAX_DEPTH = 128
 _LONGEST_FAULT = 10_000
 """Most characters of a fault's text."""
 
+_TAGS = 32
+"""Characters of a value's tags, about."""
+
 _ELEMENTS_PER_LEVEL = 4  # value, struct, member, value; or value, array, data, value
 _I4 = range(-(2**31), 2**31)
 _I8 = range(-(2**63), 2**63)
@@ -74,6 +77,23 @@ class MalformedDocument:
     """Document that could not be decoded, with the reason."""
 
     reason: str
+
+
+def written_size(value: XmlRpcValue, enough: int) -> int:
+    """Return about how many characters a value takes when it is written; it looks no further once there are enough."""
+    size = 0
+    waiting = [value]
+    while waiting and size <= enough:
+        each = waiting.pop()
+        size += _TAGS
+        if isinstance(each, str | bytes):
+            size += len(each)
+        elif isinstance(each, list):
+            waiting += each
+        elif isinstance(each, dict):
+            size += sum(map(len, each))
+            waiting += each.values()
+    return size
 
 
 def encode_call(method: str, params: list[XmlRpcValue]) -> bytes:

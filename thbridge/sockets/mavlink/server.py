@@ -83,4 +83,6 @@ class MavlinkServer:
         await self._opened.aclose()
         carried = self._links.totals
         told = f"{carried.received} frames came in, {carried.sent} went out, {carried.unsent} could not be sent"
-        _log.log(logging.WARNING if carried.unsent else logging.INFO, "MAVLink: %s", told)
+        if carried.dropped:
+            told += f", {carried.dropped} came too fast"
+        _log.log(logging.WARNING if carried.unsent or carried.dropped else logging.INFO, "MAVLink: %s", told)

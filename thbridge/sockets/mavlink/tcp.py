@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import socket
 from asyncio import Protocol, Transport
+from collections import deque
 from collections.abc import Sequence
 
+from sim.common.observations import TICK
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.sockets.addresses import Address
@@ -15,10 +17,13 @@ from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
 
 CONNECTIONS = 32
-"""Most connections at a time; further ones are turned away."""
+"""Most connections at a time; one more ends the oldest on which nobody spoke, or is turned away."""
 
 BACKLOG = 1024 * 1024
 """Bytes that may wait for a peer that does not read before its connection is cut off."""
+
+_SEGMENT = 4096
+"""Most bytes that are parsed in one round of the loop."""
 
 _LINGER = 1.0
 """Seconds that a peer has at the end to read what it was sent."""
@@ -41,7 +46,7 @@ class TcpPort:
         self.where = Address(where[0], where[1])
         self._socket = own
         self._server: asyncio.Server | None = None
-        self._open: set[_Connection] = set()
+        self._open: dict[_Connection, None] = {}
         self._all_closed = asyncio.Event()
 
     async def serve(self) -> None:
@@ -61,18 +66,21 @@ class TcpPort:
             await self._all_closed.wait()
         await self._server.wait_closed()
 
-    @property
-    def is_full(self) -> bool:
-        """True when no further connection is accepted."""
-        return len(self._open) >= CONNECTIONS
-
-    def connection_opened(self, connection: _Connection) -> None:
-        """Add a connection."""
-        self._open.add(connection)
+    def connection_opened(self, connection: _Connection) -> bool:
+        """Add a connection; return False when there is no room for it."""
+        if len(self._open) >= CONNECTIONS:
+            self.links.complaints.warn(f"MAVLink: {CONNECTIONS} are connected by TCP; not all of them are heard")
+            silent = next((each for each in self._open if not each.has_spoken), None)
+            if silent is None:
+                return False
+            silent.cut_off("says nothing, and others want to be heard")
+            del self._open[silent]
+        self._open[connection] = None
+        return True
 
     def connection_closed(self, connection: _Connection) -> None:
         """Remove a connection that is closed on both sides."""
-        self._open.discard(connection)
+        self._open.pop(connection, None)
         self._all_closed.set()
 
 
@@ -98,6 +106,7 @@ class _Connection(Protocol):
         self._transport: Transport | None = None
         self._lingering: asyncio.TimerHandle | None = None
         self._begun = False
+        self._unparsed: deque[bytes] = deque()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
@@ -105,24 +114,35 @@ class _Connection(Protocol):
         peer = transport.get_extra_info("peername") or ("", 0)  # it was gone before it was asked
         self._name = f"tcp {Address(peer[0], peer[1])}"
         self._transport = transport
-        if self._port.is_full:
-            self._port.links.complaints.warn(f"MAVLink: {CONNECTIONS} are connected by TCP; others are turned away")
+        if not self._port.connection_opened(self):
             transport.abort()
             return
-        self._port.connection_opened(self)
         self._link = self._port.links.open(self._name, self._channel, self)
 
     def data_received(self, data: bytes) -> None:
         begun, self._begun = self._begun, True
         if not begun and begins_http(data):
-            self._cut_off("speaks HTTP, as a page in a browser does")
+            self.cut_off("speaks HTTP, as a page in a browser does")
+        self._unparsed.extend(data[at : at + _SEGMENT] for at in range(0, len(data), _SEGMENT))
+        self._parse_some()
+
+    def _parse_some(self) -> None:
+        """Parse a part of what was received; who sends faster than that is not read meanwhile, and loses nothing."""
         if self._transport is None or self._transport.is_closing():
             return
-        frames = self._port.links.frames_in(self._name, self._channel, data)
-        if self._link is not None:
-            self._port.links.receive(self._link, frames)
-        if self._channel.bytes_since_good > GARBAGE_LIMIT:
-            self._cut_off("sends nothing of use")
+        has_room = self._link is None or self._port.links.has_room(self._link)
+        if self._unparsed and has_room:
+            frames = self._port.links.frames_in(self._name, self._channel, self._unparsed.popleft())
+            if self._link is not None:
+                self._port.links.receive(self._link, frames)
+            if self._channel.bytes_since_good > GARBAGE_LIMIT:
+                self.cut_off("sends nothing of use")
+                return
+        if not self._unparsed:
+            self._transport.resume_reading()
+            return
+        self._transport.pause_reading()
+        asyncio.get_running_loop().call_later(0.0 if has_room else TICK, self._parse_some)
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._leave()
@@ -130,13 +150,18 @@ class _Connection(Protocol):
             self._lingering.cancel()
         self._port.connection_closed(self)
 
+    @property
+    def has_spoken(self) -> bool:
+        """True when a good frame came."""
+        return self._channel.counts.frames > 0
+
     def send_frames(self, frames: Sequence[bytes]) -> int:
         """See `thbridge.sockets.mavlink.links.FrameSender`."""
         if self._transport is None or self._transport.is_closing():
             return len(frames)
         self._transport.write(b"".join(frames))
         if self._transport.get_write_buffer_size() > BACKLOG:
-            self._cut_off("does not read")
+            self.cut_off("does not read")
         return 0
 
     def close(self) -> None:
@@ -146,7 +171,8 @@ class _Connection(Protocol):
             self._transport.close()
             self._lingering = asyncio.get_running_loop().call_later(_LINGER, self._transport.abort)
 
-    def _cut_off(self, why: str) -> None:
+    def cut_off(self, why: str) -> None:
+        """End the connection at once."""
         if self._transport is not None and not self._transport.is_closing():
             self._port.links.complaints.warn(f"MAVLink: {self._name} {why}, and is cut off")
             self._transport.abort()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import ipaddress
 import socket
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, cast
@@ -17,7 +18,16 @@ from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
 
 MAX_PEERS = 32
-"""Most peers of one socket beside its target; one more replaces the peer whose last frame is oldest."""
+"""Most peers of one socket beside its target; one more replaces the peer whose last frame is oldest.
+
+Peers without a good frame go first, then those that were not heard for long enough to be `SETTLED_SECONDS` old.
+"""
+
+SETTLED_SECONDS = 3.0
+"""Seconds between the first and the last good frame of a peer that others displace last: not of an invented one."""
+
+MEETINGS = 64
+"""Most new peers of one socket in a second; what others send is dropped."""
 
 STALE_SECONDS = 60.0
 """Seconds without a good frame after which a peer is forgotten; the target never is."""
@@ -29,9 +39,11 @@ _DATAGRAM = 1200
 """Most bytes of a datagram: below the packet size of any network."""
 
 _TURN = 64
-"""Most datagrams that are read at a time, so that a flood leaves time for other work of the loop."""
+"""Most datagrams, and about the most frames, that are read at a time: a flood leaves time for other work."""
 
-_LARGEST = 65535
+_LARGEST = 8192
+"""Bytes of a datagram that are read: more than the packet size of any network."""
+
 BUFFER = 4 * 1024 * 1024
 """Bytes of the system's socket buffers, which fill while a tick runs; the system may grant fewer."""
 
@@ -46,14 +58,22 @@ class _Peer:
     Attributes:
         channel: its frame codec.
         last_received: time of its last good frame, or else of its first datagram.
+        first_good: time of its first good frame.
         link: None until its first good frame.
         muted: time until which it is ignored.
     """
 
     channel: Channel
     last_received: float
+    first_good: float = 0.0
     link: LinkId | None = None
     muted: float = 0.0
+
+    @property
+    def rank(self) -> tuple[bool, bool, float]:
+        """Order in which peers are displaced."""
+        settled = self.link is not None and self.last_received - self.first_good > SETTLED_SECONDS
+        return self.link is not None, settled, self.last_received
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +119,7 @@ class UdpPort:
         self._socket = own
         self._target = target
         self._peers: dict[SocketAddress, _Peer] = {}
+        self._met: deque[float] = deque(maxlen=MEETINGS)
         self._sweep: asyncio.TimerHandle | None = None
 
     @property
@@ -134,23 +155,30 @@ class UdpPort:
         self._sweep = loop.call_later(STALE_SECONDS / 4.0, self._forget_stale)
 
     def _readable(self) -> None:
-        for _ in range(_TURN):
+        read = 0
+        while read < _TURN:
+            read += 1
             try:
                 data, address = self._socket.recvfrom(_LARGEST)
             except BlockingIOError:
                 return
             except OSError:
                 continue  # ICMP: a target's port is closed.
-            self._received(data, address)
+            read += self._received(data, address)
 
-    def _received(self, data: bytes, address: SocketAddress) -> None:
+    def _received(self, data: bytes, address: SocketAddress) -> int:
+        """Handle a datagram; return the number of frames in it."""
         now = asyncio.get_running_loop().time()
         peer = self._peers.get(address) or self._meet(address, now)
-        if now < peer.muted:
-            return
+        if peer is None or now < peer.muted:
+            return 0
+        if peer.link is not None and not self._links.has_room(peer.link):
+            self._links.drop(peer.link, 1)
+            return 0
         frames = self._links.frames_in(_name(address), peer.channel, data)
         if frames:
             peer.last_received = now
+            peer.first_good = peer.first_good or now
             self._open(peer, address)
             if peer.link is not None:
                 self._links.receive(peer.link, frames)
@@ -158,14 +186,16 @@ class UdpPort:
             peer.channel.bytes_since_good = 0
             peer.muted = now + MUTE_SECONDS
             self._links.complaints.warn(f"MAVLink: {_name(address)} sends nothing of use, and is not listened to")
+        return len(frames)
 
-    def _meet(self, address: SocketAddress, now: float) -> _Peer:
+    def _meet(self, address: SocketAddress, now: float) -> _Peer | None:
+        if len(self._met) == MEETINGS and now - self._met[0] < 1.0:
+            self._links.complaints.warn(f"MAVLink: more than {MEETINGS} new peers in a second; not all are heard")
+            return None
+        self._met.append(now)
         if len(self._peers) > MAX_PEERS:
             others = (there for there in self._peers if there != self._target)
-            # Peers without a good frame go first, so that strangers do not displace ground stations.
-            self._forget(
-                min(others, key=lambda there: (self._peers[there].link is not None, self._peers[there].last_received))
-            )
+            self._forget(min(others, key=lambda there: self._peers[there].rank))
         peer = self._peers[address] = _Peer(self._links.channel(datagrams=True), now)
         return peer
 

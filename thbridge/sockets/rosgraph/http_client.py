@@ -22,6 +22,7 @@ from thbridge.protocols.rosgraph.xmlrpc import (
     decode_response,
     encode_call,
 )
+from thbridge.sockets.rosgraph.documents import read_document, write_document
 
 _SEGMENT = 64 * 1024
 """Most bytes that are read at a time."""
@@ -90,13 +91,17 @@ class XmlRpcClient:
         Raises:
             ValueError: a parameter cannot be written as XML-RPC.
         """
-        body = encode_call(method, [*params])
+        given = [*params]
+        return await self.post(uri, await write_document(lambda: encode_call(method, given), given), timeout)
+
+    async def post(self, uri: str, body: bytes, timeout: float = 5.0) -> MethodResponse | Fault | CallFailed:
+        """Make a call that is encoded already; see `call`."""
         address = _address_of(uri)
         if address is None:
             return CallFailed(uri, "that is no http URI")
         try:
             async with asyncio.timeout(timeout):
-                answer = decode_response(await self._exchange(address, body))
+                answer = await read_document(decode_response, await self._exchange(address, body))
         except TimeoutError:
             return CallFailed(uri, f"no answer within {timeout:g} s")
         except OSError as error:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Awaitable, Callable, Collection
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -23,9 +23,11 @@ from thbridge.protocols.rosgraph.xmlrpc import (
     decode_call,
     encode_fault,
     encode_response,
+    written_size,
 )
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.rosgraph.documents import read_document, write_document
 
 _log = logging.getLogger(__name__)
 
@@ -47,9 +49,10 @@ class HttpLimits:
     """Limits of a server.
 
     Args:
-        connections: connections at a time; one more ends the one that has been idle longest.
+        connections: connections at a time; one more ends, of the address that has most, the one that has been idle
+            longest.
         header_bytes: bytes of a request's header, checked after each read.
-        held_bytes: bytes of incomplete requests, over all connections.
+        held_bytes: bytes of requests that are not decoded yet, over all connections; likewise of unread answers.
         request_seconds: seconds from the first byte of a request to its last, and again to read the answer.
         idle_seconds: seconds between two requests of a connection.
     """
@@ -77,9 +80,11 @@ class XmlRpcServer:
         self._handler = handler
         self._limits = limits or HttpLimits()
         self._server: asyncio.Server | None = None
-        self._connections: OrderedDict[asyncio.Task[None], None] = OrderedDict()
-        """Longest idle first."""
+        self._connections: OrderedDict[asyncio.Task[None], str] = OrderedDict()
+        """Peers by connection, longest idle first."""
         self._held = 0
+        self._sending = 0
+        self._turn = asyncio.Lock()
 
     @property
     def connections(self) -> int:
@@ -131,7 +136,15 @@ class XmlRpcServer:
         """
         match multicall.params:
             case [list(calls)]:
-                return [await self._one_of_many(call, peer) for call in calls]
+                answers: list[XmlRpcValue] = []
+                room = MAX_BYTES
+                for call in calls:
+                    await asyncio.sleep(0)  # there may be thousands of them
+                    answers.append(await self._one_of_many(call, peer))
+                    room -= written_size(answers[-1], room)
+                    if room < 0:
+                        return Fault(_APPLICATION_ERROR, f"the answers are longer than {MAX_BYTES} characters")
+                return answers
             case _:
                 return Fault(_APPLICATION_ERROR, "system.multicall takes one array of structs")
 
@@ -148,13 +161,17 @@ class XmlRpcServer:
         return [answer]
 
     def _connected(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        name = writer.get_extra_info("peername")
+        peer = str(name[0]) if name else "?"
         if len(self._connections) >= self._limits.connections:
-            longest_idle, _ = self._connections.popitem(last=False)
+            ((most, _),) = Counter(self._connections.values()).most_common(1)
+            longest_idle = next(task for task, other in self._connections.items() if other == most)
+            del self._connections[longest_idle]
             longest_idle.cancel()
         # Drained means handed to the kernel, so no data waits in this process for a peer that does not read.
         writer.transport.set_write_buffer_limits(0)
-        task = asyncio.get_running_loop().create_task(self._serve(reader, writer))
-        self._connections[task] = None
+        task = asyncio.get_running_loop().create_task(self._serve(reader, writer, peer))
+        self._connections[task] = peer
 
         def ended(task: asyncio.Task[None]) -> None:
             self._connections.pop(task, None)
@@ -162,15 +179,23 @@ class XmlRpcServer:
 
         task.add_done_callback(ended)
 
-    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, peer: str) -> None:
         """Serve one connection until its end."""
-        name = writer.get_extra_info("peername")
-        peer = str(name[0]) if name else "?"
         http = h11.Connection(h11.SERVER, max_incomplete_event_size=self._limits.header_bytes)
         try:
             while (body := await self._request(http, reader, writer)) is not None:
-                answer = await self._answer_to(body, peer)
-                await self._send(http, writer, 200, b"OK", answer)
+                try:
+                    call = await self._call_in(body)
+                finally:
+                    self._held -= len(body)
+                answer = await self._answer_to(call, peer)
+                if self._sending + len(answer) > self._limits.held_bytes:
+                    answer = encode_fault(_APPLICATION_ERROR, "too much at a time")
+                self._sending += len(answer)
+                try:
+                    await self._send(http, writer, 200, b"OK", answer)
+                finally:
+                    self._sending -= len(answer)
                 if http.our_state is not h11.DONE:  # the peer asked for the connection to be closed
                     break
                 http.start_next_cycle()
@@ -183,7 +208,7 @@ class XmlRpcServer:
     async def _request(
         self, http: h11.Connection, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> bytes | None:
-        """Return the body of the next request; None at the end of the connection.
+        """Return the body of the next request, which is held until the caller releases it; None at the end.
 
         Raises:
             TimeoutError: the peer is idle or too slow.
@@ -216,7 +241,9 @@ class XmlRpcServer:
                         if self._held > self._limits.held_bytes:
                             raise h11.RemoteProtocolError("too much at a time", 503)
                     elif isinstance(event, h11.EndOfMessage):
-                        return bytes(body)
+                        complete = bytes(body)
+                        body.clear()
+                        return complete
                     else:  # closed, or a switch of protocols, which is not supported
                         return None
         finally:
@@ -227,15 +254,20 @@ class XmlRpcServer:
         if task is not None and task in self._connections:
             self._connections.move_to_end(task)
 
-    async def _answer_to(self, body: bytes, peer: str) -> bytes:
-        call = decode_call(body)
+    async def _call_in(self, body: bytes) -> MethodCall | MalformedDocument:
+        # One call in each round of the loop, however many connections have one: there is other work between them.
+        async with self._turn:
+            await asyncio.sleep(0)
+        return await read_document(decode_call, body)
+
+    async def _answer_to(self, call: MethodCall | MalformedDocument, peer: str) -> bytes:
         if isinstance(call, MalformedDocument):
             return encode_fault(_PARSE_ERROR, f"this is no XML-RPC call: {call.reason}")
         answer = await self.answer(call, peer)
         if isinstance(answer, Fault):
             return encode_fault(answer.code, answer.text)
         try:
-            return encode_response(answer)
+            return await write_document(lambda: encode_response(answer), answer)
         except ValueError as error:
             return encode_fault(_APPLICATION_ERROR, f"the answer cannot be written: {error}")
 

@@ -7,8 +7,8 @@ import logging
 import os
 import socket
 import uuid
-from collections import OrderedDict
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
+from functools import lru_cache
 from types import TracebackType
 
 from thbridge.protocols.rosgraph.master import (
@@ -21,9 +21,10 @@ from thbridge.protocols.rosgraph.master import (
     ParamUpdate,
     PublisherUpdate,
 )
-from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
+from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue, encode_call
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.rosgraph.deliveries import Deliveries
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.rosout import rosout_node
@@ -62,7 +63,7 @@ class MasterServer:
         self._timeout = timeout
         self._server = XmlRpcServer(METHODS, self._handle)
         self._client = XmlRpcClient(_KEPT_CONNECTIONS)
-        self._deliveries = _Deliveries(self._deliver)
+        self._deliveries = Deliveries(self._deliver)
         self._master = Master("", os.getpid())
         self._stopped = asyncio.Event()
         self.uri = ""
@@ -124,10 +125,10 @@ class MasterServer:
             self._stopped.set()
         return reply
 
-    async def _deliver(self, notification: Notification) -> None:
+    async def _deliver(self, notification: Notification) -> bool:
         match notification:
             case PublisherUpdate(api, topic, publishers):
-                answer = await self._tell(api, "publisherUpdate", topic, [*publishers])
+                answer = await self._client.post(api, _publisher_update(topic, publishers), self._timeout)
             case NodeShutdown(api, node, reason):
                 answer = await self._tell(api, "shutdown", f"[{node}] Reason: {reason}")
             case ParamUpdate(api, key, value):
@@ -137,6 +138,7 @@ class MasterServer:
                         self._master.refuse_update(api, key)
         if not isinstance(answer, MethodResponse):
             _log.info("could not be told (%s): %s", answer, notification)
+        return not isinstance(answer, CallFailed)
 
     async def _tell(self, api: str, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         try:
@@ -172,53 +174,10 @@ async def serve(host: str, port: int, ready: Callable[[ListeningAddress | Cannot
     await master.stop()
 
 
-class _Deliveries:
-    """Queues of notifications: in order and one at a time for each node, all nodes in parallel.
-
-    A node's queue is bounded by the number of topics and parameters: a later notification about the same one replaces
-    the earlier one, at the end of the queue.
-    """
-
-    def __init__(self, deliver: Callable[[Notification], Awaitable[None]]) -> None:
-        self._deliver = deliver
-        self._waiting: dict[str, OrderedDict[tuple[str, str], Notification]] = {}
-        self._carriers: dict[str, asyncio.Task[None]] = {}
-
-    def post(self, notification: Notification) -> None:
-        """Queue a notification."""
-        api = notification.api
-        waiting = self._waiting.setdefault(api, OrderedDict())
-        subject = _subject(notification)
-        waiting.pop(subject, None)
-        waiting[subject] = notification
-        if api not in self._carriers:
-            self._carriers[api] = asyncio.get_running_loop().create_task(self._carry(api))
-
-    async def stop(self) -> None:
-        """Drop undelivered notifications."""
-        carriers = [*self._carriers.values()]
-        for carrier in carriers:
-            carrier.cancel()
-        await asyncio.gather(*carriers, return_exceptions=True)
-
-    async def _carry(self, api: str) -> None:
-        waiting = self._waiting[api]
-        try:
-            while waiting:
-                _, notification = waiting.popitem(last=False)
-                await self._deliver(notification)
-        finally:
-            del self._waiting[api], self._carriers[api]
-
-
-def _subject(notification: Notification) -> tuple[str, str]:
-    match notification:
-        case PublisherUpdate(_, topic, _):
-            return "topic", topic
-        case ParamUpdate(_, key, _):
-            return "parameter", key
-        case NodeShutdown(_, node, _):
-            return "node", node
+@lru_cache(16)
+def _publisher_update(topic: str, publishers: tuple[str, ...]) -> bytes:
+    """Return a call, which all subscribers of a topic get."""
+    return encode_call("publisherUpdate", [CALLER_ID, topic, [*publishers]])
 
 
 def _advertised(host: str) -> str:

@@ -25,6 +25,7 @@ from thbridge.files.errors import reason_of
 from thbridge.protocols.rosgraph.links import ServiceHeader, TopicHeader
 from thbridge.protocols.rosgraph.slave import (
     METHODS,
+    BusConnection,
     Consequence,
     NodeDescription,
     ParameterChanged,
@@ -306,7 +307,6 @@ class RosNode:
         return answer.reply
 
     def _described(self) -> NodeDescription:
-        subscribed = [connection for each in self._subscriptions.values() for connection in each.connections()]
         return NodeDescription(
             name=self.name,
             uri=self._addresses.slave,
@@ -316,8 +316,12 @@ class RosNode:
             publications={name: each.topic.type for name, each in self._tcpros.publications.items()},
             subscriptions={name: each.request.kind for name, each in self._subscriptions.items()},
             parameters=self._parameters.keys(),
-            connections=[*self._tcpros.connections(), *subscribed],
+            connections=self._connections,
         )
+
+    def _connections(self) -> list[BusConnection]:
+        subscribed = [connection for each in self._subscriptions.values() for connection in each.connections()]
+        return [*self._tcpros.connections(), *subscribed]
 
     def _carry_out(self, consequence: Consequence) -> None:
         match consequence:

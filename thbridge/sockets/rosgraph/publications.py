@@ -28,12 +28,13 @@ class SubscriberQueue:
     messages wait here as references to the same bytes: they are not copied for slow subscribers.
     """
 
-    def __init__(self, transport: Transport, topic: str, number: int, caller: str) -> None:
+    def __init__(self, transport: Transport, topic: str, number: int, caller: str, address: str) -> None:
         transport.set_write_buffer_limits(high=0)
         self._transport = transport
         self._topic = topic
         self._number = number
         self._caller = caller
+        self.address = address
         self._bytes = 0
         self._messages = 0
         self._too_slow = False
@@ -109,6 +110,10 @@ class Publication:
     def subscribers(self) -> int:
         """Number of connected subscribers."""
         return len(self._outlets)
+
+    def subscribers_at(self, address: str) -> int:
+        """Return the number of subscribers that are connected from an address."""
+        return sum(outlet.address == address for outlet in self._outlets)
 
     def publish(self, data: bytes) -> None:
         """Send a serialised message to every subscriber; it never waits or fails."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import logging
 from asyncio import Transport
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -21,6 +23,12 @@ from thbridge.sockets.warn_once import WarnOnce
 
 PUBLISHER_LIMIT = 256
 """Most publishers of one topic that are connected to; a hostile peer could report any number."""
+
+_CONNECTING_LIMIT = 32
+"""Most publishers that are asked, or connected to, at a time."""
+
+_SEGMENT = 16 * 1024
+"""Most bytes whose messages are handled in one round of the loop: the smallest have four."""
 
 _FIRST_PAUSE = 0.25
 """Seconds before the first reconnection; each connection that does not last doubles them."""
@@ -88,18 +96,34 @@ class Subscription:
         self._on_publisher = on_publisher
         self._client = client
         self._numbers = numbers
-        self._named: frozenset[str] = frozenset()
+        self._named: dict[str, None] = {}
         self._followed: dict[str, asyncio.Task[None]] = {}
         self._listening: dict[str, _Listener] = {}
+        self._connecting = asyncio.Semaphore(_CONNECTING_LIMIT)
         self._complaints = WarnOnce(_log)
 
     def set_publishers(self, uris: Sequence[str]) -> None:
         """Set the present publishers of the topic."""
         if len(uris) > PUBLISHER_LIMIT:
             self._complaints.warn(f"{self.request.topic} has more than {PUBLISHER_LIMIT} publishers; not all are heard")
-        self._named = frozenset(uris[:PUBLISHER_LIMIT])
-        for uri in self._named - self._followed.keys():
-            self._followed[uri] = asyncio.ensure_future(self._follow(uri))
+        self._named = dict.fromkeys(uris[:PUBLISHER_LIMIT])
+        for uri in self._followed.keys() - self._named.keys() - self._listening.keys():
+            self._followed[uri].cancel()
+        self._follow_named()
+
+    def _follow_named(self) -> None:
+        """Follow publishers that are named, as many as there may be; those that end make room for others."""
+        for uri in self._named:
+            if len(self._followed) >= PUBLISHER_LIMIT:
+                break
+            if uri in self._followed:
+                continue
+            self._followed[uri] = task = asyncio.ensure_future(self._follow(uri))
+            task.add_done_callback(functools.partial(self._followed_no_more, uri))
+
+    def _followed_no_more(self, uri: str, task: asyncio.Task[None]) -> None:
+        del self._followed[uri]
+        self._follow_named()
 
     def connections(self) -> Iterable[BusConnection]:
         """Return the open connections for bus info."""
@@ -107,7 +131,7 @@ class Subscription:
 
     async def stop(self) -> None:
         """Cut off every connection."""
-        self._named = frozenset()
+        self._named = {}
         tasks = [*self._followed.values()]
         for task in tasks:
             task.cancel()
@@ -115,24 +139,21 @@ class Subscription:
 
     async def _follow(self, uri: str) -> None:
         pause = _FIRST_PAUSE
-        try:
-            while uri in self._named:
-                listener = _Listener(self._link(), self._on_message, self._on_publisher, next(self._numbers))
-                began = asyncio.get_running_loop().time()
-                try:
-                    end = await self._listen(uri, listener)
-                finally:
-                    self._listening.pop(uri, None)
-                    listener.cut_off()
-                if isinstance(end, LinkRefused):
-                    self._complaints.warn(f"{uri} does not let us hear {self.request.topic}: {end.reason}")
-                else:
-                    _log.debug("%s is not heard from %s: %s", self.request.topic, uri, end.reason)
-                await asyncio.sleep(pause)
-                lasted = asyncio.get_running_loop().time() - began
-                pause = _FIRST_PAUSE if lasted > 2 * _LAST_PAUSE else min(2 * pause, _LAST_PAUSE)
-        finally:
-            del self._followed[uri]
+        while uri in self._named:
+            listener = _Listener(self._link(), self._on_message, self._on_publisher, next(self._numbers))
+            began = asyncio.get_running_loop().time()
+            try:
+                end = await self._listen(uri, listener)
+            finally:
+                self._listening.pop(uri, None)
+                listener.cut_off()
+            if isinstance(end, LinkRefused):
+                self._complaints.warn(f"{uri} does not let us hear {self.request.topic}: {end.reason}")
+            else:
+                _log.debug("%s is not heard from %s: %s", self.request.topic, uri, end.reason)
+            await asyncio.sleep(pause)
+            lasted = asyncio.get_running_loop().time() - began
+            pause = _FIRST_PAUSE if lasted > 2 * _LAST_PAUSE else min(2 * pause, _LAST_PAUSE)
 
     def _link(self) -> SubscriberLink:
         request = self.request
@@ -140,6 +161,15 @@ class Subscription:
 
     async def _listen(self, uri: str, listener: _Listener) -> LinkRefused | LinkEnded:
         """Receive messages of a publisher until the connection ends."""
+        async with self._connecting:
+            failed = await self._connect(uri, listener)
+        if failed is not None:
+            return failed
+        self._listening[uri] = listener
+        return await listener.ended
+
+    async def _connect(self, uri: str, listener: _Listener) -> LinkEnded | None:
+        """Connect to a publisher and wait for its header; return the reason of a failure."""
         reply = await self._client.call(uri, "requestTopic", self._caller, self.request.topic, [[TRANSPORT]])
         offered = value_of(uri, reply)
         match offered:
@@ -157,8 +187,7 @@ class Subscription:
             return LinkEnded("it does not answer in time")
         except (OSError, OverflowError, UnicodeError) as error:  # the last two: no port, no host's name
             return LinkEnded(reason_of(error) if isinstance(error, OSError) else str(error))
-        self._listening[uri] = listener
-        return await listener.ended
+        return None
 
 
 class _Listener(asyncio.Protocol):
@@ -178,6 +207,7 @@ class _Listener(asyncio.Protocol):
         self._publisher = ""
         self._bytes = 0
         self._messages = 0
+        self._received: deque[bytes] = deque()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if isinstance(transport, Transport):
@@ -186,6 +216,22 @@ class _Listener(asyncio.Protocol):
             transport.write(self._link.opening())
 
     def data_received(self, data: bytes) -> None:
+        self._received.extend(data[at : at + _SEGMENT] for at in range(0, len(data), _SEGMENT))
+        self._handle_some()
+
+    def _handle_some(self) -> None:
+        """Handle a part of what was received, so that a flood of messages leaves time for other work."""
+        transport = self._transport
+        if transport is None or transport.is_closing() or not self._received:
+            return
+        self._handle(self._received.popleft())
+        if not self._received:
+            transport.resume_reading()
+            return
+        transport.pause_reading()
+        asyncio.get_running_loop().call_soon(self._handle_some)
+
+    def _handle(self, data: bytes) -> None:
         for event in self._link.receive(data):
             match event:
                 case MessageReceived(message):

@@ -6,7 +6,7 @@ import asyncio
 import logging
 import resource
 from asyncio import Transport
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Awaitable, Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -31,10 +31,19 @@ from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, close_gentl
 from thbridge.sockets.rosgraph.publications import WAITING_LIMIT, Publication, SubscriberQueue
 from thbridge.sockets.warn_once import WarnOnce
 
-CONNECTION_LIMIT = 6144
-"""Most connections of subscribers and clients at a time: all topics of 64 robots for four recorders."""
-_FILES = 8192
+CONNECTION_LIMIT = 8192
+"""Most connections of subscribers and clients at a time.
+
+One address has three quarters of them at most: enough for all topics of 64 robots for four recorders.
+"""
+_FILES = 12_288
 """Open files that the process should be allowed for them."""
+
+TOPIC_LIMIT = 64
+"""Most subscribers of one topic at one address; each costs a copy of every message."""
+
+_REQUESTS_AT_ONCE = 4
+"""Most requests of a connection that are answered in one round of the loop; a segment may hold tens of thousands."""
 
 ANSWERING_LIMIT = 64
 """Most pending requests; a client may leave, and ask again, before it has its answer."""
@@ -69,7 +78,11 @@ class TcprosServer:
         self.publications: dict[str, Publication] = {}
         self.complaints = WarnOnce(_log)
         self._services: dict[str, _Served] = {}
-        self._connections: set[_Inbound] = set()
+        self._connections: dict[_Inbound, None] = {}
+        self._addresses: Counter[str] = Counter()
+        # Connections that may be ended for new ones, oldest first.
+        self._silent: dict[_Inbound, None] = {}
+        self._clients: dict[_Inbound, None] = {}
         self._one_gone = asyncio.Event()
         self._answering: set[asyncio.Task[None]] = set()
         self._limit = min(CONNECTION_LIMIT, _open_files() * 3 // 4)
@@ -93,14 +106,14 @@ class TcprosServer:
             self._server.close()
         for task in self._answering:
             task.cancel()
-        for connection in self._connections:
+        for connection in tuple(self._connections):
             connection.close()
         with suppress(TimeoutError):
             async with asyncio.timeout(_FAREWELL_SECONDS):
                 while self._connections:
                     self._one_gone.clear()
                     await self._one_gone.wait()
-        for connection in self._connections:
+        for connection in tuple(self._connections):
             connection.cut_off()
 
     def offer(self, topic: TopicHeader) -> Publication:
@@ -127,16 +140,45 @@ class TcprosServer:
         return [connection for each in self.publications.values() for connection in each.connections()]
 
     def admit(self, connection: _Inbound) -> bool:
-        """Accept a new connection, unless there are too many."""
-        if len(self._connections) >= self._limit:
-            self.complaints.warn(f"more than {self._limit} connections; further ones are turned away")
-            return False
-        self._connections.add(connection)
+        """Accept a new connection, if there is room or a connection that is not a subscriber's can be ended for it."""
+        crowded = self._addresses[connection.address] >= self._limit * 3 // 4
+        if crowded or len(self._connections) >= self._limit:
+            self.complaints.warn(f"more than {self._limit} connections, or three quarters of that from one address")
+            others = (*self._silent, *self._clients)
+            ended = next((one for one in others if not crowded or one.address == connection.address), None)
+            if ended is None:
+                return False
+            ended.cut_off()
+            self.forget(ended)
+        self._connections[connection] = None
+        self._silent[connection] = None
+        self._addresses[connection.address] += 1
         return True
+
+    def admit_subscriber(self, connection: _Inbound, topic: str) -> Publication | None:
+        """Return the topic that a connection subscribes to; None when its address has too many subscribers."""
+        publication = self.publications[topic]
+        if publication.subscribers_at(connection.address) >= TOPIC_LIMIT:
+            self.complaints.warn(f"{connection.address} subscribes to {topic} more than {TOPIC_LIMIT} times")
+            return None
+        self._silent.pop(connection, None)
+        return publication
+
+    def admit_client(self, connection: _Inbound) -> None:
+        """Note that a connection is a client's."""
+        if connection in self._silent:
+            del self._silent[connection]
+            self._clients[connection] = None
 
     def forget(self, connection: _Inbound) -> None:
         """Remove a closed connection."""
-        self._connections.discard(connection)
+        if connection in self._connections:
+            del self._connections[connection]
+            self._addresses[connection.address] -= 1
+            if not self._addresses[connection.address]:
+                del self._addresses[connection.address]
+        self._silent.pop(connection, None)
+        self._clients.pop(connection, None)
         self._one_gone.set()
 
     def handle(self, service: str, request: bytes, respond: Callable[[ServiceAnswer], None]) -> ServiceAnswer | None:
@@ -162,6 +204,7 @@ class _Inbound(asyncio.Protocol):
     def __init__(self, server: TcprosServer) -> None:
         self._server = server
         self._link = InboundLink(server.caller, server)
+        self.address = ""
         self._transport: Transport | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._publication: Publication | None = None
@@ -170,6 +213,7 @@ class _Inbound(asyncio.Protocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
             return
+        self.address = str((transport.get_extra_info("peername") or ("",))[0])  # it was gone before it was asked
         if not self._server.admit(self):
             transport.abort()
             return
@@ -216,18 +260,29 @@ class _Inbound(asyncio.Protocol):
 
     def _perform(self, events: Iterable[InboundEvent]) -> None:
         waiting = deque(events)
+        requests = 0
         while waiting and self._transport is not None:
+            requests += isinstance(waiting[0], ServiceRequested)
+            if requests > _REQUESTS_AT_ONCE:
+                # Meanwhile the link has no further events: it waits for the answer to this request.
+                asyncio.get_running_loop().call_soon(self._perform, waiting)
+                return
             match waiting.popleft():
                 case SendToPeer(data):
                     self._transport.write(data)
                 case SubscriberAccepted(topic, caller):
-                    self._publication = self._server.publications[topic]
-                    self._outlet = SubscriberQueue(self._transport, topic, next(self._server.numbers), caller)
+                    self._publication = self._server.admit_subscriber(self, topic)
+                    if self._publication is None:
+                        self._end(self._transport)
+                        return
+                    number = next(self._server.numbers)
+                    self._outlet = SubscriberQueue(self._transport, topic, number, caller, self.address)
                     self._publication.add(self._outlet)
                 case ServiceRequested() if self._transport.get_write_buffer_size() > WAITING_LIMIT:
                     _log.debug("a client is cut off: it asks, and does not read the answers")
                     self.cut_off()
                 case ServiceRequested(service, request):
+                    self._server.admit_client(self)
                     answer = self._server.handle(service, request, self._respond)
                     if answer is not None:
                         waiting.extend(self._link.respond(answer))

@@ -4,6 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from thbridge.protocols.rosgraph import master as master_module
+from thbridge.protocols.rosgraph import registrations
 from thbridge.protocols.rosgraph.master import METHODS, ApiReply, Master, NodeShutdown, ParamUpdate, PublisherUpdate
 from thbridge.protocols.rosgraph.xmlrpc import MethodCall, XmlRpcValue, encode_response
 
@@ -123,8 +125,73 @@ def test_wrong_calls_are_refused_by_every_method(ask, method):
 
 
 def test_what_is_too_deep_to_be_sent_is_refused(ask):
-    refused = ask("setParam", "/test", "/a" * 1000, 1)
+    refused = ask("setParam", "/test", "/a" * 200, 1)
     assert refused.status == -1 and "deep" in refused.message
+
+
+def test_a_graph_of_a_thousand_nodes_and_five_thousand_topics_is_taken(ask):
+    for node in range(1000):
+        for topic in ("/rosout", *(f"/n{node}/t{number}" for number in range(5))):
+            assert ask("registerPublisher", f"/n{node}", topic, STRING, f"http://h:{node}/").status == 1
+        for topic in ("/clock", *(f"/n{node + 1}/t{number}" for number in range(5))):
+            assert ask("registerSubscriber", f"/n{node}", topic, STRING, f"http://h:{node}/").status == 1
+        assert ask("setParam", f"/n{node}", f"/n{node}/amcl", {f"p{number}": 1.0 for number in range(30)}).status == 1
+    published, subscribed, _ = ask.value("getSystemState")
+    assert (len(published), len(subscribed)) == (5001, 5001)
+
+
+def test_invented_nodes_and_registrations_have_a_bound_and_what_is_there_goes_on(ask, monkeypatch):
+    monkeypatch.setattr(registrations, "MAX_NODES", 3)
+    monkeypatch.setattr(registrations, "MAX_REGISTRATIONS", 5)
+    for node in range(3):
+        assert ask("registerSubscriber", f"/n{node}", "/chat", STRING, f"http://h:{node}/").status == 1
+    refused = ask("registerSubscriber", "/n3", "/chat", STRING, "http://h:3/")
+    assert (refused.status, refused.value) == (-1, []) and "3 nodes" in refused.message
+    assert ask("registerPublisher", "/n0", "/chat", STRING, "http://h:0/").status == 1
+    assert ask("registerService", "/n0", "/serve", "rosrpc://h:0", "http://h:0/").status == 1
+    assert "5 registrations" in ask("subscribeParam", "/n0", "http://h:0/", "/p").message
+    assert ask("registerPublisher", "/n0", "/chat", STRING, "http://h:0/").status == 1  # once more
+    assert ask("registerSubscriber", "/n0", "/new", STRING, "http://h:9/").status == 1  # replaces all that /n0 had
+    assert ask.value("getSystemState") == [[], [["/chat", ["/n1", "/n2"]], ["/new", ["/n0"]]], []]
+    assert ask("unregisterSubscriber", "/n2", "/chat", "http://h:2/").value == 1
+    for topic in ("/a", "/b", "/c"):
+        assert ask("registerPublisher", "/n1", topic, STRING, "http://h:1/").status == 1
+    assert ask("registerPublisher", "/n1", "/d", STRING, "http://h:1/").status == -1
+
+
+def test_types_of_topics_that_are_gone_are_forgotten_in_the_end(ask, monkeypatch):
+    monkeypatch.setattr(master_module, "_MAX_TYPES", 3)
+    for topic in ("/kept", "/a", "/b", "/c"):
+        assert ask("registerPublisher", "/n", topic, STRING, TALKER).status == 1
+        if topic != "/kept":
+            assert ask("unregisterPublisher", "/n", topic, TALKER).value == 1
+    assert ask.value("getTopicTypes") == [["/kept", STRING], ["/c", STRING]]
+
+
+@pytest.mark.parametrize(
+    ("method", "params"),
+    [
+        ("registerPublisher", ["/" + "a" * 2000, STRING, TALKER]),
+        ("registerPublisher", ["/a", "a/" + "b" * 2000, TALKER]),
+        ("registerSubscriber", ["/a", STRING, TALKER + "a" * 2000]),
+        ("registerService", ["/a", "rosrpc://" + "h" * 2000, TALKER]),
+        ("setParam", ["/" + "a" * 2000, 1]),
+        ("searchParam", ["a/" * 1000]),
+        ("getPublishedTopics", ["/" + "a" * 2000]),
+    ],
+)
+def test_names_have_a_longest_length(ask, method, params):
+    refused = ask(method, "/test", *params)
+    assert refused.status == -1 and "longer than" in refused.message
+    assert "longer than 1024" in ask(method, "/" + "a" * 2000, "/a").message
+
+
+def test_parameters_have_a_bound_that_the_caller_is_told(ask):
+    assert ask("setParam", "/test", "/a", "x" * 8_000_000).status == 1
+    refused = ask("setParam", "/test", "/b", "x" * 8_000_000)
+    assert refused.status == -1 and "characters" in refused.message
+    assert ask("setParam", "/test", "/a", 1).status == 1
+    assert ask("setParam", "/test", "/b", "x" * 8_000_000).status == 1
 
 
 names = st.text("ab/~: ", max_size=6) | st.sampled_from(["/a", "http://h:1/", "a/B", "*"])

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from thbridge.protocols.rosgraph import parameter_tree
 from thbridge.protocols.rosgraph.parameter_tree import ParameterTree, ParameterUpdate, updates
 
 names = st.sampled_from("abc")
@@ -25,6 +26,37 @@ def test_what_is_set_is_there_until_deleted(before, key, value):
     with pytest.raises(KeyError):
         tree.delete(key)
     assert repr(handed_out) == copied  # what was handed out does not change under way
+
+
+@given(st.lists(st.tuples(keys, st.none() | values)), keys, values)
+def test_values_are_counted_whatever_replaced_what(before, key, value):
+    tree = ParameterTree()
+    for earlier, other in before:
+        if other is not None:
+            tree.set(earlier, other)
+        elif earlier in tree:
+            tree.delete(earlier)
+    unbounded = ParameterTree()
+    unbounded.set("/", tree.get("/"))
+    unbounded.set(key, value)
+
+    def nested(each):
+        return 1 + sum(map(nested, each.values())) if isinstance(each, dict) else 1
+
+    def letters(each):
+        return sum(len(name) + letters(inner) for name, inner in each.items()) if isinstance(each, dict) else 0
+
+    after = unbounded.get("/")
+    for limit, count in (("MAX_VALUES", nested(after)), ("MAX_CHARACTERS", letters(after))):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(parameter_tree, limit, count - 1)
+            with pytest.raises(ValueError, match=f"more than {count - 1} par|longer than {count - 1} char"):
+                tree.set(key, value)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parameter_tree, "MAX_VALUES", nested(after))
+        patch.setattr(parameter_tree, "MAX_CHARACTERS", letters(after))
+        tree.set(key, value)
+    assert tree.get("/") == after
 
 
 def test_names_are_those_of_leaves():

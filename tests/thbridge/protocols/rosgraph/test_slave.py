@@ -25,7 +25,7 @@ NODE = NodeDescription(
     publications={"/chatter": "std_msgs/String"},
     subscriptions={"/tf": "tf2_msgs/TFMessage"},
     parameters=["/robot1/amcl/odom_alpha1", "/robot1/move_base"],
-    connections=[
+    connections=lambda: [
         BusConnection(1, "/rviz", True, "/chatter", (6000, "127.0.0.1", 40000, 9), 300, 3),
         BusConnection(2, "http://127.0.0.1:5001/", False, "/tf", (40001, "127.0.0.1", 6001, 10), 200, 2),
     ],

@@ -18,6 +18,7 @@ from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.addresses import Address, UdpTarget, parse_target
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.mavlink import links as mavlink_links
 from thbridge.sockets.mavlink import tcp as mavlink_tcp
 from thbridge.sockets.mavlink import udp as mavlink_udp
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT
@@ -264,7 +265,8 @@ def test_whoever_sends_nothing_but_garbage_is_not_listened_to_for_a_while(
         async with served(station.address) as (exchange, _):
             exchange.say(HEARTBEAT)
             _, vehicles = await station.hear()
-            station.socket.sendto(bytes(GARBAGE_LIMIT + 1), vehicles)
+            for _ in range(3):  # of a datagram, half of that is read
+                station.socket.sendto(bytes(GARBAGE_LIMIT + 1), vehicles)
             station.socket.sendto(PING.to_bytes(), vehicles)
             await until(lambda: "not listened to" in caplog.text)
             assert station.hears_nothing()
@@ -364,6 +366,49 @@ def test_a_flood_of_strangers_drives_no_ground_station_out(station: Station, mon
 
     asyncio.run(whole())
     for each in (*strangers, honest):
+        each.socket.close()
+
+
+def test_invented_ports_with_good_frames_drive_no_ground_station_out(
+    station: Station, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mavlink_udp, "MAX_PEERS", 2)
+    monkeypatch.setattr(mavlink_udp, "SETTLED_SECONDS", 0.0)
+    invented = [Station() for _ in range(5)]
+    honest = Station()
+
+    async def whole() -> None:
+        async with served(station.address) as (exchange, _):
+            exchange.say(HEARTBEAT)
+            _, vehicles = await station.hear()
+            for speaker in (honest, honest, *invented):
+                speaker.socket.sendto(PING.to_bytes(), vehicles)
+                await speaker.hear()
+            assert exchange.gone == [f"udp {each.address}" for each in invented[:-1]]
+
+    asyncio.run(whole())
+    for each in (*invented, honest):
+        each.socket.close()
+
+
+def test_only_so_many_new_peers_are_met_in_a_second(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mavlink_udp, "MEETINGS", 3)
+    invented = [Station() for _ in range(6)]
+
+    async def whole() -> None:
+        async with served(station.address) as (exchange, _):
+            exchange.say(HEARTBEAT)
+            _, vehicles = await station.hear()
+            for speaker in invented:
+                speaker.socket.sendto(PING.to_bytes(), vehicles)
+            station.socket.sendto(PING.to_bytes(), vehicles)  # known already, and read after all of them
+            await station.hear()
+            assert [link for link, _ in exchange.received] == [
+                f"udp {each.address}" for each in (*invented[:3], station)
+            ]
+
+    asyncio.run(whole())
+    for each in invented:
         each.socket.close()
 
 
@@ -485,14 +530,48 @@ def test_one_connection_too_many_is_turned_away(monkeypatch: pytest.MonkeyPatch)
 
     async def whole() -> None:
         async with served(tcp=LISTEN) as (exchange, names):
-            _, first = await connect(names[0])
-            await until(lambda: len(exchange.names) == 1)
+            answered, first = await connect(names[0])
+            first.write(PING.to_bytes())
+            await answered.readexactly(len(ANSWER.to_bytes()))
             reader, second = await connect(names[0])
             with pytest.raises((ConnectionError, asyncio.IncompleteReadError)):
                 await reader.readexactly(1)
             assert len(exchange.names) == 1
             first.close()
             second.close()
+
+    asyncio.run(whole())
+
+
+def test_a_connection_on_which_nobody_spoke_makes_room_for_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mavlink_tcp, "CONNECTIONS", 1)
+
+    async def whole() -> None:
+        async with served(tcp=LISTEN) as (_, names):
+            silent, first = await connect(names[0])
+            reader, second = await connect(names[0])
+            second.write(PING.to_bytes())
+            assert await reader.readexactly(len(ANSWER.to_bytes())) == ANSWER.to_bytes()
+            with pytest.raises((ConnectionError, asyncio.IncompleteReadError)):
+                await silent.readexactly(1)
+            first.close()
+            second.close()
+
+    asyncio.run(whole())
+
+
+def test_by_tcp_frames_that_come_too_fast_wait_and_none_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mavlink_links, "MOST_WAITING", 600)
+    monkeypatch.setattr(mavlink_links, "LINK_FRAMES", 150)
+    frames = [frame(mav.MAVLink_ping_message(7, number, 0, 0)) for number in range(1500)]
+
+    async def whole() -> None:
+        async with served(tcp=LISTEN) as (exchange, names):
+            reader, writer = await connect(names[0])
+            writer.write(b"".join(each.to_bytes() for each in frames))
+            await reader.readexactly(len(frames) * len(ANSWER.to_bytes()))
+            assert [each for _, each in exchange.received] == frames
+            writer.close()
 
     asyncio.run(whole())
 

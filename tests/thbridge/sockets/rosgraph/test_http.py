@@ -2,6 +2,7 @@
 
 import asyncio
 import socket
+import threading
 import xmlrpc.client
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
@@ -14,6 +15,7 @@ from thbridge.protocols.rosgraph import xmlrpc as codec
 from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.rosgraph.documents import read_document, write_document
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import CallHandler, HttpLimits, XmlRpcServer
 
@@ -236,6 +238,55 @@ def test_one_connection_too_many_ends_the_one_that_is_silent_longest():
                 await reader.readuntil(b"</methodResponse>\n")
             for _, writer in peers:
                 writer.close()
+
+    run(scenario)
+
+
+def test_many_connections_from_one_address_end_none_of_another():
+    async def scenario():
+        async with serving(HttpLimits(connections=3)) as (server, at):
+            ours, to_us = await asyncio.open_connection(at.host, at.port)
+            await until(lambda: server.connections == 1)
+            flood = [await asyncio.open_connection(at.host, at.port, local_addr=("127.0.0.2", 0)) for _ in range(20)]
+            for reader, _ in flood[:-2]:
+                assert await reader.read() == b""
+            to_us.write(request("echo"))
+            await ours.readuntil(b"</methodResponse>\n")
+            for writer in (to_us, *(writer for _, writer in flood)):
+                writer.close()
+
+    run(scenario)
+
+
+def test_answers_that_nobody_reads_have_a_bound():
+    async def scenario():
+        async with serving(HttpLimits(held_bytes=20_000_000)) as (_server, at):
+            _reader, writer = await asyncio.open_connection(at.host, at.port)
+            writer.write(request("echo", "x" * 15_000_000))
+            client = XmlRpcClient()
+            answer: object = None
+            while not isinstance(answer, Fault):  # the first may come before the other's answer is under way
+                answer = await client.call(f"http://{at.host}:{at.port}", "echo", "x" * 8_000_000)
+            assert "too much" in answer.text
+            writer.transport.abort()
+            await client.close()
+
+    run(scenario)
+
+
+def test_long_documents_are_read_and_written_beside_the_loop():
+    async def scenario():
+        loop_thread = threading.get_ident()
+
+        def thread_of(document: bytes) -> int:
+            return threading.get_ident()
+
+        assert await read_document(thread_of, b"x" * 100) == loop_thread
+        assert await read_document(thread_of, b"x" * 100_000) != loop_thread
+        for value, at_once in (("x", True), (["x"] * 10_000, False), ({"a": "x" * 100_000}, False)):
+            threads: list[int] = []
+            await write_document(lambda threads=threads: bytes(threads.append(threading.get_ident()) or b""), value)
+            assert (threads == [loop_thread]) is at_once
 
     run(scenario)
 

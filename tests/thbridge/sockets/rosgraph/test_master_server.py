@@ -2,13 +2,15 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 
 import pytest
 
+from thbridge.protocols.rosgraph.master import NodeShutdown, Notification
 from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.rosgraph import deliveries
 from thbridge.sockets.rosgraph.http_client import XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.master_server import MasterServer
@@ -120,6 +122,100 @@ def test_dead_and_silent_subscribers_hold_up_nobody():
                 assert len(publishers) == number + 1
             assert silent.told.qsize() == 1
             silent.ready.set()
+
+    run(scenario)
+
+
+def test_nodes_that_do_not_answer_hold_up_each_other_alone_however_many_they_are(monkeypatch):
+    monkeypatch.setattr(deliveries, "AT_ONCE", 2)
+    asked = 0
+
+    async def never_answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        nonlocal asked
+        asked += 1
+        with suppress(OSError):
+            await reader.read()
+        writer.close()
+
+    async def scenario():
+        silent = [await asyncio.start_server(never_answer, "127.0.0.1", 0) for _ in range(10)]
+        async with serving(timeout=PATIENCE) as master, Slave() as well:
+            master.call("registerSubscriber", "/well", "/chat", STRING, well.uri)
+            master.call("registerPublisher", "/p", "/chat", STRING, "http://h:1/")
+            await well.told.get()
+            for number, server in enumerate(silent):
+                uri = f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
+                master.call("registerSubscriber", f"/s{number}", "/chat", STRING, uri)
+            for number in range(20):
+                master.call("registerPublisher", f"/p{number}", "/chat", STRING, f"http://h:{number}/")
+                await well.told.get()
+            assert asked == 2
+        for server in silent:
+            server.close()
+            await server.wait_closed()
+        while len(asyncio.all_tasks()) > 1:
+            await asyncio.sleep(0.001)
+
+    run(scenario)
+
+
+def test_one_address_is_called_once_at_a_time_under_whatever_paths_it_registers():
+    async def scenario():
+        async with serving() as master, Slave() as slave:
+            slave.ready.clear()
+            for number in range(50):
+                master.call("registerSubscriber", f"/s{number}", "/chat", STRING, f"{slave.uri}{number}")
+            master.call("registerPublisher", "/p", "/chat", STRING, "http://h:1/")
+            await slave.told.get()
+            slave.ready.set()
+            for _ in range(49):
+                await slave.told.get()
+            assert slave.most_at_once == 1
+
+    run(scenario)
+
+
+def test_notifications_that_wait_have_a_bound_and_nodes_that_answer_are_dropped_last(monkeypatch):
+    monkeypatch.setattr(deliveries, "AT_ONCE", 1)
+    monkeypatch.setattr(deliveries, "MOST_WAITING", 3)
+    told: list[str] = []
+    held = asyncio.Event()
+
+    async def deliver(notification: Notification) -> bool:
+        told.append(notification.api)
+        await held.wait()
+        return True
+
+    async def scenario():
+        queue = deliveries.Deliveries(deliver)
+        for number in range(6):
+            queue.post(NodeShutdown(f"http://h:{number}/", "/n", "enough"))
+            while number == 0 and not told:
+                await asyncio.sleep(0)
+        held.set()
+        while queue.calls:
+            await asyncio.sleep(0)
+        assert told == [f"http://h:{number}/" for number in (0, 3, 4, 5)]
+        await queue.stop()
+
+    run(scenario)
+
+
+def test_other_calls_are_answered_while_one_asks_for_thousands_at_once():
+    async def scenario():
+        async with serving() as master:
+            many, one = XmlRpcClient(), XmlRpcClient()
+            await one.call(master.uri, "getPid", "/x")
+            calls: list[XmlRpcValue] = [{"methodName": "getPid", "params": ["/x"]}] * 5000
+            asking = asyncio.ensure_future(many.call(master.uri, "system.multicall", calls))
+            while master.connections < 2:
+                await asyncio.sleep(0)
+            for _ in range(20):
+                await one.call(master.uri, "getPid", "/x")
+            assert not asking.done()
+            assert isinstance(await asking, MethodResponse)
+            await many.close()
+            await one.close()
 
     run(scenario)
 

@@ -9,8 +9,9 @@ import random
 import resource
 import socket
 import struct
+from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from urllib.parse import urlsplit
 
 import pytest
@@ -620,7 +621,7 @@ async def test_whatever_a_publisher_offers_does_no_harm(offer, monkeypatch):
 
 @with_patience
 async def test_there_are_only_so_many_connections(monkeypatch):
-    monkeypatch.setattr(tcpros_server, "CONNECTION_LIMIT", 3)
+    monkeypatch.setattr(tcpros_server, "CONNECTION_LIMIT", 4)
     async with master() as ros:
         us = RosNode("/us", ros.uri)
         chatter = us.advertise("/chatter", *STRING)
@@ -637,13 +638,120 @@ async def test_there_are_only_so_many_connections(monkeypatch):
                 peer.goes()
 
 
+@with_patience
+async def test_one_address_has_three_quarters_of_the_connections_and_subscribers_stay(monkeypatch):
+    monkeypatch.setattr(tcpros_server, "CONNECTION_LIMIT", 4)
+    async with master() as ros:
+        us = RosNode("/us", ros.uri)
+        us.advertise("/chatter", *STRING)
+        async with running(us):
+            at = await where(us, uri_of(ros))
+            subscriber = await Peer.of(ros, us)
+            await subscriber.subscribes()
+            flood = [Peer(*await asyncio.open_connection(*at)) for _ in range(10)]
+            other = Peer(*await asyncio.open_connection(*at, local_addr=("127.0.0.2", 0)))
+            await other.subscribes()
+            for silent in flood[:-2]:
+                assert await silent.is_cut_off()
+            us._tcpros.publications["/chatter"].publish(b"both")
+            assert (await subscriber.hears(), await other.hears()) == (b"both", b"both")
+            for peer in (subscriber, other, *flood):
+                peer.goes()
+
+
+@with_patience
+async def test_one_address_subscribes_to_one_topic_only_so_often(monkeypatch, caplog):
+    monkeypatch.setattr(tcpros_server, "TOPIC_LIMIT", 2)
+    async with master() as ros:
+        us = RosNode("/us", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        us.advertise("/other", *STRING)
+        async with running(us):
+            peers = [await Peer.of(ros, us) for _ in range(4)]
+            for peer in peers[:3]:
+                await peer.subscribes()
+            assert await peers[2].is_cut_off()
+            await peers[3].subscribes("/other")
+            assert chatter.subscribers == 2
+            assert "127.0.0.1 subscribes to /chatter more than 2 times" in caplog.text
+            for peer in peers:
+                peer.goes()
+
+
+@with_patience
+async def test_requests_and_messages_by_the_thousand_leave_time_for_other_work():
+    rounds = 0
+
+    async def count() -> None:
+        nonlocal rounds
+        while True:
+            rounds += 1
+            await asyncio.sleep(0)
+
+    async with master() as ros:
+        us, them = RosNode("/us", ros.uri), RosNode("/them", ros.uri)
+        asked: list[int] = []
+        heard: list[int] = []
+        us.advertise("/any", *STRING)
+        us.serve("/now", *TRIGGER, lambda request: asked.append(rounds) or b"")
+        us.subscribe("/chatter", *STRING[:2], lambda data, caller: heard.append(rounds))
+        chatter = them.advertise("/chatter", *STRING)
+        async with running(us, them):
+            await eventually(lambda: chatter.subscribers == 1)
+            client = await Peer.of(ros, us)
+            fields = {"callerid": "/c", "md5sum": "*", "service": "/now", "persistent": "1"}
+            counting = asyncio.ensure_future(count())
+            client.writer.write(encode_header(fields) + frame(b"") * 1000)
+            await eventually(lambda: len(asked) == 1000)
+            assert max(asked.count(one) for one in set(asked)) <= 8
+            them._tcpros.publications["/chatter"]._outlets[0]._transport.write(frame(b"") * 50_000)
+            await eventually(lambda: len(heard) == 50_000)
+            assert max(Counter(heard).values()) <= 16 * 1024
+            counting.cancel()
+            client.goes()
+
+
+@with_patience
+async def test_invented_publishers_have_a_bound_however_often_they_are_named_anew(monkeypatch):
+    monkeypatch.setattr(subscriptions, "PUBLISHER_LIMIT", 10)
+    monkeypatch.setattr(subscriptions, "_CONNECTING_LIMIT", 3)
+    asking: set[asyncio.StreamWriter] = set()
+
+    async def never_answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        asking.add(writer)
+        with suppress(OSError):
+            await reader.read()
+        asking.discard(writer)
+        writer.close()
+
+    mute = await asyncio.start_server(never_answer, "127.0.0.1", 0)
+    port = mute.sockets[0].getsockname()[1]
+    async with master() as ros:
+        us, them, heard = RosNode("/us", ros.uri), RosNode("/them", ros.uri), []
+        us.subscribe("/chatter", *STRING[:2], lambda data, caller: heard.append(data))
+        chatter = them.advertise("/chatter", *STRING)
+        async with running(us, them):
+            await eventually(lambda: chatter.subscribers == 1)
+            client = XmlRpcClient()
+            for number in range(30):
+                uris = [f"http://127.0.0.1:{port}/{number}/{each}" for each in range(20)]
+                await client.call(uri_of(ros), "publisherUpdate", "/master", "/chatter", uris)
+                assert len(us._subscriptions["/chatter"]._followed) <= 10
+            await eventually(lambda: len(asking) == 3)
+            chatter.publish(b"still there")  # a connection that is open stays
+            await eventually(lambda: heard == [b"still there"])
+            await client.call(uri_of(ros), "publisherUpdate", "/master", "/chatter", [uri_of(ros, "/them")])
+            await client.close()
+    mute.close()
+
+
 def test_a_process_may_open_the_files_that_so_many_connections_take():
     before = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (1024, before[1]))
     try:
         RosNode("/us", "http://127.0.0.1:1")
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-        assert soft == min(8192, hard) if hard != resource.RLIM_INFINITY else soft == 8192
+        assert soft == min(12_288, hard) if hard != resource.RLIM_INFINITY else soft == 12_288
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
