@@ -10,7 +10,7 @@ from thbridge.files.errors import BadFile
 from thbridge.files.signing_key import read_signing_key
 from thbridge.files.yaml.tree import read_text
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
-from thbridge.sockets.admission import is_own, parse_network
+from thbridge.sockets.admission import Admission, is_own, parse_network
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.server import MavlinkPorts
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, is_master_uri
@@ -28,14 +28,14 @@ def with_open_to(study: Study, networks: Sequence[str] | None) -> Study:
     return dataclasses.replace(study, open_to=tuple(networks)) if networks else study
 
 
-def graph_of(ros: bool, master: str | None, host: str | None) -> GraphAddress | None:
-    """Return the ROS graph to join; None where that is not wanted."""
+def graph_of(ros: bool, master: str | None, host: str | None, open_to: Sequence[str] = ()) -> GraphAddress | None:
+    """Return the ROS graph to join, with the networks that it is open to; None where that is not wanted."""
     if not ros:
         return None
     uri = master or ROS_MASTER_URI
     if not is_master_uri(uri):
         fail(BAD_INPUT, f"--ros-master: {uri!r} is not a master's address. Write {ROS_MASTER_URI}, for example.")
-    return GraphAddress(uri, host or LOCALHOST)
+    return GraphAddress(uri, host or LOCALHOST, Admission.to(open_to))
 
 
 def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) -> WatchAddress | None:
@@ -74,7 +74,8 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
     with bad_input():
         secret = None if path is None else read_signing_key(path)
     listens = None if section.udp_listen is None else parse_address(section.udp_listen)
-    return MavlinkPorts(section.targets, None if section.tcp is None else parse_address(section.tcp), secret, listens)
+    tcp = None if section.tcp is None else parse_address(section.tcp)
+    return MavlinkPorts(section.targets, tcp, secret, listens, Admission.to(study.open_to))
 
 
 def check_doors(

@@ -140,7 +140,7 @@ def play(
         fail(BAD_INPUT, f"{problem}. Start `simr --ros` with this study, and play by `simr --robots-from ros`.")
     setting = setting_of(study, study_file)
     others = _roles(outside)
-    graph = graph_of(ros, ros_master, ros_host)
+    graph = graph_of(ros, ros_master, ros_host, study.open_to)
     windowed = participant is None and not (headless or as_json or others) and why_no_window() is None
     who = participant or ParticipantKind(study.participant.strategy)
     ports = ports_of(study, study_file, signing_key)

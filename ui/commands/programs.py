@@ -127,7 +127,7 @@ def simr(
         fail(BAD_INPUT, "--rate: real robots have the time that they have. Leave the option out.")
     if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
         fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or take fewer robots.")
-    graph = graph_of(ros or real, ros_master, ros_host)
+    graph = graph_of(ros or real, ros_master, ros_host, study.open_to)
     door = None if real else watch_of(setting.study, study_file, watch, watch_key)
     check_doors(study, door, graph, serves_text=False)
     if bag is not None:

@@ -11,7 +11,7 @@ import typer
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from ui.commands.group import CommandGroup
-from ui.options import MapName, Robots, StudyFile
+from ui.options import MapName, OpenTo, Robots, StudyFile
 from ui.outputs import STANDARD_OUTPUT
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
@@ -44,21 +44,29 @@ def ros_messages(folder: Annotated[Path, typer.Argument(help="Where packages go,
 @ros_app.command("master")
 def ros_master(
     host: Annotated[
-        str, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in, all of them.")
+        str, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in, those of --open-to.")
     ] = LOCALHOST,
     port: Annotated[int, typer.Option(help="TCP port; 0 takes a free one.", min=0, max=65535)] = ROS_MASTER_PORT,
+    open_to: OpenTo = None,
 ) -> None:
     """Run a ROS master, in place of roscore, until stopped."""
     import asyncio
 
+    from thbridge.sockets.admission import Admission
     from thbridge.sockets.rosgraph import master_server
+    from thbridge.sockets.rosgraph.joining import GraphAddress
+    from thbridge.study.study_file import Study
+    from ui.listening import check_doors, with_open_to
+
+    study = with_open_to(Study(), open_to)
+    check_doors(study, None, GraphAddress(host=host), serves_text=False)
 
     def ready(where: ListeningAddress | CannotListen) -> None:
         if isinstance(where, CannotListen):
             fail(BAD_INPUT, str(where))
         print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
 
-    asyncio.run(master_server.serve(host, port, ready))
+    asyncio.run(master_server.serve(host, port, ready, Admission.to(study.open_to)))
 
 
 ViewFile = Annotated[Path | None, typer.Option("--to", help="The file; by default, and with `-`, standard output.")]

@@ -4,9 +4,14 @@ import socket
 import pytest
 
 from thbridge.protocols.text.router import MessageRouter
-from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.addresses import Address, ListeningAddress
 from thbridge.sockets.admission import OWN_MACHINE, Admission, is_own, parse_network
+from thbridge.sockets.mavlink.links import MavlinkLinks
+from thbridge.sockets.mavlink.tcp import TcpPort, tcp_port
+from thbridge.sockets.rosgraph.master_server import MasterServer
+from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.text.server import TextServer
+from thbridge.sockets.watching.server import SessionPace, WatchServer
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.0.1.1", "::1", "localhost", "::ffff:127.0.0.1"])
@@ -64,3 +69,58 @@ def test_a_stranger_is_cut_off_before_it_is_heard(monkeypatch: pytest.MonkeyPatc
                 await server.stop()
 
     assert asyncio.run(knock()) == b""
+
+
+def test_every_door_asks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Peers of the loopback are those of another machine here: none of the doors hears them."""
+    monkeypatch.setattr(Admission, "admits", lambda self, host: False)
+    monkeypatch.setattr(Admission, "refused", lambda self, transport: "10.0.0.6")
+
+    async def hears(port: int, data: bytes) -> bytes:
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        try:
+            writer.write(data)
+            async with asyncio.timeout(20):
+                return await reader.read(100)
+        except ConnectionError:
+            return b""
+        finally:
+            writer.close()
+
+    async def knock() -> None:
+        watch, master = WatchServer(_Nobody()), MasterServer(port=0)
+        node, links = RosNode("/us", "http://127.0.0.1:1"), MavlinkLinks(None)
+        tcp = await tcp_port(links, Address("127.0.0.1", 0))
+        where = await watch.start("127.0.0.1", 0), await master.start(), await node.start()
+        assert isinstance(where[0], ListeningAddress)
+        assert isinstance(where[1], ListeningAddress)
+        assert isinstance(where[2], NodeStarted)
+        assert isinstance(tcp, TcpPort)
+        await tcp.serve()
+        call = b"POST /RPC2 HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\n\r\nx"
+        slave = int(where[2].uri.rstrip("/").rpartition(":")[2])
+        assert [
+            await hears(where[0].port, b"\n"),
+            await hears(where[1].port, call),
+            await hears(slave, call),
+            await hears(tcp.where.port, b"\xfe"),
+        ] == [b""] * 4
+        await tcp.close()
+        await node.stop()
+        await master.stop()
+        await watch.stop()
+
+    asyncio.run(knock())
+
+
+class _Nobody:
+    """A session that nobody asks for anything."""
+
+    def ask(self, watcher: str, wish: object) -> str | None:
+        raise AssertionError
+
+    def pace(self) -> SessionPace:
+        return SessionPace(paused=False, rate=1.0, lag=0.0)
+
+    def unwatched(self) -> None:
+        raise AssertionError

@@ -88,7 +88,7 @@ class LiveGraph:
         ask: Callable[[str, Request], None],
         receive_frame: Callable[[int, Frame], None] | None = None,
     ) -> None:
-        node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._on_shutdown)
+        node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._on_shutdown, admission=graph.admission)
         self._node = TypedNode(node, Definitions(ROS_SHARES))
         self._description = description
         self._team = team

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from thbridge.protocols.mavlink.frames.signing import SigningKey
 from thbridge.sockets.addresses import Address, UdpTarget
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.links import MavlinkLinks, MavlinkSession
 from thbridge.sockets.mavlink.tcp import TcpPort, tcp_port
@@ -23,12 +24,14 @@ class MavlinkPorts:
         tcp: address to listen on; None for none.
         key: key to sign and verify frames; None for none.
         udp_listen: UDP address to listen on for stations that send first; None for none.
+        admission: of stations that send first, by their addresses.
     """
 
     udp: tuple[UdpTarget, ...]
     tcp: Address | None
     key: SigningKey | None
     udp_listen: Address | None = None
+    admission: Admission = OWN_MACHINE
 
 
 class MavlinkServer:
@@ -50,12 +53,12 @@ class MavlinkServer:
                 return udp
             names.append(f"udp {target}")
         if self._ports.udp_listen is not None:
-            udp = self._kept(await udp_listener(self._links, self._ports.udp_listen))
+            udp = self._kept(await udp_listener(self._links, self._ports.udp_listen, self._ports.admission))
             if isinstance(udp, CannotListen):
                 return udp
             names.append(f"udp from {udp.where}")
         if self._ports.tcp is not None:
-            tcp = await tcp_port(self._links, self._ports.tcp)
+            tcp = await tcp_port(self._links, self._ports.tcp, self._ports.admission)
             if isinstance(tcp, CannotListen):
                 return tcp
             self._opened.push_async_callback(tcp.close)

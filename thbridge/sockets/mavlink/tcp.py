@@ -12,6 +12,7 @@ from sim.common.observations import TICK
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.sockets.addresses import Address
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
@@ -35,13 +36,15 @@ class TcpPort:
     Args:
         links: links of the session.
         own: socket, bound and listening.
+        admission: of stations by their addresses.
 
     Attributes:
         where: its address.
     """
 
-    def __init__(self, links: MavlinkLinks, own: socket.socket) -> None:
+    def __init__(self, links: MavlinkLinks, own: socket.socket, admission: Admission = OWN_MACHINE) -> None:
         self.links = links
+        self.admission = admission
         where = own.getsockname()
         self.where = Address(where[0], where[1])
         self._socket = own
@@ -84,7 +87,7 @@ class TcpPort:
         self._all_closed.set()
 
 
-async def tcp_port(links: MavlinkLinks, address: Address) -> TcpPort | CannotListen:
+async def tcp_port(links: MavlinkLinks, address: Address, admission: Admission = OWN_MACHINE) -> TcpPort | CannotListen:
     """Open a port; 0 takes any that is free."""
     try:
         found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
@@ -92,7 +95,7 @@ async def tcp_port(links: MavlinkLinks, address: Address) -> TcpPort | CannotLis
         own = socket.create_server((where[0], where[1]), family=family, backlog=CONNECTIONS)
     except (OSError, UnicodeError) as error:
         return CannotListen.because(error, address.host, address.port)
-    return TcpPort(links, own)
+    return TcpPort(links, own, admission)
 
 
 class _Connection(Protocol):
@@ -114,7 +117,10 @@ class _Connection(Protocol):
         peer = transport.get_extra_info("peername") or ("", 0)  # it was gone before it was asked
         self._name = f"tcp {Address(peer[0], peer[1])}"
         self._transport = transport
-        if not self._port.connection_opened(self):
+        stranger = self._port.admission.refused(transport)
+        if stranger is not None:
+            self._port.links.complaints.warn(f"MAVLink: {stranger} is in none of the networks of open_to")
+        if stranger is not None or not self._port.connection_opened(self):
             transport.abort()
             return
         self._link = self._port.links.open(self._name, self._channel, self)

@@ -14,6 +14,7 @@ from sim.common.robot_numbers import index_of
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.sockets.addresses import Address, UdpTarget
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
 
@@ -109,15 +110,23 @@ class UdpPort:
         own: socket, bound and not blocking.
         target: peer from the start; None: only peers that send first.
         robot: the only robot on its links, from 0; None: all robots.
+        admission: of peers that send first, by their addresses.
     """
 
     def __init__(
-        self, links: MavlinkLinks, own: socket.socket, target: SocketAddress | None, robot: int | None = None
+        self,
+        links: MavlinkLinks,
+        own: socket.socket,
+        target: SocketAddress | None,
+        robot: int | None = None,
+        admission: Admission = OWN_MACHINE,
     ) -> None:
+        self._admission = admission
         self._links = links
         self._robot = robot
         self._socket = own
         self._target = target
+        self._target_host = None if target is None else target[0]
         self._peers: dict[SocketAddress, _Peer] = {}
         self._met: deque[float] = deque(maxlen=MEETINGS)
         self._sweep: asyncio.TimerHandle | None = None
@@ -189,6 +198,9 @@ class UdpPort:
         return len(frames)
 
     def _meet(self, address: SocketAddress, now: float) -> _Peer | None:
+        if not (self._admission.admits(address[0]) or address[0] == self._target_host):
+            self._links.complaints.warn(f"MAVLink: {address[0]} is in none of the networks of open_to")
+            return None
         if len(self._met) == MEETINGS and now - self._met[0] < 1.0:
             self._links.complaints.warn(f"MAVLink: more than {MEETINGS} new peers in a second; not all are heard")
             return None
@@ -217,10 +229,12 @@ async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotLi
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, robot)
 
 
-async def udp_listener(links: MavlinkLinks, where: Address) -> UdpPort | CannotListen:
+async def udp_listener(
+    links: MavlinkLinks, where: Address, admission: Admission = OWN_MACHINE
+) -> UdpPort | CannotListen:
     """Open a socket at this address for stations that send first; not in use yet."""
     found = await _bound(where, lambda there, family: there)
-    return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, None)
+    return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, None, admission=admission)
 
 
 class _Bound(NamedTuple):

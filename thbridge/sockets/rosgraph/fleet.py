@@ -74,7 +74,9 @@ class Fleet:
         recorder: TrafficRecorder,
         wall: Callable[[], int] = time.time_ns,
     ) -> None:
-        self._node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._asked_to_leave)
+        self._node = RosNode(
+            CALLER, graph.master_uri, graph.host, on_shutdown=self._asked_to_leave, admission=graph.admission
+        )
         self._robots = tuple(robots)
         self._recorder = recorder
         self._wall = wall

@@ -26,6 +26,7 @@ from thbridge.protocols.rosgraph.xmlrpc import (
     written_size,
 )
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.documents import read_document, write_document
 
@@ -75,7 +76,14 @@ class XmlRpcServer:
         limits: limits of the server.
     """
 
-    def __init__(self, methods: Collection[str], handler: CallHandler, limits: HttpLimits | None = None) -> None:
+    def __init__(
+        self,
+        methods: Collection[str],
+        handler: CallHandler,
+        limits: HttpLimits | None = None,
+        admission: Admission = OWN_MACHINE,
+    ) -> None:
+        self._admission = admission
         self._methods = frozenset(methods)
         self._handler = handler
         self._limits = limits or HttpLimits()
@@ -161,6 +169,9 @@ class XmlRpcServer:
         return [answer]
 
     def _connected(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if self._admission.refused(writer.transport) is not None:
+            writer.transport.abort()
+            return
         name = writer.get_extra_info("peername")
         peer = str(name[0]) if name else "?"
         if len(self._connections) >= self._limits.connections:

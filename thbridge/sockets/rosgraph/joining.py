@@ -7,6 +7,7 @@ from enum import Enum
 from urllib.parse import urlsplit
 
 from thbridge.sockets.addresses import ROS_MASTER_PORT, ROS_MASTER_URI
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.master_server import MasterServer
@@ -23,10 +24,12 @@ class GraphAddress:
     Attributes:
         master_uri: URI of the master, ``http://HOST:PORT``.
         host: own address to listen on and to be called at. Anybody who can connect there can drive robots.
+        admission: of nodes and tools by their addresses.
     """
 
     master_uri: str = ROS_MASTER_URI
     host: str = "127.0.0.1"
+    admission: Admission = OWN_MACHINE
 
 
 class MasterPresence(Enum):
@@ -58,5 +61,5 @@ async def ensure_master(graph: GraphAddress) -> AsyncIterator[MasterPresence | C
     elif parts.hostname not in _OURS | {graph.host}:
         yield MasterPresence.AWAITED
     else:
-        async with MasterServer(graph.host, parts.port or ROS_MASTER_PORT) as own:
+        async with MasterServer(graph.host, parts.port or ROS_MASTER_PORT, admission=graph.admission) as own:
             yield own if isinstance(own, CannotListen) else MasterPresence.OURS

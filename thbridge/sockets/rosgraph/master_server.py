@@ -23,6 +23,7 @@ from thbridge.protocols.rosgraph.master import (
 )
 from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue, encode_call
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddress
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.deliveries import Deliveries
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
@@ -55,13 +56,20 @@ class MasterServer:
         host: address to listen on; ``0.0.0.0`` admits other machines, and ROS 1 has no security at all.
         port: 0 takes any that is free.
         timeout: seconds that a node has to accept a notification.
+        admission: of callers by their addresses.
     """
 
-    def __init__(self, host: str = LOCALHOST, port: int = ROS_MASTER_PORT, timeout: float = 5.0) -> None:
+    def __init__(
+        self,
+        host: str = LOCALHOST,
+        port: int = ROS_MASTER_PORT,
+        timeout: float = 5.0,
+        admission: Admission = OWN_MACHINE,
+    ) -> None:
         self._host = host
         self._port = port
         self._timeout = timeout
-        self._server = XmlRpcServer(METHODS, self._handle)
+        self._server = XmlRpcServer(METHODS, self._handle, admission=admission)
         self._client = XmlRpcClient(_KEPT_CONNECTIONS)
         self._deliveries = Deliveries(self._deliver)
         self._master = Master("", os.getpid())
@@ -147,20 +155,26 @@ class MasterServer:
             return CallFailed(api, str(error))
 
 
-async def serve(host: str, port: int, ready: Callable[[ListeningAddress | CannotListen], None]) -> None:
+async def serve(
+    host: str,
+    port: int,
+    ready: Callable[[ListeningAddress | CannotListen], None],
+    admission: Admission = OWN_MACHINE,
+) -> None:
     """Run what roscore runs, master and rosout, until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
 
     Args:
         host: see `MasterServer`.
         port: see `MasterServer`.
         ready: called with the address, or the reason of a failure.
+        admission: of callers by their addresses.
     """
-    master = MasterServer(host, port)
+    master = MasterServer(host, port, admission=admission)
     where = await master.start()
     ready(where)
     if isinstance(where, CannotListen):
         return
-    rosout = rosout_node(master.uri, where.host)
+    rosout = rosout_node(master.uri, where.host, admission)
     if ":" in where.host:
         _log.warning("no /rosout_agg: nodes speak IPv4 only")
     elif isinstance(cannot := await rosout.start(), CannotListen):

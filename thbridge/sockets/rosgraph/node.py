@@ -34,6 +34,7 @@ from thbridge.protocols.rosgraph.slave import (
     answer_call,
 )
 from thbridge.protocols.rosgraph.xmlrpc import MethodCall, XmlRpcValue
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import HttpLimits, XmlRpcServer
@@ -115,6 +116,7 @@ class RosNode:
         on_shutdown: Callable[[str], None] = _ignore_reason,
         on_lost: Callable[[], None] = _ignore,
         on_found: Callable[[], None] = _ignore,
+        admission: Admission = OWN_MACHINE,
     ) -> None:
         self.name = name
         self.master_uri = master_uri
@@ -123,8 +125,8 @@ class RosNode:
         self._on_shutdown = on_shutdown
         self._numbers = itertools.count(1)
         self._client = XmlRpcClient()
-        self._slave = XmlRpcServer(METHODS, self._answer, HttpLimits(connections=_CALLERS))
-        self._tcpros = TcprosServer(name, self._numbers)
+        self._slave = XmlRpcServer(METHODS, self._answer, HttpLimits(connections=_CALLERS), admission)
+        self._tcpros = TcprosServer(name, self._numbers, admission)
         self._tcpros_port = 0
         self._subscriptions: dict[str, Subscription] = {}
         self._parameters: dict[str, ParamCallback] = {}

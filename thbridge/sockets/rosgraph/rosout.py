@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from thbridge.ros.messages.types import LOG, plain_definition
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.rosgraph.node import RosNode
 
 NODE = "/rosout"
@@ -10,7 +11,7 @@ LOGGED = "/rosout"
 AGGREGATED = "/rosout_agg"
 
 
-def rosout_node(master_uri: str, host: str) -> RosNode:
+def rosout_node(master_uri: str, host: str, admission: Admission = OWN_MACHINE) -> RosNode:
     """Return a node that republishes ``/rosout`` as ``/rosout_agg``, not started yet.
 
     A tool that shows logs then has one connection instead of one to every node.
@@ -22,9 +23,10 @@ def rosout_node(master_uri: str, host: str) -> RosNode:
     Args:
         master_uri: URI of the master.
         host: address to listen on and to be called at.
+        admission: of nodes by their addresses.
     """
     log = plain_definition(LOG)
-    node = RosNode(NODE, master_uri, host)
+    node = RosNode(NODE, master_uri, host, admission=admission)
     aggregated = node.advertise(AGGREGATED, LOG, log.md5, log.text)
 
     def on_message(message: bytes, publisher: str) -> None:

@@ -26,6 +26,7 @@ from thbridge.protocols.rosgraph.links import (
 )
 from thbridge.protocols.rosgraph.slave import BusConnection
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, close_gently, keep_alive
 from thbridge.sockets.rosgraph.publications import WAITING_LIMIT, Publication, SubscriberQueue
@@ -72,7 +73,8 @@ class TcprosServer:
         numbers: numbers of connections, unique within the node.
     """
 
-    def __init__(self, caller: str, numbers: Iterator[int]) -> None:
+    def __init__(self, caller: str, numbers: Iterator[int], admission: Admission = OWN_MACHINE) -> None:
+        self.admission = admission
         self.caller = caller
         self.numbers = numbers
         self.publications: dict[str, Publication] = {}
@@ -214,6 +216,11 @@ class _Inbound(asyncio.Protocol):
         if not isinstance(transport, Transport):
             return
         self.address = str((transport.get_extra_info("peername") or ("",))[0])  # it was gone before it was asked
+        stranger = self._server.admission.refused(transport)
+        if stranger is not None:
+            self._server.complaints.warn(f"{stranger} is in none of the networks of open_to, and is cut off")
+            transport.abort()
+            return
         if not self._server.admit(self):
             transport.abort()
             return
