@@ -7,6 +7,7 @@ from pathlib import Path
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.files.errors import BadFile
 from thbridge.files.signing_key import read_signing_key
+from thbridge.files.signing_timestamps import TimestampFile
 from thbridge.files.yaml.tree import read_text
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
 from thbridge.sockets.errors import CannotListen
@@ -62,7 +63,9 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
     with bad_input():
         secret = None if path is None else read_signing_key(path)
     listens = None if section.udp_listen is None else parse_address(section.udp_listen)
-    return MavlinkPorts(section.targets, None if section.tcp is None else parse_address(section.tcp), secret, listens)
+    store = None if path is None else TimestampFile(path)
+    tcp = None if section.tcp is None else parse_address(section.tcp)
+    return MavlinkPorts(section.targets, tcp, secret, listens, store)
 
 
 def parse_key(path: Path) -> str:
