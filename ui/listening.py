@@ -7,7 +7,9 @@ from pathlib import Path
 
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.files.errors import BadFile
+from thbridge.files.private_file import check_private
 from thbridge.files.signing_key import read_signing_key
+from thbridge.files.signing_timestamps import TimestampFile
 from thbridge.files.yaml.tree import read_text
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
 from thbridge.sockets.admission import Admission, is_own, parse_network
@@ -75,7 +77,8 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
         secret = None if path is None else read_signing_key(path)
     listens = None if section.udp_listen is None else parse_address(section.udp_listen)
     tcp = None if section.tcp is None else parse_address(section.tcp)
-    return MavlinkPorts(section.targets, tcp, secret, listens, Admission.to(study.open_to))
+    store = None if path is None else TimestampFile(path)
+    return MavlinkPorts(section.targets, tcp, secret, listens, Admission.to(study.open_to), store)
 
 
 def check_doors(
@@ -112,8 +115,9 @@ def check_doors(
 
 
 def parse_key(path: Path) -> str:
-    """Return the key in a file."""
+    """Return the key in a file that is its owner's alone."""
     with bad_input():
+        check_private(path)
         key = next(iter(read_text(path).splitlines()), "").strip()
         if not key:
             raise BadFile(path, "there is no key in this line", "write one, some random letters, into it", line=1)

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.private_file import check_private
 from thbridge.files.regular_files import open_regular
 from thbridge.protocols.mavlink.frames.signing import InvalidKey, SigningKey, parse_key
 
@@ -14,8 +15,9 @@ def read_signing_key(path: Path) -> SigningKey:
     """Read the key in a file; see `parse_key` for its formats.
 
     Raises:
-        BadFile: it cannot be read, or it has no key.
+        BadFile: it cannot be read, others may read it, or it has no key.
     """
+    check_private(path)
     try:
         with open_regular(path) as file:
             content = file.read(_LARGEST)

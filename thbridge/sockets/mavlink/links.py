@@ -16,7 +16,7 @@ from sim.common.observations import TICK
 from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
+from thbridge.protocols.mavlink.frames.signing import KnownTimestamps, SignatureTimestamps, Signing, SigningKey
 from thbridge.protocols.mavlink.links import HubLink
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame
@@ -36,6 +36,9 @@ TICK_ANSWERS = 100
 
 MOST_WAITING = 2048
 """Most frames of a link that wait to be handled; further ones are dropped."""
+
+_STORE_SECONDS = 0.1
+"""Seconds between two times that timestamps are stored."""
 
 _log = logging.getLogger(__name__)
 
@@ -60,6 +63,16 @@ class MavlinkSession(Protocol):
 
     def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
         """Handle a received frame: it is dropped, or answered."""
+
+
+class TimestampStore(Protocol):
+    """Timestamps of signatures that outlive the program."""
+
+    def read(self) -> KnownTimestamps | None:
+        """Return what an earlier program knew; None where that is not known."""
+
+    def write(self, known: KnownTimestamps) -> None:
+        """Replace what is known."""
 
 
 class FrameSender(Protocol):
@@ -107,6 +120,8 @@ class MavlinkLinks:
         key: key to sign and verify frames; None for none.
         clock: returns seconds of Unix time, for signatures.
         stopwatch: returns seconds, for what work takes.
+        store: keeps timestamps of signatures from one program to the next; None: each accepts only what is signed after
+            its start.
     """
 
     def __init__(
@@ -114,10 +129,14 @@ class MavlinkLinks:
         key: SigningKey | None,
         clock: Callable[[], float] = time.time,
         stopwatch: Callable[[], float] = time.monotonic,
+        store: TimestampStore | None = None,
     ) -> None:
         self.complaints = WarnOnce(_log)
         self._key = key
-        self._timestamps = SignatureTimestamps()
+        known = None if store is None else store.read()
+        self._timestamps = SignatureTimestamps(known, clock() if known is None else 0.0)
+        self._store = store
+        self._stored = 0.0
         self._clock = clock
         self._exchange: MavlinkSession | None = None
         self._links: dict[LinkId, _Link] = {}
@@ -167,9 +186,17 @@ class MavlinkLinks:
         """Return the good frames in received bytes; the log gets one warning for each peer and fault."""
         frames = channel.receive_data(data, self._clock())
         self._received += len(frames)
+        if frames and self._stopwatch() - self._stored > _STORE_SECONDS:
+            self.store_timestamps()
         if channel.last_fault:
             self.complaints.warn(f"MAVLink: {name}: thrown away: {channel.last_fault}")
         return frames
+
+    def store_timestamps(self) -> None:
+        """Store the timestamps of accepted frames for the next program."""
+        self._stored = self._stopwatch()
+        if self._store is not None and self._key is not None:
+            self._store.write(self._timestamps.known)
 
     def receive(self, link: LinkId, frames: Iterable[Frame]) -> None:
         """Handle frames received on a link, now or when there is time, and send the answers."""

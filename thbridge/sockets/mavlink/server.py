@@ -8,7 +8,7 @@ from thbridge.protocols.mavlink.frames.signing import SigningKey
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.mavlink.links import MavlinkLinks, MavlinkSession
+from thbridge.sockets.mavlink.links import MavlinkLinks, MavlinkSession, TimestampStore
 from thbridge.sockets.mavlink.tcp import TcpPort, tcp_port
 from thbridge.sockets.mavlink.udp import UdpPort, udp_listener, udp_port
 
@@ -25,6 +25,7 @@ class MavlinkPorts:
         key: key to sign and verify frames; None for none.
         udp_listen: UDP address to listen on for stations that send first; None for none.
         admission: of stations that send first, by their addresses.
+        store: keeps timestamps of signatures from one program to the next; None for none.
     """
 
     udp: tuple[UdpTarget, ...]
@@ -32,6 +33,7 @@ class MavlinkPorts:
     key: SigningKey | None
     udp_listen: Address | None = None
     admission: Admission = OWN_MACHINE
+    store: TimestampStore | None = None
 
 
 class MavlinkServer:
@@ -39,7 +41,7 @@ class MavlinkServer:
 
     def __init__(self, ports: MavlinkPorts) -> None:
         self._ports = ports
-        self._links = MavlinkLinks(ports.key)
+        self._links = MavlinkLinks(ports.key, store=ports.store)
         self._udp_ports: list[UdpPort] = []
         self._tcp_port: TcpPort | None = None
         self._opened = AsyncExitStack()
@@ -84,6 +86,7 @@ class MavlinkServer:
     async def close(self) -> None:
         """Close all ports; TCP peers have a moment to read the last frames."""
         await self._opened.aclose()
+        self._links.store_timestamps()
         carried = self._links.totals
         told = f"{carried.received} frames came in, {carried.sent} went out, {carried.unsent} could not be sent"
         if carried.dropped:

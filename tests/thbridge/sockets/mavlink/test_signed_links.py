@@ -1,10 +1,12 @@
 """Links with a key, without sockets: who is heard, and what goes out."""
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import pytest
 from pymavlink.dialects.v20 import all as mav
 
+from thbridge.files.signing_timestamps import TimestampFile
 from thbridge.protocols.mavlink.dialect import payload_of
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.frames.frame import Frame
@@ -12,7 +14,7 @@ from thbridge.protocols.mavlink.frames.signing import EPOCH, SignatureFault, Sig
 from thbridge.protocols.mavlink.links import HubLink
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame
-from thbridge.sockets.mavlink.links import MavlinkLinks
+from thbridge.sockets.mavlink.links import MavlinkLinks, TimestampStore
 
 KEY = SigningKey(bytes(range(32)))
 NOW = 1_763_000_000.0
@@ -119,6 +121,28 @@ def test_what_was_listened_to_on_one_link_counts_on_no_other(links: MavlinkLinks
     thief.says(said)
     assert len(exchange.received) == 1
     assert thief.received == []
+
+
+def test_what_was_accepted_before_a_restart_is_not_accepted_after_it(exchange: Exchange, tmp_path: Path) -> None:
+    def program(store: TimestampStore | None) -> Peer:
+        links = MavlinkLinks(KEY, clock=lambda: NOW, store=store)
+        links.serve(exchange)
+        return Peer(links, "a")
+
+    theirs, late = pymavlink(), pymavlink(late=10.0)
+    recorded = PING.pack(theirs)
+    program(TimestampFile(tmp_path / "key")).says(recorded)
+    assert len(exchange.received) == 1
+    second = program(TimestampFile(tmp_path / "key"))
+    second.says(recorded)
+    assert len(exchange.received) == 1
+    second.says(PING.pack(theirs))
+    assert len(exchange.received) == 2
+    program(None).says(PING.pack(late))
+    assert len(exchange.received) == 2
+    program(TimestampFile(tmp_path / "another")).says(recorded)  # as if the file were lost: signed at the very start
+    program(TimestampFile(tmp_path / "other")).says(PING.pack(late))
+    assert len(exchange.received) == 3
 
 
 def test_links_sign_as_links_of_their_own_and_never_twice_at_the_same_time(links: MavlinkLinks) -> None:

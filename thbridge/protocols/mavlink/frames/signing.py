@@ -11,6 +11,7 @@ later frame could have a newer one.
 import hashlib
 import hmac
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Final
@@ -72,6 +73,7 @@ class SignatureFault(StrEnum):
     WRONG = "its signature is wrong"
     REPEATED = "its timestamp is not newer than the last of its sender"
     OLD = "its sender is new, and its timestamp more than a minute old"
+    BEFORE = "it was signed before this program began, which does not know what was accepted then"
     FAR_AHEAD = "its timestamp is from the end of all timestamps"
     CROWDED = f"there are {MAX_STREAMS} other senders already"
 
@@ -107,15 +109,43 @@ def parse_key(content: bytes) -> SigningKey | InvalidKey:
     return InvalidKey(f"it is neither one line of text nor {KEY_SIZE} bytes, but {len(content)} bytes")
 
 
+@dataclass(frozen=True, slots=True)
+class KnownTimestamps:
+    """Timestamps that an earlier program with the same key knew when it ended.
+
+    Attributes:
+        latest: latest of all, ours included.
+        streams: last accepted one of each stream (link, system, component).
+    """
+
+    latest: int
+    streams: Mapping[tuple[int, int, int], int]
+
+
 class SignatureTimestamps:
     """Timestamps used so far, by us and by others, on all links with one key.
 
     The links share them so that a frame from one link is not accepted again on another.
+
+    Args:
+        known: timestamps of an earlier program.
+        not_before: seconds of Unix time before which no frame is accepted: where nothing is known, the program's start,
+            since an earlier one may have accepted whatever is older.
     """
 
-    def __init__(self) -> None:
-        self._latest = 0
+    def __init__(self, known: KnownTimestamps | None = None, not_before: float = 0.0) -> None:
+        self._latest = 0 if known is None else known.latest
         self._streams: dict[tuple[int, int, int], int] = {}
+        if known is not None:
+            # Where there are many, those go that would be refused as new ones, too, with whatever they said so far.
+            kept = 0 if len(known.streams) <= MAX_STREAMS // 2 else known.latest - FIRST_TIMESTAMP_TOLERANCE
+            self._streams = {stream: last for stream, last in known.streams.items() if last >= kept}
+        self._not_before = _timestamp_at(not_before)
+
+    @property
+    def known(self) -> KnownTimestamps:
+        """Present timestamps, for the next program."""
+        return KnownTimestamps(self._latest, dict(self._streams))
 
     def next(self, now: float) -> int:
         """Return a timestamp to sign with; each is newer than all before, ours and the accepted ones."""
@@ -131,6 +161,8 @@ class SignatureTimestamps:
             return SignatureFault.REPEATED if timestamp <= last else None
         if timestamp + FIRST_TIMESTAMP_TOLERANCE < max(self._latest, _timestamp_at(now)):
             return SignatureFault.OLD
+        if timestamp < self._not_before:
+            return SignatureFault.BEFORE
         return SignatureFault.CROWDED if len(self._streams) >= MAX_STREAMS else None
 
     def accept(self, stream: tuple[int, int, int], timestamp: int) -> None:

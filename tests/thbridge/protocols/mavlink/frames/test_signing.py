@@ -17,6 +17,7 @@ from thbridge.protocols.mavlink.frames.signing import (
     LATEST,
     MAX_STREAMS,
     InvalidKey,
+    KnownTimestamps,
     RejectedFrame,
     SignatureFault,
     SignatureTimestamps,
@@ -126,6 +127,31 @@ def test_an_older_frame_behind_a_newer_is_refused_but_streams_do_not_mix():
 )
 def test_a_new_sender_may_be_a_minute_late(late, refused):
     assert isinstance(ours().verify(said(theirs(UNITS - late)), NOW), RejectedFrame) is refused
+
+
+def test_after_a_restart_nothing_is_accepted_again():
+    before, peer = SignatureTimestamps(), theirs()
+    first, second = said(peer), said(peer)
+    assert Signing(KEY, 0, before).verify(first, NOW) == first.unsigned()
+    again = Signing(KEY, 0, SignatureTimestamps(before.known))
+    assert again.verify(first, NOW + 1) == RejectedFrame(SignatureFault.REPEATED)
+    assert again.verify(second, NOW + 1) == second.unsigned()
+    new = said(theirs(UNITS, component=191))
+    assert again.verify(new, NOW + 1) == new.unsigned()
+
+
+def test_where_nothing_is_known_of_earlier_programs_only_what_is_signed_after_the_start_is_accepted():
+    timestamps = SignatureTimestamps(None, not_before=NOW)
+    assert Signing(KEY, 0, timestamps).verify(said(theirs(UNITS - 1)), NOW + 5) == RejectedFrame(SignatureFault.BEFORE)
+    assert isinstance(Signing(KEY, 0, timestamps).verify(said(theirs(UNITS)), NOW + 5), Frame)
+
+
+def test_a_restart_with_many_senders_has_room_for_new_ones_and_accepts_nothing_again():
+    late = FIRST_TIMESTAMP_TOLERANCE
+    streams = {(link, system, 190): UNITS - late - 1 for link in range(4) for system in range(1, 250)}
+    timestamps = SignatureTimestamps(KnownTimestamps(UNITS, {**streams, (9, 9, 190): UNITS - late}))
+    assert timestamps.known.streams == {(9, 9, 190): UNITS - late}
+    assert timestamps.check((0, 1, 190), UNITS - late - 1, NOW) is SignatureFault.OLD
 
 
 def test_a_known_sender_may_be_later_than_that_by_our_clock():

@@ -1,0 +1,71 @@
+"""File beside a signing key with the timestamps of accepted frames, so that a restart accepts none of them again."""
+
+import json
+import logging
+import os
+from pathlib import Path
+
+from thbridge.protocols.mavlink.frames.signing import MAX_STREAMS, KnownTimestamps
+
+SUFFIX = ".timestamps"
+"""End of the file's name, after that of the key."""
+
+_FORMAT = "thbridge signing timestamps 1"
+_LARGEST = 1 << 20
+
+_log = logging.getLogger(__name__)
+
+
+class TimestampFile:
+    """File of timestamps.
+
+    Args:
+        key: file of the signing key.
+    """
+
+    def __init__(self, key: Path) -> None:
+        self._path = key.with_name(key.name + SUFFIX)
+        self._has_failed = False
+
+    def read(self) -> KnownTimestamps | None:
+        """Return the timestamps; None where the file is missing or damaged."""
+        try:
+            with self._path.open("rb") as file:
+                return _known(json.loads(file.read(_LARGEST)))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, RecursionError) as error:
+            _log.warning(
+                "%s is of no use (%s): only frames that are signed from now on are accepted", self._path, error
+            )
+            return None
+
+    def write(self, known: KnownTimestamps) -> None:
+        """Replace the file, readable by its owner alone; a failure is told once."""
+        streams = [[*stream, timestamp] for stream, timestamp in sorted(known.streams.items())]
+        text = json.dumps({"format": _FORMAT, "latest": known.latest, "streams": streams})
+        part = self._path.with_name(self._path.name + ".part")
+        try:
+            part.unlink(missing_ok=True)  # Left over; its mode would stay.
+            with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+                file.write(text)
+            part.replace(self._path)
+        except OSError as error:
+            if not self._has_failed:
+                _log.warning("%s cannot be written (%s): after a restart stations may be refused", self._path, error)
+            self._has_failed = True
+
+
+def _known(read: object) -> KnownTimestamps:
+    match read:
+        case {"format": str(named), "latest": int(latest), "streams": list(rows)} if named == _FORMAT:
+            streams: dict[tuple[int, int, int], int] = {}
+            for row in rows:
+                match row:
+                    case [int(link), int(system), int(component), int(timestamp)] if timestamp <= latest:
+                        streams[link, system, component] = timestamp
+                    case _:
+                        raise ValueError("a row that is no timestamp")
+            if 0 <= latest < 1 << 48 and len(streams) <= MAX_STREAMS:
+                return KnownTimestamps(latest, streams)
+    raise ValueError("it is no file of timestamps")
