@@ -2,6 +2,7 @@
 
 import os
 from collections import Counter
+from collections.abc import Iterator
 from datetime import datetime
 from itertools import chain
 from pathlib import Path
@@ -20,6 +21,14 @@ settings.load_profile("untimed")
 
 CHECKED = "CHECKED_SECONDS"
 """The variable by which `make test` says how long it took before tests began."""
+
+
+@pytest.fixture(autouse=True)
+def _own_umask() -> Iterator[None]:
+    """Keep the permissions that a command of this process gives its files from those of the next test."""
+    before = os.umask(0o022)
+    yield
+    os.umask(before)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

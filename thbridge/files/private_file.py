@@ -19,7 +19,7 @@ def check_private(path: Path) -> None:
     """
     try:
         mode = path.stat().st_mode
-    except OSError:
+    except (OSError, ValueError):
         return
     if stat.S_ISREG(mode) and mode & _OTHERS and _has_modes(path.parent):
         problem = f"other accounts may read or write this key (its mode is {mode & 0o777:o})"
