@@ -6,6 +6,7 @@ from pathlib import Path
 
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.files.errors import BadFile
+from thbridge.files.private_file import check_private
 from thbridge.files.signing_key import read_signing_key
 from thbridge.files.signing_timestamps import TimestampFile
 from thbridge.files.yaml.tree import read_text
@@ -69,8 +70,9 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
 
 
 def parse_key(path: Path) -> str:
-    """Return the key in a file."""
+    """Return the key in a file that is its owner's alone."""
     with bad_input():
+        check_private(path)
         key = next(iter(read_text(path).splitlines()), "").strip()
         if not key:
             raise BadFile(path, "there is no key in this line", "write one, some random letters, into it", line=1)

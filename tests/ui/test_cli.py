@@ -415,6 +415,8 @@ def test_where_nobody_can_watch_is_refused_and_so_is_a_key_that_is_none(folder: 
     assert "--watch-key: nobody may watch" in refusal("play", "--headless", "--watch-key", "key.txt")
     assert "key.txt" in refusal("play", "--headless", "--watch", "0", "--watch-key", "key.txt")
     Path("key.txt").write_text("\nsecret\n")
+    assert "run: chmod 600 key.txt" in refusal("simr", "--watch", "0", "--watch-key", "key.txt").lower()
+    Path("key.txt").chmod(0o600)
     assert "key.txt, line 1: there is no key in this line" in refusal("simr", "--watch", "0", "--watch-key", "key.txt")
     Path("study.yaml").write_text("watch: {port: 0, key: key.txt}\n")
     assert "there is no key in this line" in refusal("play", "study.yaml", "--headless")

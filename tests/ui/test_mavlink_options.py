@@ -98,6 +98,7 @@ def test_the_study_can_be_overruled_altogether() -> None:
 def test_the_studys_key_lies_beside_it(tmp_path: Path) -> None:
     (tmp_path / "there").mkdir()
     (tmp_path / "there" / "key").write_text("a passphrase\n")
+    (tmp_path / "there" / "key").chmod(0o600)
     study = dataclasses.replace(Study(), mavlink=MavlinkSection(on=True, signing_key=Path("key")))
     ports = ports_of(study, tmp_path / "there" / "study.yaml", None)
     assert ports is not None

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.private_file import check_private
 from thbridge.protocols.mavlink.frames.signing import InvalidKey, SigningKey, parse_key
 
 _REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits there"
@@ -13,8 +14,9 @@ def read_signing_key(path: Path) -> SigningKey:
     """Read the key in a file; see `parse_key` for its formats.
 
     Raises:
-        BadFile: it cannot be read, or it has no key.
+        BadFile: it cannot be read, others may read it, or it has no key.
     """
+    check_private(path)
     try:
         with path.open("rb") as file:
             content = file.read(_LARGEST)

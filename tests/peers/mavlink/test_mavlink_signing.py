@@ -21,6 +21,7 @@ KEY = hashlib.sha256(WORD.encode()).digest()
 def key(tmp_path: Path) -> Path:
     path = tmp_path / "team.key"
     path.write_text(f"{WORD}\n")
+    path.chmod(0o600)
     return path
 
 

@@ -227,6 +227,7 @@ def test_a_point_that_is_none(point: tuple[str, str]) -> None:
 def key(tmp_path: Path) -> Path:
     path = tmp_path / "key"
     path.write_text("a passphrase\n")
+    path.chmod(0o600)
     return path
 
 

@@ -35,6 +35,8 @@ def test_a_key_for_a_recording(tmp_path: Path) -> None:
 def test_a_key_that_is_empty(tmp_path: Path) -> None:
     key = tmp_path / "key.txt"
     key.write_text("\n")
+    assert "chmod 600" in refused("localhost:6010", "--key", str(key))
+    key.chmod(0o600)
     assert "there is no key" in refused("localhost:6010", "--key", str(key))
 
 
