@@ -15,6 +15,7 @@ from ui.commands.bag import bag
 from ui.commands.bag.export import bag_export
 from ui.commands.bag.plot import bag_plot
 from ui.commands.group import CommandGroup
+from ui.commands.keys import keys_app
 from ui.commands.maps.maps import maps_app
 from ui.commands.maps.measure import maps_measure
 from ui.commands.maps.new import maps_edit, maps_new
@@ -113,6 +114,7 @@ app.add_typer(study_app, name="study")
 app.add_typer(templates.templates_app, name="templates")
 app.add_typer(mavlink_app, name="mavlink")
 app.add_typer(ros_app, name="ros")
+app.add_typer(keys_app, name="keys")
 app.add_typer(talk_app, name="talk")
 sweep_app.command("run")(sweep_run)
 sweep_app.command("plot")(sweep_plot)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.files.errors import BadFile
+from thbridge.files.key_ring import SHORTEST_KEY, KeyRing
 from thbridge.files.private_file import check_private
 from thbridge.files.signing_key import read_signing_key
 from thbridge.files.signing_timestamps import TimestampFile
@@ -16,8 +17,11 @@ from thbridge.sockets.admission import Admission, is_own, parse_network
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.server import MavlinkPorts
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, is_master_uri
+from thbridge.sockets.watching.keys import RingKeys, SingleKey
+from thbridge.sockets.watching.server import WatchKeys
 from thbridge.study.study_file import Study
-from ui.terminal import BAD_INPUT, bad_input, fail, note
+from thbridge.timing.wall_clock import utc_now
+from ui.terminal import BAD_INPUT, bad_input, command, fail, note
 
 
 def with_open_to(study: Study, networks: Sequence[str] | None) -> Study:
@@ -55,7 +59,23 @@ def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) 
         return None
     beside = Path() if file is None else file.parent
     path = key or (None if section.key is None else beside / section.key)
-    return WatchAddress(host, port, None if path is None else parse_key(path))
+    return WatchAddress(host, port, None if path is None else _watch_keys(path))
+
+
+def _watch_keys(path: Path) -> WatchKeys:
+    """Return the keys at a path: a folder of `thbridge keys`, or a file with one that is good for everything."""
+    if path.is_dir():
+        with bad_input():
+            ring = KeyRing(path, utc_now)
+        if not ring.entries:
+            make = command("keys", "new", "NAME", "--keys", path)
+            fail(BAD_INPUT, f"--watch-key: there are no keys in {path}. Make one: {make}")
+        return RingKeys(ring)
+    key = parse_key(path)
+    if len(key) < SHORTEST_KEY:
+        problem = f"{path}: this key can be guessed: it has {len(key)} characters"
+        fail(BAD_INPUT, f"{problem}. Write {SHORTEST_KEY} random ones or more, or make keys: {command('keys', 'new')}")
+    return SingleKey(key)
 
 
 def check_foxglove(port: int | None) -> None:
@@ -108,7 +128,7 @@ def check_doors(
         what, host = next(iter(exposed.items()))
         problem = f"{what}: other machines could reach {host}, and no network is named that may"
         fail(BAD_INPUT, f"{problem}. Add --open-to NETWORK (open_to in the study), such as 10.0.0.0/24; or 127.0.0.1.")
-    if watch is not None and watch.key is None and not is_own(watch.host):
+    if watch is not None and watch.keys is None and not is_own(watch.host):
         problem = f"researchers' windows: whoever reaches {watch.host} would see the truth and command robots"
         fail(BAD_INPUT, f"{problem}. Add --watch-key FILE with a key that nobody can guess, or listen on 127.0.0.1.")
     note(f"Open to {', '.join(study.open_to)}, without encryption: {', '.join(exposed)}.")

@@ -72,7 +72,10 @@ WatchAt = Annotated[
 ]
 WatchKey = Annotated[
     Path | None,
-    typer.Option("--watch-key", help="File whose first line whoever watches has to know. They see the truth."),
+    typer.Option(
+        "--watch-key",
+        help="Folder of keys (`thbridge keys new`), or file with one: whoever watches has one. They see the truth.",
+    ),
 ]
 FoxglovePort = Annotated[
     int | None,

@@ -20,7 +20,7 @@ from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence
-from thbridge.sockets.watching.server import WatchServer
+from thbridge.sockets.watching.server import WatchKeys, WatchServer
 from thbridge.timing.pacer import Pacer
 
 
@@ -31,12 +31,12 @@ class WatchAddress:
     Attributes:
         host: address to listen on.
         port: TCP port; 0 takes any that is free.
-        key: that windows have to send; None admits every connection.
+        keys: of which windows have to send one; None admits every connection.
     """
 
     host: str
     port: int
-    key: str | None
+    keys: WatchKeys | None
 
 
 class ListenerOptions(Protocol):
@@ -118,7 +118,7 @@ async def listeners(
             listening.append(live)
         if options.watch is not None:
             desk = WatchRequestHandler(ask, team, pacer, has_game=has_game)
-            server = WatchServer(desk, options.watch.key, admission=Admission.to(setting.study.open_to))
+            server = WatchServer(desk, options.watch.keys, admission=Admission.to(setting.study.open_to))
             opened.push_async_callback(server.stop)
             callbacks.watched(await server.start(options.watch.host, options.watch.port))
             listening += [desk, server]

@@ -6,10 +6,9 @@ watcher sends JSON objects, one a line: first the key, where one is required, th
 
 from __future__ import annotations
 
-import hmac
 import json
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -250,22 +249,37 @@ class WatcherRequest:
 WatcherEvent: TypeAlias = WatcherAdmitted | WatcherRequest | WatchRefusal
 
 
-class WatcherSession:
-    """Decoder of one watcher's lines, which also checks its key.
-
-    Args:
-        key: key that it must send first; None: no key is needed.
+@dataclass(frozen=True, slots=True)
+class WatcherIdentity:
+    """Identity of a watcher, by the key that it has shown.
 
     Attributes:
+        name: of the key; empty where keys have no names.
+        may_intervene: False where it may look on only.
+    """
+
+    name: str = ""
+    may_intervene: bool = True
+
+
+class WatcherSession:
+    """Decoder of one watcher's lines, which also has its key checked.
+
+    Args:
+        identify: returns who has a key, or why it is good for nothing, as a clause; None: no key is needed.
+
+    Attributes:
+        identity: of the watcher; anybody's before it is admitted.
         admitted: True when it may receive messages and make requests.
         rejected: it is to be disconnected: its key is wrong, its first line is not of this protocol (a browser's,
             say), or too many requests in a row were refused.
     """
 
-    def __init__(self, key: str | None = None) -> None:
-        self.admitted = key is None
+    def __init__(self, identify: Callable[[str], WatcherIdentity | str] | None = None) -> None:
+        self.admitted = identify is None
         self.rejected = False
-        self._key = key
+        self.identity = WatcherIdentity()
+        self._identify = identify
         self._lines = LineSplitter()
         self._understood = False
         self._mistakes = 0
@@ -295,17 +309,15 @@ class WatcherSession:
             yield self._misunderstood(line, "it is not a line with one JSON object")
             return
         self._understood = True
-        if not self.admitted:
-            message = value.get("key")
-            right = isinstance(message, str) and hmac.compare_digest(
-                message.encode(errors="surrogatepass"), (self._key or "").encode()
-            )
-            self.admitted, self.rejected = right, not right
-            yield (
-                WatcherAdmitted()
-                if right
-                else WatchRefusal("", "the key is wrong" if "key" in value else "a key is wanted")
-            )
+        if self._identify is not None and not self.admitted:
+            key = value.get("key")
+            found = self._identify(key) if isinstance(key, str) else "the key is wrong"
+            self.admitted, self.rejected = not isinstance(found, str), isinstance(found, str)
+            if isinstance(found, str):
+                yield WatchRefusal("", found if "key" in value else "a key is wanted")
+            else:
+                self.identity = found
+                yield WatcherAdmitted()
         elif set(value) != {"key"}:  # a key that is not needed is ignored
             yield WatcherRequest(line, value)
 

@@ -269,7 +269,10 @@ class WatchSection:
 
     host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets those of open_to in")
     port: int | None = param(None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535)
-    key: Path | None = param(None, "path of a file whose first line whoever connects has to know; null: no such thing")
+    key: Path | None = param(
+        None,
+        "path of a folder of keys (`thbridge keys`), or of a file with one, that is asked for; null: none is",
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,6 +31,7 @@ from thbridge.recording.bag.records import (
     message_head,
     time_bytes,
 )
+from thbridge.sockets.watching.keys import SingleKey
 
 TOPICS = [
     BagConnection(0, "/tf", "tf2_msgs/TFMessage", "0" * 32, "x", "/thbridge", False),
@@ -132,7 +133,7 @@ def test_wishes_are_lines():
 
 
 def test_a_key_comes_first():
-    guest = WatcherSession("secret")
+    guest = WatcherSession(SingleKey("secret").identify)
     assert not guest.admitted
     assert list(guest.feed(key_line("secret") + b"{}\n")) == [WatcherAdmitted(), wish("{}")]
     assert guest.admitted
@@ -141,7 +142,7 @@ def test_a_key_comes_first():
 
 @pytest.mark.parametrize("first", [key_line("Secret"), key_line("pépère"), b'{"key":1}\n', b'{"request":"Pause"}\n'])
 def test_without_the_key_nobody_gets_in(first):
-    guest = WatcherSession("secret")
+    guest = WatcherSession(SingleKey("secret").identify)
     (refusal,) = guest.feed(first + key_line("secret"))
     assert isinstance(refusal, WatchRefusal)
     assert "key" in refusal.reason

@@ -19,6 +19,7 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.protocols.watching import (
     STATUS,
     WatcherAdmitted,
+    WatcherIdentity,
     WatcherRequest,
     WatcherSession,
     WatchRefusal,
@@ -78,12 +79,22 @@ class WatchedSession(Protocol):
         """Note that the last watcher has left."""
 
 
+class WatchKeys(Protocol):
+    """Keys by which watchers are admitted."""
+
+    def identify(self, secret: str) -> WatcherIdentity | str:
+        """Return who has a secret, or why it is good for nothing, as a clause."""
+
+    def why_not(self, identity: WatcherIdentity) -> str | None:
+        """Return why somebody is not admitted any more; None where they are."""
+
+
 class WatchServer:
     """Sends a session's messages to all watchers, and passes on their requests.
 
     Args:
         session: carries out requests.
-        key: key that watchers must send; None admits every connection.
+        keys: keys of which watchers must send one; None admits every connection.
         definitions: message definitions; None takes them from an installed ROS, where there is one.
         admission: of watchers by their addresses.
     """
@@ -91,13 +102,13 @@ class WatchServer:
     def __init__(
         self,
         session: WatchedSession,
-        key: str | None = None,
+        keys: WatchKeys | None = None,
         definitions: Definitions | None = None,
         admission: Admission = OWN_MACHINE,
     ) -> None:
         self.admission = admission
         self._session = session
-        self._key = key
+        self._keys = keys
         self._stream = BagStream(definitions or Definitions())
         self._history = MessageHistory()
         self._latest: Sequence[RosMessage] = ()
@@ -181,7 +192,12 @@ class WatchServer:
 
     def ask(self, watcher: _Watcher, wish: WatcherRequest) -> None:
         """Handle a watcher's request, and send the status to all."""
-        reason = self._session.ask(f"watcher {watcher.number}", wish.value)
+        identity = watcher.decoder.identity
+        if identity.may_intervene:
+            name = f" ({identity.name})" if identity.name else ""
+            reason = self._session.ask(f"watcher {watcher.number}{name}", wish.value)
+        else:
+            reason = "this key is good for watching only"
         if reason is None:
             watcher.decoder.granted()
         else:
@@ -229,11 +245,19 @@ class WatchServer:
         self._send([watcher], [RosMessage(_STATUS, self._stamp_ns, status.data())])
 
     def _watcher(self) -> _Watcher:
-        return _Watcher(self, WatcherSession(self._key), ChunkMaker(self._stream))
+        identify = None if self._keys is None else self._keys.identify
+        return _Watcher(self, WatcherSession(identify), ChunkMaker(self._stream))
 
     async def _beat(self) -> None:
         while True:
             await asyncio.sleep(_HEARTBEAT)
+            if self._keys is not None:
+                for watcher in tuple(self._watchers):
+                    reason = self._keys.why_not(watcher.decoder.identity)
+                    if reason is not None:
+                        watcher.refuse(WatchRefusal("", reason))
+                        self._tell_status(watcher)
+                        watcher.close()
             self.tell_status()
 
 

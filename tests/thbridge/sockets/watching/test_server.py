@@ -21,6 +21,7 @@ from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.sockets.watching import server as watch_server
 from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.sockets.watching.history import MAX_BYTES, MAX_MESSAGES, MessageHistory
+from thbridge.sockets.watching.keys import SingleKey
 from thbridge.sockets.watching.server import MAX_CONNECTIONS, MAX_WATCHERS, SessionPace, WatchServer
 
 PATIENCE = 30
@@ -60,7 +61,7 @@ class Door:
 
     def __init__(self, key: str | None) -> None:
         self.house = House()
-        self.server = WatchServer(self.house, key, Definitions(()))
+        self.server = WatchServer(self.house, None if key is None else SingleKey(key), Definitions(()))
         self.where = ListeningAddress("", 0)
         self.tick = 0
         self.clients: list[asyncio.Task[None]] = []

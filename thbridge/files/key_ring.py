@@ -1,0 +1,166 @@
+"""Ring of keys by which people are admitted: names, rights and digests; only these people have the secrets."""
+
+import hashlib
+import os
+import re
+from collections.abc import Callable, Sequence
+from enum import StrEnum
+from pathlib import Path
+
+import msgspec
+
+from thbridge.files.edited_file import write_whole
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.private_file import check_private
+from thbridge.files.regular_files import content_of
+
+RING = "ring.json"
+"""The file of a ring, in its folder."""
+KEY_SUFFIX = ".key"
+"""End of the name of a file with one secret."""
+SHORTEST_KEY = 16
+"""Characters of a secret that cannot be guessed by trying."""
+
+_NAME = re.compile(r"[a-z][a-z0-9_-]{0,31}")
+
+
+class Right(StrEnum):
+    """Rights of a key."""
+
+    WATCH = "watch"
+    INTERVENE = "intervene"
+
+
+class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A key of a ring.
+
+    Attributes:
+        name: of whoever has it.
+        rights: what it is good for; intervening includes watching.
+        digest: SHA-256 of the secret, which has 256 bits itself: it cannot be found by trying.
+        created: time of day, UTC.
+        expires: time of day from which on it is good for nothing; None: never.
+        revoked: time of day at which it was taken back; None: it is good.
+    """
+
+    name: str
+    rights: tuple[Right, ...]
+    digest: str
+    created: str
+    expires: str | None = None
+    revoked: str | None = None
+
+    def why_not(self, now: str) -> str | None:
+        """Return why it is good for nothing at a time of day, as a clause; None where it is good."""
+        if self.revoked is not None:
+            return f"the key {self.name} was revoked"
+        if self.expires is not None and now >= self.expires:
+            return f"the key {self.name} has expired"
+        return None
+
+
+class KeyRing:
+    """Keys in a folder; what another program changes in it counts at once.
+
+    Args:
+        folder: of the ring; it need not be there yet.
+        clock: returns the time of day, UTC, as the ring has it.
+
+    Raises:
+        BadFile: the ring is damaged, or others may read it.
+    """
+
+    def __init__(self, folder: Path, clock: Callable[[], str]) -> None:
+        self.folder = folder
+        self._clock = clock
+        self._path = folder / RING
+        self._state: tuple[int, int] | None = None
+        self._entries: tuple[KeyEntry, ...] = ()
+        self._read()
+
+    @property
+    def entries(self) -> tuple[KeyEntry, ...]:
+        """All keys, oldest first. Raises BadFile."""
+        self._read()
+        return self._entries
+
+    def holder(self, secret: str) -> KeyEntry | str:
+        """Return the key with a secret, or why it is good for nothing, as a clause. Raises BadFile."""
+        digest = _digest(secret)
+        for entry in self.entries:
+            if entry.digest == digest:
+                return entry.why_not(self._clock()) or entry
+        return "the key is wrong"
+
+    def why_not(self, name: str) -> str | None:
+        """Return why a key is good for nothing any more; None where it still is good. Raises BadFile."""
+        entry = next((entry for entry in self.entries if entry.name == name), None)
+        return f"there is no key {name}" if entry is None else entry.why_not(self._clock())
+
+    def add(self, name: str, rights: Sequence[Right], secret: str, expires: str | None) -> Path:
+        """Add a key, and write its secret into a file to be handed over; return that file.
+
+        Raises:
+            BadFile: the name is none or taken, or a file cannot be written.
+        """
+        if _NAME.fullmatch(name) is None:
+            problem = f"{name!r} is no name of a key"
+            raise BadFile(self._path, problem, "take small letters, digits, - and _, a letter first")
+        if any(entry.name == name for entry in self.entries):
+            raise BadFile(self._path, f"there is a key {name} already", "take another name; a name is never used again")
+        path = self.folder / f"{name}{KEY_SUFFIX}"
+        try:
+            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+                file.write(f"{secret}\n")
+        except OSError as error:
+            raise BadFile(path, f"it cannot be written ({reason_of(error)})", "choose another folder") from None
+        self._write((*self._entries, KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires)))
+        return path
+
+    def revoke(self, name: str) -> None:
+        """Take a key back. Raises BadFile: there is none of this name."""
+        if not any(entry.name == name for entry in self.entries):
+            names = ", ".join(entry.name for entry in self._entries) or "none"
+            raise BadFile(self._path, f"there is no key {name}", f"name one of these: {names}")
+        now = self._clock()
+        self._write(
+            tuple(
+                msgspec.structs.replace(entry, revoked=entry.revoked or now) if entry.name == name else entry
+                for entry in self._entries
+            )
+        )
+
+    def _write(self, entries: tuple[KeyEntry, ...]) -> None:
+        text = msgspec.json.format(msgspec.json.encode(entries), indent=2)
+        before = os.umask(0o077)
+        try:
+            write_whole(self._path, text + b"\n")
+        finally:
+            os.umask(before)
+        self._read()
+
+    def _read(self) -> None:
+        try:
+            found = self._path.stat()
+        except FileNotFoundError:
+            self._state, self._entries = None, ()
+            return
+        except OSError as error:
+            raise BadFile(self._path, f"it cannot be read ({reason_of(error)})", "name another folder") from None
+        state = found.st_mtime_ns, found.st_ino
+        if state == self._state:
+            return
+        check_private(self._path)
+        try:
+            self._entries = msgspec.json.decode(content_of(self._path), type=tuple[KeyEntry, ...])
+        except OSError as error:
+            raise BadFile(self._path, f"it cannot be read ({reason_of(error)})", "name another folder") from None
+        except (msgspec.DecodeError, RecursionError) as error:
+            problem = f"this is no ring of keys ({error})"
+            raise BadFile(self._path, problem, "make a new one in another folder: thbridge keys new") from None
+        self._state = state
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode(errors="surrogatepass")).hexdigest()

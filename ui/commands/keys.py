@@ -1,0 +1,74 @@
+"""`thbridge keys`: keys by which researchers' windows are admitted, each with its rights."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from thbridge.files.key_ring import Right
+from ui.commands.group import CommandGroup
+from ui.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
+
+keys_app = typer.Typer(
+    cls=CommandGroup,
+    help="Keys by which researchers' windows are admitted: made, listed, revoked.",
+    no_args_is_help=True,
+)
+
+KeyFolder = Annotated[Path, typer.Option("--keys", help="Folder of the keys, which --watch-key names.")]
+KeyName = Annotated[str, typer.Argument(help="Name of whoever has it; it is recorded with what they do.")]
+FOLDER = Path("keys")
+
+
+@keys_app.command("new")
+def keys_new(
+    name: KeyName,
+    folder: KeyFolder = FOLDER,
+    rights: Annotated[
+        list[Right] | None,
+        typer.Option("--right", help="What it is good for, `watch` by default. May be given several times."),
+    ] = None,
+    days: Annotated[int | None, typer.Option(help="Days after which it is good for nothing.", min=1, max=3650)] = None,
+) -> None:
+    """Make a key; its file is to be handed over."""
+    import secrets
+    from datetime import UTC, datetime, timedelta
+
+    from thbridge.files.key_ring import KeyRing
+    from thbridge.timing.wall_clock import utc_now
+
+    expires = None if days is None else f"{datetime.now(UTC) + timedelta(days=days):%Y-%m-%dT%H:%M:%SZ}"
+    with bad_input():
+        path = KeyRing(folder, utc_now).add(name, rights or [Right.WATCH], secrets.token_urlsafe(32), expires)
+    say(str(path))
+    note(f"Hand this file over, and delete it here. It is used by `{command('watch', 'HOST:PORT', '--key', path)}`.")
+
+
+@keys_app.command("list")
+def keys_list(folder: KeyFolder = FOLDER) -> None:
+    """List the keys, those that are good for nothing any more among them."""
+    from rich.table import Table
+
+    from thbridge.files.key_ring import KeyRing
+    from thbridge.timing.wall_clock import utc_now
+
+    with bad_input():
+        entries = KeyRing(folder, utc_now).entries
+    table = Table("name", "rights", "made", "expires", "state")
+    for entry in entries:
+        state = "revoked" if entry.revoked else "expired" if entry.why_not(utc_now()) else "good"
+        table.add_row(entry.name, ", ".join(entry.rights), entry.created, entry.expires or "never", state)
+    out.print(table)
+
+
+@keys_app.command("revoke")
+def keys_revoke(name: KeyName, folder: KeyFolder = FOLDER) -> None:
+    """Take a key back; whoever is connected by it is disconnected within a second."""
+    from thbridge.files.key_ring import KeyRing
+    from thbridge.timing.wall_clock import utc_now
+
+    if not folder.is_dir():
+        fail(BAD_INPUT, f"--keys: there is no folder {folder}. Name the one in which the key was made.")
+    with bad_input():
+        KeyRing(folder, utc_now).revoke(name)
+    note(f"{name} is revoked.")
