@@ -6,6 +6,8 @@ from typing import NamedTuple
 LOCALHOST = "127.0.0.1"
 DEBIAN_HOST = "127.0.1.1"
 """Loopback address of a Debian machine's own name, at which the participant's window of 2016 expects the server."""
+LONGEST_HOST = 253
+"""Letters of the longest name of a machine (RFC 1035)."""
 TEXT_SERVER_PORT = 6009
 WATCH_PORT = 6010
 ROS_MASTER_PORT = 11311
@@ -33,11 +35,16 @@ class ListeningAddress:
 def parse_address(text: str) -> Address | None:
     """Parse HOST:PORT, with an IPv6 host in brackets; None when it is invalid."""
     host, colon, number = text.rpartition(":")
-    if not (colon and number.isascii() and number.isdecimal() and 0 < int(number) <= 65535):
+    if not (colon and number.isascii() and number.isdecimal() and len(number) <= 5 and 0 < int(number) <= 65535):
         return None
     bare = host.removeprefix("[").removesuffix("]")
     bracketed = host == f"[{bare}]"
-    if not bare or bare != bare.strip() or set(bare) & set("[]/ ") or (":" in bare) != bracketed:
+    if (
+        not (bare.isprintable() and 0 < len(bare) <= LONGEST_HOST)
+        or bare != bare.strip()
+        or set(bare) & set("[]/ ")
+        or (":" in bare) != bracketed
+    ):
         return None
     return Address(bare, int(number))
 
@@ -63,6 +70,6 @@ def parse_target(text: str) -> UdpTarget | None:
     address = parse_address(where)
     if address is None or not slash:
         return None if address is None else UdpTarget(address)
-    if not (number.isascii() and number.isdecimal() and int(number) > 0):
+    if not (number.isascii() and number.isdecimal() and len(number) <= 5 and int(number) > 0):
         return None
     return UdpTarget(address, int(number))

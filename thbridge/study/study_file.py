@@ -28,7 +28,7 @@ from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.protocols.text.canonical import Dialect
 from thbridge.recording.bag.options import Compression, DefinitionTexts, Readers, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
-from thbridge.sockets.addresses import TEXT_SERVER_PORT
+from thbridge.sockets.addresses import LONGEST_HOST, TEXT_SERVER_PORT
 from thbridge.sockets.admission import parse_network
 from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
@@ -459,6 +459,9 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     if laser.range_min > laser.range_max:
         yield _crossed(loaded, "world.laser", study.world.laser, "range_min", "range_max")
     yield from _crossings(loaded, "robot", study.robot)
+    for key, host in (("server.host", study.server.host), ("watch.host", study.watch.host)):
+        if not (host.isprintable() and 0 < len(host) <= LONGEST_HOST):
+            yield loaded.fault(key, "no address or name of a machine", "Write one such as 127.0.0.1")
     for number, software in study.each.items():
         if number > study.robots:
             problem = f"there is no robot {number}: the study has {study.robots}"

@@ -13,7 +13,7 @@ from thbridge.files.regular_files import content_of, is_regular
 from thbridge.files.resources import shipped
 from thbridge.files.signing_key import read_signing_key
 from thbridge.files.template_lines import numbered_lines
-from thbridge.files.yaml.tree import parse, read_text
+from thbridge.files.yaml.tree import read_text
 from thbridge.recording.bag.damage import check_is_bag
 from thbridge.recording.journal import read_journal
 
@@ -73,14 +73,12 @@ def test_a_map_of_a_name_that_none_can_have_is_refused_shortly(wanted: str) -> N
     assert len(str(raised.value)) < 2500
 
 
-def test_a_nul_in_a_text_or_behind_an_escape_is_told_with_its_line(tmp_path: Path) -> None:
+def test_a_nul_in_a_text_is_told_with_its_line(tmp_path: Path) -> None:
     file = tmp_path / "a"
     file.write_bytes(b"one\ntwo\0")
     for read in (read_text, numbered_lines):
         with pytest.raises(BadFile, match=r"line 2: there is a NUL"):
             read(file)
-    with pytest.raises(BadFile, match="line 2: a text with a NUL"):
-        parse(file, 'one: 1\nhost: "a\\0b"\n')
 
 
 def test_a_device_is_written_to_and_never_replaced(tmp_path: Path) -> None:

@@ -85,3 +85,8 @@ def test_any_text_is_an_address_or_none(text: str):
 def test_vehicles_are_told_what_they_need():
     options = MavlinkSection(lost_after=7.0, position_rate=2.0).options
     assert (options.lost_after, options.position_rate) == (7.0, 2.0)
+
+
+@pytest.mark.parametrize("text", ["a\0b:1", "x" * 300 + ":1", "a:" + "9" * 5000, "a\x1b:1"])
+def test_what_no_machine_can_be_called_is_no_address(text: str) -> None:
+    assert parse_address(text) is None

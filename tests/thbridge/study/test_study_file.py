@@ -445,3 +445,9 @@ class TestRecording:
     @pytest.mark.parametrize("line", ["compression: zip", "detail: some", "split_size: 0", "split_duration: 0.5"])
     def test_what_cannot_be_is_refused(self, line: str) -> None:
         assert f"recording.{line.split(':', maxsplit=1)[0]}" in refusal(f"recording: {{{line}}}")
+
+
+@pytest.mark.parametrize("section", ["server", "watch"])
+@pytest.mark.parametrize("host", ["a\\0b", "", "a\\nb", "x" * 300])
+def test_a_host_that_no_machine_can_have_is_refused(section: str, host: str) -> None:
+    assert f"line 1, {section}.host: no address" in refusal(f'{section}: {{host: "{host}"}}')

@@ -229,8 +229,6 @@ def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
         raise BadFile(path, "a tag (!)", "Write the plain value, or quote it", line=line, key=str(event.tag))
     start = event.start_mark.index
     if isinstance(event, ScalarEvent):
-        if "\0" in event.value:
-            raise BadFile(path, "a text with a NUL (\\0)", "Take it out", line=line)
         tag = None if event.tag is None else str(event.tag)
         return Scalar(event.value, event.style is None, line, tag, start, event.end_mark.index)
     flow = bool(event.flow_style)

@@ -23,14 +23,15 @@ from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.store import Typestore
 
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.recording.bag.damage import TooLargeChunk
 from thbridge.recording.bag.records import BagConnection
+from thbridge.recording.bag.unpacking import MCAP_MAGIC, check_mcap
 from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.ros.messages.foreign_types import register, types_in
 from thbridge.ros.messages.types import md5_of, typestore
 
 METADATA = "metadata.yaml"
 MCAP, SQLITE = ".mcap", ".db3"
-MCAP_MAGIC = b"\x89MCAP0\r\n"
 _DISK_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EFBIG}
 _RENAMED = {"tf/msg/tfMessage": "tf2_msgs/msg/TFMessage"}
 
@@ -84,12 +85,16 @@ def _converted(path: Path, _mtime_ns: int, _size: int) -> ConvertedRecording:
     bag = _folder() / f"{path.stem}.bag"
     bag.unlink(missing_ok=True)
     try:
+        for file in path.rglob("*") if path.is_dir() else [path]:
+            check_mcap(file)
         if _is_ros1_mcap(path):
             _repack(path, bag)
             return ConvertedRecording(bag, "an MCAP file of ROS 1", {})
         left_out = _convert(path, bag)
     except BadFile:
         raise
+    except TooLargeChunk as error:
+        raise BadFile(path, str(error), "it is forged or damaged; name another recording") from error
     except Exception as error:  # rosbags and its parsers raise whatever damaged bytes bring about
         bag.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.errno in _DISK_FAULTS:

@@ -95,13 +95,13 @@ def _check_size(types: Typesdict, name: str) -> None:
         described = [each for _, each in types[name][1]]
         within = {inner for each in described if (inner := _named(each)) is not None}
         if len(above) < DEEPEST_TYPE:
-            for inner in within:
+            for inner in sorted(within):
                 measure(inner, (*above, name))
         depths[name] = 1 + max((depths.get(inner, 0) for inner in within), default=0)
         if depths[name] + len(above) > DEEPEST_TYPE:
             raise ValueError(f"its definition has more than {DEEPEST_TYPE} types within types")
-        fields[name] = sum(fields.get(_named(each) or "", 1) or 1 for each in described)
-        sizes[name] = sum(_size(each, sizes) for each in described)
+        fields[name] = sum(fields.get(_named(each) or "", 1) or 1 for each in described)  # of integers
+        sizes[name] = sum(_size(each, sizes) for each in described)  # of integers
         if fields[name] > MOST_FIELDS:
             raise ValueError(f"it has more than {MOST_FIELDS} fields")
         if sizes[name] > LARGEST_MESSAGE:

@@ -25,6 +25,7 @@ from thbridge.experiment.progress import EventKind, Progress, Run, RunState, Ste
 from thbridge.experiment.questionnaires.form import Form, Item
 from thbridge.experiment.store.events import Actor, Clocks, JsonValue
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.regular_files import content_of
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
 from ui.first_start import is_compiled
@@ -641,7 +642,7 @@ class _Visit:
 
 def _bytes_of(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return content_of(path)
     except OSError as error:
         raise BadFile(path, f"cannot be read ({reason_of(error)})", "Bring it back") from None
 

@@ -14,8 +14,8 @@ from rosbags.rosbag1.reader import Header, RecordType, read_bytes, read_uint32
 
 from thbridge.recording.bag.damage import damage_as_bad_file, damaged
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reading.unpacking import COMPRESSIONS, UnpackedBytes, unpacked
 from thbridge.recording.bag.records import INDEX_ENTRY_BYTES, U32
+from thbridge.recording.bag.unpacking import COMPRESSIONS, UnpackedBytes, unpacked
 
 BYTES_KEPT = 32 * 1024 * 1024
 """Bytes of unpacked chunks that are cached, unless told otherwise."""

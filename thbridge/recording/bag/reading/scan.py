@@ -14,8 +14,8 @@ from typing import BinaryIO
 from rosbags.rosbag1.reader import RecordType
 
 from thbridge.recording.bag.damage import MAGIC, VERSION, check_is_bag
-from thbridge.recording.bag.reading.unpacking import UnpackedBytes, unpacked
 from thbridge.recording.bag.ros2 import as_ros1
+from thbridge.recording.bag.unpacking import UnpackedBytes, unpacked
 
 _UINT32 = Struct("<I")
 _UINT64 = Struct("<Q")

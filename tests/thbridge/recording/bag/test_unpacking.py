@@ -1,16 +1,18 @@
 import bz2
 from pathlib import Path
+from struct import pack
 
 import lz4.frame
 import pytest
+import zstandard
 
 from tests.thbridge.analysis import planting
 from thbridge.files.errors import BadFile
+from thbridge.recording.bag import unpacking
 from thbridge.recording.bag.damage import TooLargeChunk
-from thbridge.recording.bag.reading import unpacking
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.reading.scan import UnreadableSpan, scan
-from thbridge.recording.bag.reading.unpacking import UnpackedBytes, unpacked
+from thbridge.recording.bag.unpacking import MCAP_MAGIC, UnpackedBytes, check_mcap, unpacked
 
 ZEROS = bytes(1 << 20)
 
@@ -45,3 +47,38 @@ def test_a_bag_with_such_a_chunk_is_refused_and_its_check_tells_it(tmp_path: Pat
     spans = [record for record in scan(bag) if isinstance(record, UnreadableSpan)]
     assert len(spans) == 1
     assert "claims to unpack" in spans[0].problem
+
+
+def mcap_of(path: Path, compression: bytes, packed: bytes, size: int) -> Path:
+    """An MCAP file of one chunk."""
+    head = pack("<QQQII", 0, 1, size, 0, len(compression)) + compression + pack("<Q", len(packed))
+    path.write_bytes(MCAP_MAGIC + pack("<BQ", 6, len(head) + len(packed)) + head + packed)
+    return path
+
+
+PACKED = {
+    b"zstd": zstandard.compress(ZEROS),
+    b"lz4": lz4.frame.compress(ZEROS),
+    b"": ZEROS,
+}
+
+
+@pytest.mark.parametrize("compression", PACKED)
+def test_chunks_of_mcap_files_that_are_what_they_claim_pass(compression: bytes, tmp_path: Path) -> None:
+    check_mcap(mcap_of(tmp_path / "a.mcap", compression, PACKED[compression], len(ZEROS)))
+
+
+@pytest.mark.parametrize("compression", [b"zstd", b"lz4"])
+def test_chunks_of_mcap_files_that_unpack_to_more_do_not(compression: bytes, tmp_path: Path) -> None:
+    file = mcap_of(tmp_path / "a.mcap", compression, PACKED[compression], 1000)
+    with pytest.raises(TooLargeChunk, match="more than the 1000 bytes"):
+        check_mcap(file)
+    with pytest.raises(BadFile, match="more than the 1000 bytes"):
+        list(messages(file))
+    with pytest.raises(TooLargeChunk, match="claims"):
+        check_mcap(mcap_of(tmp_path / "b.mcap", compression, PACKED[compression], 4_000_000_000))
+
+
+def test_a_second_frame_behind_one_that_is_right_is_counted(tmp_path: Path) -> None:
+    with pytest.raises(TooLargeChunk):
+        check_mcap(mcap_of(tmp_path / "a.mcap", b"zstd", 2 * PACKED[b"zstd"], len(ZEROS)))

@@ -1,0 +1,152 @@
+"""Unpacking of chunks within bounds: some kilobytes of bz2 can stand for gigabytes of zeros."""
+
+import bz2
+from collections.abc import Iterator
+from contextlib import suppress
+from io import SEEK_END
+from pathlib import Path
+from struct import Struct
+
+import lz4.frame
+import zstandard
+from mcap.opcode import Opcode
+
+from thbridge.files.regular_files import is_regular
+from thbridge.recording.bag.damage import TooLargeChunk
+
+ALWAYS = 1 << 28
+"""Bytes that any chunk may unpack to; usual chunks have 768 KiB, or one large message."""
+TIMES_PACKED = 64
+"""Chunks whose packed data are larger may unpack to so many times their size."""
+ALWAYS_IN_ALL = 1 << 32
+TIMES_FILE = 1000
+"""All chunks of a file may together unpack to `ALWAYS_IN_ALL` and so many times its size: unpacking takes time."""
+
+COMPRESSIONS = ("none", "bz2", "lz4")
+
+MCAP_MAGIC = b"\x89MCAP0\r\n"
+_MCAP_RECORD = Struct("<BQ")
+"""The kind of a record, and its length."""
+_MCAP_CHUNK = Struct("<QQQII")
+"""First and last time of a chunk, unpacked size, checksum, and the length of the name of its compression."""
+_PIECE = 1 << 20
+
+
+class UnpackedBytes:
+    """The bytes that chunks of a file have unpacked to so far, held against what it may unpack to.
+
+    Args:
+        file_size: bytes of the file.
+    """
+
+    def __init__(self, file_size: int) -> None:
+        self._left = ALWAYS_IN_ALL + TIMES_FILE * file_size
+
+    def add(self, size: int) -> None:
+        """Count a chunk. Raises TooLargeChunk: it is too much for the file."""
+        self._left -= size
+        if self._left < 0:
+            raise TooLargeChunk("its chunks unpack to more than a recording of its size can hold")
+
+
+def unpacked(compression: str, packed: bytes, size: int) -> bytes:
+    """The data of a chunk; of a stream that is cut off what there is.
+
+    Args:
+        compression: a name of `COMPRESSIONS`.
+        packed: its bytes in the file.
+        size: bytes of its data, as its record says.
+
+    Raises:
+        TooLargeChunk: it unpacks to more than its record says, or than a chunk may.
+        ValueError: there is no such compression.
+        OSError, RuntimeError, EOFError: the stream is damaged.
+    """
+    if compression == "none":
+        return packed
+    _check_claim(len(packed), size)
+    # One byte more tells a stream that has more than its record says.
+    match compression:
+        case "bz2":
+            data = bz2.BZ2Decompressor().decompress(packed, max_length=size + 1)
+        case "lz4":
+            data = bytes(lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=size + 1))
+        case other:
+            raise ValueError(f"compression {other!r} is not known")
+    _check_size(len(data), size)
+    return data
+
+
+def check_mcap(path: Path) -> None:
+    """Check what the chunks of an MCAP file unpack to, for its readers unpack all that a chunk has.
+
+    Files of other kinds are left alone.
+
+    Raises:
+        TooLargeChunk: it is more than records say, or than chunks and files may.
+        OSError: the file cannot be read.
+    """
+    if not is_regular(path):
+        return
+    with path.open("rb") as file:
+        end = file.seek(0, SEEK_END)
+        so_far = UnpackedBytes(end)
+        file.seek(0)
+        if file.read(len(MCAP_MAGIC)) != MCAP_MAGIC:
+            return
+        at = file.tell()
+        while at + _MCAP_RECORD.size <= end:
+            kind, length = _MCAP_RECORD.unpack(file.read(_MCAP_RECORD.size))
+            at += _MCAP_RECORD.size + length
+            if at > end:
+                return  # cut off, which readers tell
+            if kind == Opcode.CHUNK:
+                record = file.read(length)
+                if len(record) >= _MCAP_CHUNK.size:
+                    _check_mcap_chunk(record, so_far)
+            file.seek(at)
+
+
+def _check_mcap_chunk(record: bytes, so_far: UnpackedBytes) -> None:
+    _, _, size, _, name = _MCAP_CHUNK.unpack_from(record)
+    start = _MCAP_CHUNK.size + name
+    compression, packed = record[start - name : start], record[start + 8 :]
+    if not compression:
+        return
+    _check_claim(len(packed), size)
+    so_far.add(size)
+    found = 0
+    for count in _counts(compression, packed):
+        found += count
+        _check_size(found, size)
+
+
+def _counts(compression: bytes, packed: bytes) -> Iterator[int]:
+    """Yield the sizes of the pieces that a chunk unpacks to; errors are left to the readers."""
+    with suppress(zstandard.ZstdError, RuntimeError, EOFError):
+        if compression == b"zstd":
+            with zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True) as stream:
+                while piece := stream.read(_PIECE):
+                    yield len(piece)
+        elif compression == b"lz4":
+            unpacker = lz4.frame.LZ4FrameDecompressor()
+            data = packed
+            while not unpacker.eof:
+                piece = unpacker.decompress(data, max_length=_PIECE)
+                if not piece:
+                    return
+                data = b""
+                yield len(piece)
+
+
+def _check_claim(packed: int, size: int) -> None:
+    """Raise TooLargeChunk when a chunk claims to unpack to more than one may."""
+    most = max(ALWAYS, TIMES_PACKED * packed)
+    if size > most:
+        raise TooLargeChunk(f"a chunk of {packed} bytes claims to unpack to {size}, more than the {most} it may")
+
+
+def _check_size(found: int, size: int) -> None:
+    """Raise TooLargeChunk when a chunk unpacks to more than it claims."""
+    if found > size:
+        raise TooLargeChunk(f"a chunk unpacks to more than the {size} bytes that its record says")
