@@ -21,10 +21,11 @@ class TimestampFile:
 
     Args:
         key: file of the signing key.
+        side: name of the side of the link that is not the robots', which has a file of its own.
     """
 
-    def __init__(self, key: Path) -> None:
-        self._path = key.with_name(key.name + SUFFIX)
+    def __init__(self, key: Path, side: str = "") -> None:
+        self._path = key.with_name(key.name + side + SUFFIX)
         self._has_failed = False
 
     def read(self) -> KnownTimestamps | None:
@@ -35,9 +36,7 @@ class TimestampFile:
         except FileNotFoundError:
             return None
         except (OSError, ValueError, RecursionError) as error:
-            _log.warning(
-                "%s is of no use (%s): only frames that are signed from now on are accepted", self._path, error
-            )
+            _log.warning("%s is of no use (%s): it is as if nothing were known", self._path, error)
             return None
 
     def write(self, known: KnownTimestamps) -> None:

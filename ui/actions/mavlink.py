@@ -13,6 +13,7 @@ from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.replay.mavlink_replay import FramesReplayed, HuntResult, has_session
 from thbridge.app.replay.replay import session_of
 from thbridge.files.signing_key import read_signing_key
+from thbridge.files.signing_timestamps import TimestampFile
 from thbridge.protocols.mavlink import conventions
 from thbridge.protocols.mavlink.frames.signing import SigningKey
 from thbridge.protocols.mavlink.mode_numbers import shown_mode_name
@@ -145,7 +146,7 @@ def sightings_table(robots: list[KnownRobot]) -> Table:
     return table
 
 
-def signing_key_in(path: Path | None) -> SigningKey | None:
+def _signing_key_in(path: Path | None) -> SigningKey | None:
     """The signing key of a file; None without a file."""
     with bad_input():
         return None if path is None else read_signing_key(path)
@@ -160,10 +161,11 @@ def run_program(program: Coroutine[object, object, T]) -> T:
 
 
 @asynccontextmanager
-async def station_at(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationSocket]:
-    """A ground station's link; ends the command where it cannot be opened."""
+async def station_at(address: Address, tcp: bool, key: Path | None) -> AsyncIterator[StationSocket]:
+    """A ground station's link, signed by the key of a file; ends the command where it cannot be opened."""
+    secret, store = _signing_key_in(key), None if key is None else TimestampFile(key, ".station")
     try:
-        async with open_station(address, tcp, key) as link:
+        async with open_station(address, tcp, secret, store) as link:
             yield link
     except Unreachable as why:
         remedy = "Start robots there, by `thbridge play --mavlink --tcp HOST:PORT`" if tcp else "Give another address"

@@ -50,14 +50,13 @@ def mavlink_status(
         run_program,
         sighting_as_json,
         sightings_table,
-        signing_key_in,
         station_at,
     )
 
     address, tcp = _address(where, "HOST:PORT")
 
     async def listen() -> StationSocket:
-        async with station_at(address, tcp, signing_key_in(signing_key)) as link:
+        async with station_at(address, tcp, signing_key) as link:
             loop = asyncio.get_running_loop()
             until = loop.time() + seconds
             while loop.time() < until:
@@ -96,7 +95,7 @@ def mavlink_goto(
     from thbridge.protocols.mavlink.station.trip import TripOutcome
     from thbridge.protocols.mavlink.vehicle_interface import Target
     from thbridge.sockets.mavlink.client import StationSocket
-    from ui.actions.mavlink import drive_robot, fail_without_robots, run_program, signing_key_in, station_at
+    from ui.actions.mavlink import drive_robot, fail_without_robots, run_program, station_at
 
     for name, value in (("X", x), ("Y", y), ("--heading", 0.0 if heading is None else heading)):
         if not abs(value) < 1e5:
@@ -105,7 +104,7 @@ def mavlink_goto(
     destination = Target(x, y, None if heading is None else math.radians(heading))
 
     async def drive() -> tuple[StationSocket, TripOutcome]:
-        async with station_at(address, tcp, signing_key_in(signing_key)) as link:
+        async with station_at(address, tcp, signing_key) as link:
             return link, await drive_robot(link, robot, destination, keep)
 
     link, outcome = run_program(drive())

@@ -17,6 +17,7 @@ from tests.system.programs import Program, until
 from tests.thbridge.app.replay.test_mavlink_replay import Station, record
 from tests.thbridge.protocols.mavlink.rig import OPTIONS, Game
 from thbridge.app.session.session import Session
+from thbridge.files.signing_timestamps import TimestampFile
 from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.signing import SigningKey, parse_key
@@ -241,6 +242,16 @@ def signed(at: Address) -> Iterator[Fleet]:
 
 def test_a_key_opens(at: Address, signed: Fleet, key: Path) -> None:
     assert mavlink("goto", 1, 0, 0, "--at", at, "--signing-key", key).exit_code == 0
+
+
+def test_what_robots_said_to_one_command_is_known_to_the_next(at: Address, signed: Fleet, key: Path) -> None:
+    assert mavlink("goto", 1, 0, 0, "--at", at, "--signing-key", key).exit_code == 0
+    known = TimestampFile(key, ".station").read()
+    assert known is not None and known.streams
+    assert mavlink("status", at, "--signing-key", key, "--seconds", 0.9).exit_code == 0
+    later = TimestampFile(key, ".station").read()
+    assert later is not None
+    assert later.streams.keys() >= known.streams.keys() and later.latest > known.latest
 
 
 def test_a_wrong_key(at: Address, signed: Fleet, key: Path) -> None:

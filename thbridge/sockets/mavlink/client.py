@@ -11,9 +11,10 @@ from typing import cast
 
 from thbridge.files.errors import reason_of
 from thbridge.protocols.mavlink.frames.channel import Channel
-from thbridge.protocols.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
+from thbridge.protocols.mavlink.frames.signing import KnownTimestamps, SignatureTimestamps, Signing, SigningKey
 from thbridge.protocols.mavlink.station.ground_station import GroundStation, StationEvent
 from thbridge.sockets.addresses import Address
+from thbridge.sockets.mavlink.links import TimestampStore
 from thbridge.sockets.mavlink.udp import BUFFER, SocketAddress
 
 CONNECT_SECONDS = 5.0
@@ -36,20 +37,33 @@ class StationSocket:
         own: socket, connected or bound, and not blocking.
         peer: UDP address to send to; None: all that send to us.
         key: key to sign and verify frames; None for none.
+        known: timestamps of earlier stations with this key.
 
     Attributes:
         station: the ground station.
         is_listening: True when it waits for robots to send first; False when it sends to a given address.
     """
 
-    def __init__(self, own: socket.socket, peer: SocketAddress | None, key: SigningKey | None) -> None:
+    def __init__(
+        self,
+        own: socket.socket,
+        peer: SocketAddress | None,
+        key: SigningKey | None,
+        known: KnownTimestamps | None = None,
+    ) -> None:
         self.station = GroundStation()
         self._socket = own
         self._stream = own.type == socket.SOCK_STREAM
         self.is_listening = not self._stream and peer is None
         self._peers = set() if peer is None else {peer}
-        signing = None if key is None else Signing(key, 0, SignatureTimestamps())
+        self._timestamps = SignatureTimestamps(known)
+        signing = None if key is None else Signing(key, 0, self._timestamps)
         self._channel = Channel(signing, datagrams=not self._stream)
+
+    @property
+    def known(self) -> KnownTimestamps:
+        """Timestamps of frames until now, for the next station."""
+        return self._timestamps.known
 
     @property
     def refused(self) -> int:
@@ -117,8 +131,12 @@ class StationSocket:
 
 
 @asynccontextmanager
-async def open_station(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationSocket]:
+async def open_station(
+    address: Address, tcp: bool, key: SigningKey | None, store: TimestampStore | None = None
+) -> AsyncIterator[StationSocket]:
     """Open a ground station at an address.
+
+    Where earlier stations stored no timestamps, the first frame of robots may be a minute old: their clock is another.
 
     Over UDP it binds to the address, as ground stations do, where that is possible; else it sends to it.
 
@@ -151,4 +169,9 @@ async def open_station(address: Address, tcp: bool, key: SigningKey | None) -> A
                 own.bind(there)
             except OSError:
                 peer = there
-        yield StationSocket(own, peer, key)
+        station = StationSocket(own, peer, key, None if store is None else store.read())
+        try:
+            yield station
+        finally:
+            if store is not None:
+                store.write(station.known)
