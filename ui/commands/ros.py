@@ -56,7 +56,7 @@ def ros_master(
     from thbridge.sockets.rosgraph import master_server
     from thbridge.sockets.rosgraph.joining import GraphAddress
     from thbridge.study.study_file import Study
-    from ui.listening import check_doors, with_open_to
+    from ui.open_doors import check_doors, with_open_to
 
     study = with_open_to(Study(), open_to)
     check_doors(study, None, GraphAddress(host=host), serves_text=False)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from sim.common.observations import TICK
+from sim.common.robot_numbers import number_of
 from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.frames.frame import Frame
@@ -232,7 +233,7 @@ class MavlinkLinks:
         robot = 0 if state is None or state.robot is None else state.robot
         text = mav.MAVLink_statustext_message(mav.MAV_SEVERITY_WARNING, b"Too many frames: some are dropped.", 0, 0)
         number = text.get_msgId()
-        return Frame(robot + 1, mav.MAV_COMP_ID_UDP_BRIDGE, 0, number, payload_of(text), crc_extra(number) or 0)
+        return Frame(number_of(robot), mav.MAV_COMP_ID_UDP_BRIDGE, 0, number, payload_of(text), crc_extra(number) or 0)
 
     def _work(self) -> None:
         """Handle frames that wait, link after link, as long as there is time."""
