@@ -20,7 +20,7 @@ from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import CallHandler, HttpLimits, XmlRpcServer
 
 METHODS = ("echo", "later", "fail", "refuse", "unwritable")
-PATIENCE = 20
+PATIENCE = 120.0
 
 
 async def _later(value: XmlRpcValue) -> XmlRpcValue:
