@@ -6,10 +6,10 @@ from pathlib import Path
 
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.files.errors import BadFile
-from thbridge.files.key_ring import SHORTEST_KEY, KeyRing
-from thbridge.files.private_file import check_private
-from thbridge.files.signing_key import read_signing_key
-from thbridge.files.signing_timestamps import TimestampFile
+from thbridge.files.keys.key_ring import SHORTEST_KEY, KeyRing
+from thbridge.files.keys.private_file import check_private
+from thbridge.files.keys.signing_key import read_signing_key
+from thbridge.files.keys.signing_timestamps import TimestampFile
 from thbridge.files.yaml.tree import read_text
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
 from thbridge.sockets.admission import Admission

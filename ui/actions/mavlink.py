@@ -12,8 +12,8 @@ from rich.table import Table
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.replay.mavlink_replay import FramesReplayed, HuntResult, has_session
 from thbridge.app.replay.replay import session_of
-from thbridge.files.signing_key import read_signing_key
-from thbridge.files.signing_timestamps import TimestampFile
+from thbridge.files.keys.signing_key import read_signing_key
+from thbridge.files.keys.signing_timestamps import TimestampFile
 from thbridge.protocols.mavlink import conventions
 from thbridge.protocols.mavlink.frames.signing import SigningKey
 from thbridge.protocols.mavlink.mode_numbers import shown_mode_name

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.files.key_ring import Right
+from thbridge.files.keys.key_ring import Right
 from ui.commands.group import CommandGroup
 from ui.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
 
@@ -34,7 +34,7 @@ def keys_new(
     import secrets
     from datetime import UTC, datetime, timedelta
 
-    from thbridge.files.key_ring import KeyRing
+    from thbridge.files.keys.key_ring import KeyRing
     from thbridge.timing.wall_clock import utc_now
 
     expires = None if days is None else f"{datetime.now(UTC) + timedelta(days=days):%Y-%m-%dT%H:%M:%SZ}"
@@ -49,7 +49,7 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
     """List the keys, those that are good for nothing any more among them."""
     from rich.table import Table
 
-    from thbridge.files.key_ring import KeyRing
+    from thbridge.files.keys.key_ring import KeyRing
     from thbridge.timing.wall_clock import utc_now
 
     with bad_input():
@@ -64,7 +64,7 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
 @keys_app.command("revoke")
 def keys_revoke(name: KeyName, folder: KeyFolder = FOLDER) -> None:
     """Take a key back; whoever is connected by it is disconnected within a second."""
-    from thbridge.files.key_ring import KeyRing
+    from thbridge.files.keys.key_ring import KeyRing
     from thbridge.timing.wall_clock import utc_now
 
     if not folder.is_dir():

@@ -17,7 +17,7 @@ from tests.system.programs import Program, until
 from tests.thbridge.app.replay.test_mavlink_replay import Station, record
 from tests.thbridge.protocols.mavlink.rig import OPTIONS, Game
 from thbridge.app.session.session import Session
-from thbridge.files.signing_timestamps import TimestampFile
+from thbridge.files.keys.signing_timestamps import TimestampFile
 from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.signing import SigningKey, parse_key

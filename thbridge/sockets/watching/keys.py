@@ -4,7 +4,7 @@ import hmac
 import logging
 
 from thbridge.files.errors import BadFile
-from thbridge.files.key_ring import KeyEntry, KeyRing, Right
+from thbridge.files.keys.key_ring import KeyEntry, KeyRing, Right
 from thbridge.protocols.watching import WatcherIdentity
 from thbridge.sockets.warn_once import WarnOnce
 

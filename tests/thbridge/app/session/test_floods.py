@@ -29,6 +29,16 @@ def heard(ticks: list[TickRecord], sender: str) -> bytes:
     return b"".join(item.data for item in given if isinstance(item, BytesReceived) and item.sender == sender)
 
 
+async def served() -> tuple[Session, TextServer, ListeningAddress, Records]:
+    records = Records()
+    session = Session(build_keeper(read_setting(Study(), Path())), [], [records])
+    server = TextServer(session, session.note_forwarded)
+    session.perform = server.perform
+    where = await server.start("127.0.0.1", 0)
+    assert isinstance(where, ListeningAddress)
+    return session, server, where, records
+
+
 async def until_quiet() -> None:
     for _ in range(2000):
         await asyncio.sleep(0)
@@ -36,12 +46,7 @@ async def until_quiet() -> None:
 
 def test_a_flood_in_a_pause_waits_in_the_sockets_and_is_heard_line_by_line() -> None:
     async def flood() -> None:
-        records = Records()
-        session = Session(build_keeper(read_setting(Study(), Path())), [], [records])
-        server = TextServer(session, session.note_forwarded)
-        session.perform = server.perform
-        where = await server.start("127.0.0.1", 0)
-        assert isinstance(where, ListeningAddress)
+        session, server, where, records = await served()
         _, loud = await asyncio.open_connection(where.host, where.port)
         loud.write(b"%%setid Flood\n" + LINE * LINES)
         await until_quiet()
@@ -67,12 +72,7 @@ def test_a_flood_in_a_pause_waits_in_the_sockets_and_is_heard_line_by_line() -> 
 
 def test_many_that_flood_share_what_a_tick_takes() -> None:
     async def flood() -> None:
-        records = Records()
-        session = Session(build_keeper(read_setting(Study(), Path())), [], [records])
-        server = TextServer(session, session.note_forwarded)
-        session.perform = server.perform
-        where = await server.start("127.0.0.1", 0)
-        assert isinstance(where, ListeningAddress)
+        session, server, where, records = await served()
         writers = [(await asyncio.open_connection(where.host, where.port))[1] for _ in range(100)]
         for writer in writers:
             writer.write(LINE * 500)

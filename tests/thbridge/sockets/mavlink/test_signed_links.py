@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import all as mav
 
-from thbridge.files.signing_timestamps import TimestampFile
+from thbridge.files.keys.signing_timestamps import TimestampFile
 from thbridge.protocols.mavlink.dialect import payload_of
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.frames.frame import Frame

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.files.key_ring import KeyRing, Right
+from thbridge.files.keys.key_ring import KeyRing, Right
 from thbridge.protocols.watching import BagStreamReader, SessionMessage, WatchStatus, parse_status
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.watching.keys import RingKeys

@@ -2,7 +2,7 @@
 
 import pytest
 
-from thbridge.files.signing_timestamps import TimestampFile
+from thbridge.files.keys.signing_timestamps import TimestampFile
 from thbridge.protocols.mavlink.frames.signing import KnownTimestamps
 
 KNOWN = KnownTimestamps(700, {(0, 255, 190): 700, (3, 254, 190): 5})

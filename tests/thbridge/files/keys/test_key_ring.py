@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from thbridge.files.errors import BadFile
-from thbridge.files.key_ring import RING, KeyEntry, KeyRing, Right
+from thbridge.files.keys.key_ring import RING, KeyEntry, KeyRing, Right
 
 NOW = "2026-03-01T12:00:00Z"
 LATER = "2026-03-03T12:00:00Z"

@@ -11,7 +11,7 @@ import msgspec
 
 from thbridge.files.edited_file import write_whole
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.private_file import check_private
+from thbridge.files.keys.private_file import check_private
 from thbridge.files.regular_files import content_of
 
 RING = "ring.json"

@@ -2,9 +2,9 @@
 
 import pytest
 
-from thbridge.files import private_file
 from thbridge.files.errors import BadFile
-from thbridge.files.signing_key import read_signing_key
+from thbridge.files.keys import private_file
+from thbridge.files.keys.signing_key import read_signing_key
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.private_file import check_private
+from thbridge.files.keys.private_file import check_private
 from thbridge.files.regular_files import open_regular
 from thbridge.protocols.mavlink.frames.signing import InvalidKey, SigningKey, parse_key
 
