@@ -156,7 +156,7 @@ class KeyRing:
             self._entries = msgspec.json.decode(content_of(self._path), type=tuple[KeyEntry, ...])
         except OSError as error:
             raise BadFile(self._path, f"it cannot be read ({reason_of(error)})", "name another folder") from None
-        except (msgspec.DecodeError, RecursionError) as error:
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
             problem = f"this is no ring of keys ({error})"
             raise BadFile(self._path, problem, "make a new one in another folder: thbridge keys new") from None
         self._state = state

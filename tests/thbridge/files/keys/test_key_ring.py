@@ -64,10 +64,10 @@ def test_a_name_that_is_none(ring: KeyRing, name: str) -> None:
     assert not ring.folder.exists()
 
 
-@pytest.mark.parametrize("damage", ["{", "[1]", "[" * 5000, '[{"name": "x"}]', "\x00"])
+@pytest.mark.parametrize("damage", ["{", "[1]", "[" * 5000, '[{"name": "x"}]', '[{"name": "\udcff"}]', "\x00"])
 def test_a_ring_that_is_damaged_is_told(ring: KeyRing, damage: str) -> None:
     ring.add("maria", [Right.WATCH], "one secret", None)
-    (ring.folder / RING).write_text(damage)
+    (ring.folder / RING).write_text(damage, errors="surrogateescape")
     with pytest.raises(BadFile, match="no ring of keys"):
         KeyRing(ring.folder, lambda: NOW)
 
