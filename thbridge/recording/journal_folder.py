@@ -1,5 +1,6 @@
 """The journals of all games of one keeper: a folder with one file per game, the last of which may not have ended."""
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,6 +8,8 @@ from pathlib import Path
 from thbridge.files.errors import BadFile
 from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal import Journal, journal_path, next_game
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +60,8 @@ class JournalStore:
         journal, recovered = Journal.resume(journal_path(self.folder, self.last_game))
         if recovered.state.ended is not None:
             journal.close()
+            if recovered.torn is not None:
+                _log.warning("%s: what was half written after the end of its game is lost", journal.path)
             return None
         self._journal = journal
         return UnfinishedGame((recovered.started, *recovered.events), recovered.torn is not None)
