@@ -1,6 +1,6 @@
 # `make play` and `make test` are all that most people need; both set up what is missing first.
 .NOTPARALLEL:
-.PHONY: help play test check test-slow bench setup peers maps pictures stress attack fuzz lock
+.PHONY: help play test check test-slow bench setup peers maps pictures stress attack fuzz lock audit
 
 BIN := .venv/bin
 # Where the environment forbids Python to keep what it compiles, each program that tests start would compile all of it.
@@ -57,3 +57,6 @@ pictures: setup ## Draw the windows for docs/windows-gallery.md anew.
 lock: setup ## Pin the dependencies of pyproject.toml anew; existing pins stay where they can.
 	$(BIN)/uv pip compile pyproject.toml --extra gui --extra argumentation --extra cluster --extra learning --extra markers --extra foxglove --group dev --python-version 3.11 --generate-hashes \
 		--no-emit-index-url --no-emit-find-links -o requirements.lock
+
+audit: setup ## Check requirements.lock against known faults; DB=FOLDER of advisories in OSV's format, else PyPA's are fetched.
+	$(BIN)/python scripts/audit_lock.py $(ARGS) $(DB)

@@ -15,6 +15,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import mkdtemp
 
 ROOT = Path(__file__).parents[1]
 SCREEN = "1300x940x24"
@@ -86,13 +87,16 @@ def main() -> None:
     parser.add_argument("--robots", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=25.0, help="to wait before the picture is taken")
     parser.add_argument("--to", type=Path, default=ROOT / "docs" / "pictures" / "rviz.png")
-    parser.add_argument("--logs", type=Path, default=Path("/tmp/draw_rviz"), help="where the programs' logs go")
+    parser.add_argument("--logs", type=Path, help="where the programs' logs go; by default a new folder")
     options = parser.parse_args()
     missing = [program for program in NEEDED if shutil.which(program) is None]
     if missing:
         sys.exit(f"not installed: {', '.join(missing)}. apt-get install rviz xvfb imagemagick")
-    options.logs.mkdir(parents=True, exist_ok=True)
-    draw(options.to, options.robots, options.seconds, options.logs)
+    # A name that everybody knows could be another account's already.
+    logs = options.logs or Path(mkdtemp(prefix="draw_rviz-"))
+    logs.mkdir(parents=True, exist_ok=True)
+    print(f"logs: {logs}")
+    draw(options.to, options.robots, options.seconds, logs)
     print(options.to)
 
 

@@ -16,9 +16,12 @@ MOST_WORDS = 8_000_000
 LARGEST_IMAGE = 1 << 29
 """Largest file in bytes."""
 
+_FORMATS = ("PNG", "PPM", "JPEG", "BMP", "GIF", "TIFF", "WEBP", "TGA", "PCX", "XPM")
+"""Those of Pillow's formats that map_server reads as well; for others, such as EPS, Pillow runs other programs."""
+
 
 def read_image(path: Path) -> NDArray[np.uint8]:
-    """The pixels of an image: PGM (P2 and P5, 8 and 16 bit), or any format that Pillow reads.
+    """The pixels of an image: PGM (P2 and P5, 8 and 16 bit), PNG, JPEG, BMP, GIF, TIFF, WebP, TGA, PCX, XPM.
 
     Returns:
         (rows, cols) grey or (rows, cols, 3 or 4) colours, row 0 at the top; deeper pixels are scaled down to 8 bit as
@@ -37,7 +40,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415
 
     try:
-        with Image.open(io.BytesIO(data)) as image:
+        with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise _too_large(path, image.width, image.height)
             if image.mode.startswith("I;16"):

@@ -152,6 +152,11 @@ class TestImages:
         expected = opaque if mode in {"RGBA", "LA"} else EXPECTED
         assert grid_of_image(tmp_path, "a.png") == expected
 
+    def test_a_picture_that_is_a_program_for_another_program_is_none(self, tmp_path: Path) -> None:
+        Image.new("L", (3, 2)).save(tmp_path / "a.png", "EPS")
+        with pytest.raises(BadFile, match="not a picture that can be read"):
+            grid_of_image(tmp_path, "a.png")
+
 
 def edit(name: str, old: str, new: str) -> Callable[[Path], object]:
     def change(folder: Path) -> None:

@@ -17,7 +17,6 @@ from pathlib import Path
 from mcap.reader import make_reader
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from rosbags.convert.converter import generate_message_converter
-from rosbags.highlevel import AnyReader
 from rosbags.interfaces import QosDurability
 from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.store import Typestore
@@ -25,12 +24,19 @@ from rosbags.typesys.store import Typestore
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.bag.damage import TooLargeChunk
 from thbridge.recording.bag.records import BagConnection
-from thbridge.recording.bag.unpacking import MCAP_MAGIC, check_mcap
+from thbridge.recording.bag.ros2_storage import (
+    METADATA,
+    bounded_sqlite,
+    open_reader,
+    plain_recording,
+    size_of,
+    stored_messages,
+)
+from thbridge.recording.bag.unpacking import MCAP_MAGIC, UnpackedBytes
 from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.ros.messages.foreign_types import register, types_in
 from thbridge.ros.messages.types import md5_of, typestore
 
-METADATA = "metadata.yaml"
 MCAP, SQLITE = ".mcap", ".db3"
 _DISK_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EFBIG}
 _RENAMED = {"tf/msg/tfMessage": "tf2_msgs/msg/TFMessage"}
@@ -54,11 +60,6 @@ class ConvertedRecording:
 def is_other_recording(path: Path) -> bool:
     """True for a folder of rosbag2, and for a file of its storages: MCAP and SQLite."""
     return (path / METADATA).is_file() if path.is_dir() else path.suffix in {MCAP, SQLITE} and path.is_file()
-
-
-def size_of(path: Path) -> int:
-    """Bytes of a recording: of its file, or of all files in its folder."""
-    return sum(file.stat().st_size for file in path.iterdir()) if path.is_dir() else path.stat().st_size
 
 
 def as_ros1(path: Path) -> Path:
@@ -85,15 +86,17 @@ def _converted(path: Path, _mtime_ns: int, _size: int) -> ConvertedRecording:
     bag = _folder() / f"{path.stem}.bag"
     bag.unlink(missing_ok=True)
     try:
-        for file in path.rglob("*") if path.is_dir() else [path]:
-            check_mcap(file)
-        if _is_ros1_mcap(path):
-            _repack(path, bag)
-            return ConvertedRecording(bag, "an MCAP file of ROS 1", {})
-        left_out = _convert(path, bag)
+        with plain_recording(path, bag.parent) as plain:
+            if _is_ros1_mcap(plain):
+                _repack(plain, bag)
+                return ConvertedRecording(bag, "an MCAP file of ROS 1", {})
+            with bounded_sqlite(plain):
+                left_out = _convert(plain, bag)
     except BadFile:
+        bag.unlink(missing_ok=True)
         raise
     except TooLargeChunk as error:
+        bag.unlink(missing_ok=True)
         raise BadFile(path, str(error), "it is forged or damaged; name another recording") from error
     except Exception as error:  # rosbags and its parsers raise whatever damaged bytes bring about
         bag.unlink(missing_ok=True)
@@ -138,8 +141,10 @@ def _repack(path: Path, bag: Path) -> None:
     """Write the messages of an MCAP file of ROS 1 to a bag, byte for byte."""
     target = BagFile(bag)
     connections: dict[int, BagConnection] = {}
+    so_far = UnpackedBytes(size_of(path))
     with path.open("rb") as file:
         for schema, channel, message in make_reader(file).iter_messages():
+            so_far.add(len(message.data))  # an index can name a chunk any number of times
             if schema is None or channel.message_encoding != MessageEncoding.ROS1:
                 continue
             connection = connections.get(channel.id)
@@ -160,8 +165,7 @@ def _convert(path: Path, bag: Path) -> dict[str, str]:
     target = BagFile(bag)
     ways: dict[int, tuple[BagConnection, Callable[[bytes], memoryview]]] = {}
     left_out: dict[str, str] = {}
-    # Older recordings have no definitions; those of Humble fit all that does not change.
-    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+    with open_reader(path) as reader:
         for source in reader.connections:
             try:
                 msgtype, convert = _conversion(source.msgtype, reader.typestore, ours)
@@ -174,7 +178,7 @@ def _convert(path: Path, bag: Path) -> dict[str, str]:
             name = msgtype.replace("/msg/", "/")
             ways[source.id] = target.connect(source.topic, name, md5, text, None, latching), convert
         known = [source for source in reader.connections if source.id in ways]
-        for source, stamp_ns, data in reader.messages(known) if known else ():
+        for source, stamp_ns, data in stored_messages(path, reader, known) if known else ():
             connection, convert = ways[source.id]
             target.write(connection, stamp_ns, bytes(convert(data)))
     target.close()

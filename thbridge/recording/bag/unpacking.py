@@ -3,9 +3,10 @@
 import bz2
 from collections.abc import Iterator
 from contextlib import suppress
-from io import SEEK_END
+from io import SEEK_END, BytesIO
 from pathlib import Path
 from struct import Struct
+from typing import BinaryIO
 
 import lz4.frame
 import zstandard
@@ -32,15 +33,20 @@ _MCAP_CHUNK = Struct("<QQQII")
 _PIECE = 1 << 20
 
 
+TIMES_WHOLE = 1000
+"""A file of rosbag2 that is packed as a whole may unpack to `ALWAYS` or so many times its size."""
+
+
 class UnpackedBytes:
     """The bytes that chunks of a file have unpacked to so far, held against what it may unpack to.
 
     Args:
         file_size: bytes of the file.
+        always: bytes that there may be whatever its size.
     """
 
-    def __init__(self, file_size: int) -> None:
-        self._left = ALWAYS_IN_ALL + TIMES_FILE * file_size
+    def __init__(self, file_size: int, always: int = ALWAYS_IN_ALL) -> None:
+        self._left = always + TIMES_FILE * file_size
 
     def add(self, size: int) -> None:
         """Count a chunk. Raises TooLargeChunk: it is too much for the file."""
@@ -75,6 +81,33 @@ def unpacked(compression: str, packed: bytes, size: int) -> bytes:
             raise ValueError(f"compression {other!r} is not known")
     _check_size(len(data), size)
     return data
+
+
+def unpacked_message(packed: bytes, so_far: UnpackedBytes) -> bytes:
+    """The data of a message of rosbag2 that is packed by zstd, counted.
+
+    Raises:
+        TooLargeChunk: it unpacks to more than a chunk of its size may, or is too much for the file.
+        ZstdError: it is damaged.
+    """
+    data = b"".join(_zstd_pieces(BytesIO(packed), max(ALWAYS, TIMES_PACKED * len(packed)), so_far))
+    if not data and packed:
+        raise zstandard.ZstdError("cut off")
+    return data
+
+
+def unpack_file(packed: Path, to: Path, so_far: UnpackedBytes) -> None:
+    """Unpack a file of rosbag2 that is packed by zstd as a whole.
+
+    Raises:
+        TooLargeChunk: it unpacks to more than a file of its size may.
+        ZstdError: it is damaged.
+        OSError: a file cannot be read or written.
+    """
+    most = max(ALWAYS, TIMES_WHOLE * packed.stat().st_size)
+    with packed.open("rb") as source, to.open("wb") as out:
+        for piece in _zstd_pieces(source, most, so_far):
+            out.write(piece)
 
 
 def check_mcap(path: Path) -> None:
@@ -119,6 +152,18 @@ def _check_mcap_chunk(record: bytes, so_far: UnpackedBytes) -> None:
     for count in _counts(compression, packed):
         found += count
         _check_size(found, size)
+
+
+def _zstd_pieces(packed: BinaryIO, most: int, so_far: UnpackedBytes) -> Iterator[bytes]:
+    """Yield what a stream unpacks to. Raises TooLargeChunk: it is more than `most`, or too much for the file."""
+    found = 0
+    with zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True) as stream:
+        while piece := stream.read(_PIECE):
+            found += len(piece)
+            if found > most:
+                raise TooLargeChunk(f"it unpacks to more than the {most} bytes it may")
+            so_far.add(len(piece))
+            yield piece
 
 
 def _counts(compression: bytes, packed: bytes) -> Iterator[int]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sim.common.geometry import Pose2
 from sim.common.traversability import inside
 from sim.numerics.float_array import FloatArray
+from thbridge.files.image_files import MOST_PIXELS
 from thbridge.roles.notices import FloorPlan
 
 FREE, WALL, UNKNOWN = 0, 1, 2
@@ -79,7 +80,10 @@ def unpack(floor_plan: FloorPlan) -> MapGeometry:
 
 
 def _cells(floor_plan: FloorPlan) -> NDArray[np.uint8]:
-    size = floor_plan.width * floor_plan.height
+    rows, cols = floor_plan.height, floor_plan.width
+    size = rows * cols
+    if rows < 1 or cols < 1 or size > MOST_PIXELS:
+        return np.full((1, 1), UNKNOWN, dtype=np.uint8)  # whoever says so is no keeper of ours
     try:
         packed = base64.b64decode(floor_plan.cells, validate=True)
         cells = np.frombuffer(zlib.decompressobj().decompress(packed, size), dtype=np.uint8)
@@ -87,7 +91,7 @@ def _cells(floor_plan: FloorPlan) -> NDArray[np.uint8]:
         cells = np.empty(0, dtype=np.uint8)
     if len(cells) != size:
         cells = np.full(size, UNKNOWN, dtype=np.uint8)
-    return cells.reshape(floor_plan.height, floor_plan.width)
+    return cells.reshape(rows, cols)
 
 
 def boxes(mask: NDArray[np.bool_]) -> Boxes:

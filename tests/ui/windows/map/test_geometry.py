@@ -60,6 +60,12 @@ def test_more_cells_than_announced_are_not_unpacked(house: FloorPlan) -> None:
     assert len(unpack(structs.replace(house, cells=bomb, width=4, height=4)).floor) == 1
 
 
+@pytest.mark.parametrize(("width", "height"), [(10**6, 10**6), (-4, -4), (0, 5)])
+def test_no_memory_is_taken_for_a_map_that_no_keeper_has(house: FloorPlan, width: int, height: int) -> None:
+    plan = unpack(structs.replace(house, width=width, height=height))
+    assert len(plan.walls) == len(plan.floor) == 0
+
+
 def test_a_region_holds_what_lies_in_it() -> None:
     triangle = np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]])
     assert contains(triangle, np.array([[0.5, 0.5], [1.5, 1.5]])).tolist() == [True, False]

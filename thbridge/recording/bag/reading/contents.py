@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from thbridge.recording.bag.damage import damage_as_bad_file
 from thbridge.recording.bag.reading.chunk_reader import entries_in
 from thbridge.recording.bag.reading.reader import opened
-from thbridge.recording.bag.ros2 import size_of
+from thbridge.recording.bag.ros2_storage import size_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)

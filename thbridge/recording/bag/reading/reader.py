@@ -13,7 +13,8 @@ from thbridge.recording.bag.damage import check_is_bag, damage_as_bad_file
 from thbridge.recording.bag.reading.chunk_reader import ChunkInfo, ChunkReader
 from thbridge.recording.bag.reading.file_end import FileEnd, read_end
 from thbridge.recording.bag.records import BagConnection
-from thbridge.recording.bag.ros2 import as_ros1, size_of
+from thbridge.recording.bag.ros2 import as_ros1
+from thbridge.recording.bag.ros2_storage import size_of
 from thbridge.recording.recordings import parts_of
 
 BYTES_KEPT = 4 * 1024 * 1024

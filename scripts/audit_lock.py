@@ -1,0 +1,178 @@
+"""Check the pins of requirements.lock against known faults: advisories in OSV's format, as PyPA's and GitHub's.
+
+Run it from the project's folder: `.venv/bin/python scripts/audit_lock.py [FOLDER]`. Without a folder it fetches PyPA's
+database by git, and keeps it for the next time. Nothing about the pins leaves the machine. It prints a line for each
+advisory that concerns a pin, and how old the database is: what was found after its last change is not in it. Ends with
+1 when a pin is affected, with 2 when there is nothing to check against.
+"""
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from packaging.utils import canonicalize_name
+from packaging.version import InvalidVersion, Version
+from rich.console import Console
+from rich.table import Table
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
+ROOT = Path(__file__).parents[1]
+DATABASE = "https://github.com/pypa/advisory-database"
+PIN = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)", re.MULTILINE)
+SUFFIXES = {".yaml", ".yml", ".json"}
+EVERY = Version("0.dev0")
+"""What OSV writes as 0: before any version."""
+
+
+@dataclass(frozen=True)
+class Concern:
+    """An advisory that concerns a pin.
+
+    Attributes:
+        name: of the package.
+        version: that is pinned.
+        names: of the advisory, its own first.
+        summary: a line of its text.
+        fixed: versions in which it is mended.
+    """
+
+    name: str
+    version: str
+    names: tuple[str, ...]
+    summary: str
+    fixed: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Audit:
+    """What the check of a lock against a database gave.
+
+    Attributes:
+        concerns: by package.
+        read: number of advisories that name a pinned package.
+        unreadable: files that are no advisories.
+        newest: when the database's newest advisory was changed, ISO 8601; "" if there is none.
+    """
+
+    concerns: tuple[Concern, ...]
+    read: int
+    unreadable: tuple[Path, ...]
+    newest: str
+
+
+def pins_of(lock: str) -> dict[str, str]:
+    """Return the versions that a lock pins, by the packages' normalised names."""
+    return {canonicalize_name(name): version for name, version in PIN.findall(lock)}
+
+
+def audit(pins: Mapping[str, str], database: Path) -> Audit:
+    """Check pins against all advisories in a folder and those below it."""
+    wanted = re.compile("|".join(rf"(?<![a-z0-9]){name}(?![a-z0-9])" for name in sorted(pins)) or r"(?!)")
+    concerns: list[Concern] = []
+    unreadable: list[Path] = []
+    read, newest = 0, ""
+    for file in sorted(path for path in database.rglob("*") if path.suffix in SUFFIXES and path.is_file()):
+        text = file.read_text(encoding="utf-8", errors="replace")
+        modified = re.search(r"\bmodified\"?: *['\"]?(\d{4}-\d\d-\d\d)", text)
+        newest = max(newest, modified[1] if modified else "")
+        if not wanted.search(re.sub(r"[-_.]+", "-", text.lower())):
+            continue  # most advisories are of other packages, and YAML takes its time
+        try:
+            advisory = json.loads(text) if file.suffix == ".json" else YAML(typ="safe", pure=True).load(text)
+            found = list(_concerns(advisory, pins))
+        except (ValueError, YAMLError, KeyError, TypeError, AttributeError):
+            unreadable.append(file)
+            continue
+        read += 1
+        concerns += found
+    return Audit(tuple(sorted(concerns, key=lambda it: (it.name, it.names))), read, tuple(unreadable), newest)
+
+
+def _concerns(advisory: Mapping[str, object], pins: Mapping[str, str]) -> Iterator[Concern]:
+    if advisory.get("withdrawn"):
+        return
+    names = (str(advisory["id"]), *map(str, advisory.get("aliases") or ()))
+    text = str(advisory.get("summary") or advisory.get("details") or "").strip()
+    for affected in advisory.get("affected") or ():
+        package = affected.get("package") or {}
+        name = canonicalize_name(package.get("name", ""))
+        if package.get("ecosystem") != "PyPI" or name not in pins:
+            continue
+        version = pins[name]
+        ranges = [found for found in affected.get("ranges") or () if found["type"] in {"ECOSYSTEM", "SEMVER"}]
+        # A version that is listed is affected, whatever the ranges say, and the other way round.
+        if version in map(str, affected.get("versions") or ()) or any(within(version, found) for found in ranges):
+            ends = (str(event["fixed"]) for found in ranges for event in found["events"] if "fixed" in event)
+            yield Concern(name, version, names, (text.splitlines() or [""])[0], tuple(dict.fromkeys(ends)))
+
+
+def within(version: str, found: Mapping[str, object]) -> bool:
+    """True for a version in a range of OSV: in order of versions, its events turn from well to affected and back."""
+    at, affected = Version(version), False
+    for turn, event in sorted((_turn(event) for event in found["events"]), key=lambda it: it[0]):
+        if turn > at or (turn == at and event == "last_affected"):
+            break
+        affected = event == "introduced"
+    return affected
+
+
+def _turn(event: Mapping[str, object]) -> tuple[Version, str]:
+    ((kind, text),) = ((kind, str(text)) for kind, text in event.items() if kind != "limit")
+    try:
+        return (EVERY if text == "0" else Version(text)), kind
+    except InvalidVersion as error:
+        raise ValueError(text) from error
+
+
+def fetched(kept: Path) -> Path:
+    """Fetch PyPA's database, or what has come to it since; return its folder. Ends the program when that fails."""
+    if (kept / ".git").is_dir():
+        command = ["git", "-C", kept, "pull", "--quiet", "--ff-only", "--depth", "1"]
+    else:
+        command = ["git", "clone", "--quiet", "--depth", "1", DATABASE, kept]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        print(f"The database cannot be fetched: {done.stderr.strip()}", file=sys.stderr)
+        print("Name the folder of a copy: make audit DB=FOLDER", file=sys.stderr)
+        sys.exit(2)
+    return kept / "vulns"
+
+
+def main() -> None:
+    """Read the command line, check, and tell."""
+    parser = argparse.ArgumentParser(description="Check the pins of requirements.lock against known faults.")
+    parser.add_argument("database", nargs="?", type=Path, help="folder of advisories; by default PyPA's, fetched")
+    parser.add_argument("--lock", type=Path, default=ROOT / "requirements.lock")
+    options = parser.parse_args()
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    database = options.database or fetched(cache / "thbridge" / "advisory-database")
+    pins = pins_of(options.lock.read_text(encoding="utf-8"))
+    result = audit(pins, database)
+    if not pins or not result.newest:
+        what = f"{options.lock} pins nothing" if not pins else f"there are no advisories in {database}"
+        print(f"Nothing was checked: {what}.", file=sys.stderr)
+        sys.exit(2)
+    for file in result.unreadable:
+        print(f"not read, for it is no advisory of OSV's: {file}", file=sys.stderr)
+    if result.concerns:
+        table = Table("pin", "advisory", "mended in", "what it is")
+        for found in result.concerns:
+            names, fixed = ", ".join(found.names), ", ".join(found.fixed) or "none"
+            table.add_row(f"{found.name}=={found.version}", names, fixed, found.summary[:200])
+        Console(markup=False).print(table)
+    print(
+        f"{len(pins)} pins, {result.read} advisories about them, {len(result.concerns)} that concern a pinned version. "
+        f"The database's newest advisory is of {result.newest}."
+    )
+    sys.exit(1 if result.concerns else 0)
+
+
+if __name__ == "__main__":
+    main()
