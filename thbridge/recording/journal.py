@@ -19,7 +19,8 @@ from thbridge.files.regular_files import content_of
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.events import DialogueOpened, DialogueSaid, GameStarted, JournalEntry
 from thbridge.hunt.game import GameState, apply, begin
-from thbridge.recording.append import append_whole, sync_folder
+from thbridge.files.synced import make_folder, put_in_free_place
+from thbridge.recording.append import append_whole
 from thbridge.recording.checked_lines import DamagedLine, checked, has_sum, verified
 
 _NAME = re.compile(r"game-(\d+)\.jsonl")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
+from thbridge.files.synced import make_folder
 from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal import Journal, journal_path, next_game
 
@@ -39,7 +40,7 @@ class JournalStore:
         self.folder = folder
         self._journal: Journal | None = None
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            make_folder(folder)
         except OSError as error:
             problem = f"there can be no journals here ({error.strerror})"
             raise BadFile(folder, problem, "choose another folder") from None

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
+from thbridge.files.synced import sync_folder
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reading.scan import ChunkRecord, ConnectionRecord, MessageRecord, UnreadableSpan, scan
 from thbridge.recording.bag.records import BagConnection
@@ -51,7 +52,9 @@ def reindex(path: Path) -> RepairResult:
         fresh.unlink(missing_ok=True)
         messages, end_ns, lost = _copy(path, fresh, compression)
         path.replace(backup)
+        # BagFile has synced the bytes.
         fresh.replace(repaired)
+        sync_folder(path.parent)
     except OSError as error:
         fresh.unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
