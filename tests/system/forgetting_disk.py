@@ -28,7 +28,6 @@ import struct
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, Self
@@ -257,9 +256,7 @@ class _Served:
         _, _, readahead, flags = struct.unpack_from("<4I", arguments)
         wanted = flags & (1 | 1 << 5 | 1 << 22)  # asynchronous reads, big writes, max_pages
         pages = _LARGEST_WRITE >> 12
-        return struct.pack(
-            "<4IHHIIHHII24x", 7, 31, readahead, wanted, 12, 9, _LARGEST_WRITE, 1, pages, 0, 0, 0
-        )
+        return struct.pack("<4IHHIIHHII24x", 7, 31, readahead, wanted, 12, 9, _LARGEST_WRITE, 1, pages, 0, 0, 0)
 
     def lookup(self, folder: Node, arguments: bytes, *_: int) -> bytes:
         return self._entry(self._at(folder, arguments[:-1]))

@@ -32,8 +32,8 @@ from thbridge.experiment.store.events import (
     Tombstone,
 )
 from thbridge.files.errors import BadFile
+from thbridge.files.synced import sync_folder
 from thbridge.json_text import json_of
-from thbridge.recording.append import sync_folder
 
 WITHDRAWN = "withdrawn"
 """Kind of the event by which rows were deleted; its data names them and nobody."""
