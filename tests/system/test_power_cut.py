@@ -24,6 +24,7 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent
 from thbridge.files.edited_file import write_whole
+from thbridge.files.errors import BadFile
 from thbridge.files.keys.key_ring import KeyRing, Right
 from thbridge.files.keys.signing_timestamps import TimestampFile
 from thbridge.protocols.mavlink.frames.signing import KnownTimestamps
@@ -112,8 +113,12 @@ def check_keys(folder: Path, said: Sequence[object]) -> None:
             assert (folder / "keys" / f"{name}.key").read_text() == f"secret of {name}\n"
     if "revoked ada" in said:
         assert entries["ada"].revoked
-    # A name whose making was cut off can be taken again.
+    # A name whose making was cut off can be taken again; a file that is left over is never overwritten.
     for name in {"ada", "bob"} - set(entries):
+        if (left := folder / "keys" / f"{name}.key").exists():
+            with pytest.raises(BadFile, match="Move it elsewhere"):
+                ring.add(name, [Right.WATCH], "another secret", None)
+            left.unlink()
         ring.add(name, [Right.WATCH], "another secret", None)
 
 
@@ -289,6 +294,9 @@ def check_older(folder: Path, said: Sequence[object]) -> None:
     assert journals == ["a-1.journal"] or not said
 
 
+LONG = {"backup of a study", "log of an experiment"}
+"""Writers with a hundred changes: tens of seconds each."""
+
 WRITERS["older recording"] = Writer(move_older, check_older, prepare_older)
 
 
@@ -329,7 +337,9 @@ def test_the_disk_forgets_what_was_not_synced(disk: ForgettingDisk) -> None:
     assert {b"old", b"new", b""} <= found
 
 
-@pytest.mark.parametrize("name", WRITERS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in WRITERS]
+)
 def test_what_was_promised_is_there_after_a_power_cut_at_any_change(
     disk: ForgettingDisk, processes: multiprocessing.context.BaseContext, name: str
 ) -> None:

@@ -1,5 +1,6 @@
 """Repair of a bag: writes all messages that can be read into a new one, with an index."""
 
+import contextlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,9 +52,18 @@ def reindex(path: Path) -> RepairResult:
     try:
         fresh.unlink(missing_ok=True)
         messages, end_ns, lost = _copy(path, fresh, compression)
-        path.replace(backup)
-        # BagFile has synced the bytes.
-        fresh.replace(repaired)
+        # BagFile has synced the bytes. At a power cut there is always a file to go on with.
+        if repaired == path:
+            with contextlib.suppress(OSError):  # Some file systems have no second names.
+                backup.hardlink_to(path)
+                sync_folder(path.parent)
+            if not backup.exists():
+                path.replace(backup)
+            fresh.replace(repaired)
+        else:
+            fresh.replace(repaired)
+            sync_folder(path.parent)
+            path.replace(backup)
         sync_folder(path.parent)
     except OSError as error:
         fresh.unlink(missing_ok=True)
