@@ -27,12 +27,14 @@ import stat
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, Self
 
 DEVICE = "/dev/fuse"
+_DETACH = 2  # of umount2
 
 
 def why_not() -> str | None:
@@ -41,7 +43,16 @@ def why_not() -> str | None:
         os.close(os.open(DEVICE, os.O_RDWR))
     except OSError as error:
         return f"{DEVICE} is not ours to open ({error.strerror})"
-    return None if os.getuid() == 0 else "only root mounts a file system"
+    if os.getuid() != 0:
+        return "only root mounts a file system"
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            device = _mounted(folder)
+        except OSError as error:
+            return f"no file system can be mounted here ({error.strerror})"
+        _libc.umount2(folder.encode(), _DETACH)
+        os.close(device)
+    return None
 
 
 class Killable(Protocol):
