@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from ui.windows.look import FRAME, follow_text, font, spaced
+from ui.windows.words_of_others import PlainLabel
 
 KeyLines = tuple[tuple[str, str], ...]
 """Keys, and what they do."""
@@ -61,10 +62,10 @@ def _group(title: str, keys: KeyLines) -> QGridLayout:
     grid.addWidget(_bold(title), 0, 0, 1, 2)
     for row, (key, what) in enumerate(keys, start=1):
         grid.addWidget(_bold(key), row, 0)
-        grid.addWidget(QLabel(what), row, 1)
+        grid.addWidget(PlainLabel(what), row, 1)
     grid.setColumnStretch(1, 1)
     return grid
 
 
 def _bold(words: str) -> QLabel:
-    return follow_text(QLabel(words), lambda it: it.setFont(font(bold=True)))
+    return follow_text(PlainLabel(words), lambda it: it.setFont(font(bold=True)))

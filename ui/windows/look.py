@@ -30,6 +30,7 @@ from PySide6.QtWidgets import QApplication, QBoxLayout, QLabel, QLayout, QWidget
 from shiboken6 import Shiboken
 
 from ui.model.theme import DARK, LIGHT, Palette, contrast
+from ui.windows.words_of_others import PlainLabel, PlainTextStyle
 
 L = TypeVar("L", bound=QLayout)
 W = TypeVar("W", bound=QWidget)
@@ -98,7 +99,7 @@ def apply_palette(app: QApplication, palette: Palette) -> None:
     if not app.property("dressed"):
         _Current.usual = _Current.body = max(_SMALLEST_BODY, app.font().pointSizeF())
         app.setProperty("dressed", True)
-        app.setStyle("Fusion")
+        app.setStyle(PlainTextStyle())
     elif palette is _Current.palette:
         return
     _Current.palette = palette
@@ -277,8 +278,7 @@ def user_settings(name: str = "windows") -> QSettings:
 
 def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: bool = False) -> QLabel:
     """A plain label that wraps."""
-    made = follow_text(QLabel(text), lambda it: it.setFont(font(size, bold=bold)))
-    made.setTextFormat(Qt.TextFormat.PlainText)
+    made = follow_text(PlainLabel(text), lambda it: it.setFont(font(size, bold=bold)))
     made.setWordWrap(True)
     if muted:
         made.setProperty("muted", True)

@@ -7,6 +7,7 @@ from PySide6.QtGui import QColor, QFontMetrics
 from PySide6.QtWidgets import QHeaderView, QTableView
 
 from ui.windows.look import colours, follow_text, font
+from ui.windows.words_of_others import shown
 
 ModelIndex = QModelIndex | QPersistentModelIndex
 NO_PARENT = QModelIndex()
@@ -72,7 +73,7 @@ class TextModel(TableModel):
         """Return a cell's text, place, colour or tool tip."""
         is_time = self._has_time and index.column() == 0
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
-            return self._shown[index.row()][index.column()]
+            return shown(self._shown[index.row()][index.column()])
         if role == Qt.ItemDataRole.TextAlignmentRole and is_time:
             return RIGHT
         if role == Qt.ItemDataRole.ForegroundRole and is_time:

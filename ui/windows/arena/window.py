@@ -30,6 +30,7 @@ from ui.model.scene import RobotMark, RoomMark
 from ui.windows.arena.layer import ArenaLayer
 from ui.windows.look import GAP, FoldingRow, colours, label, open_within_screen, px, spaced
 from ui.windows.map import MapView
+from ui.windows.words_of_others import title_text
 
 REACH = 12.0
 """Pixels from a goal, corner or start pose within which a press holds it."""
@@ -96,7 +97,7 @@ class ArenaWindow(QMainWindow):
         self._lay_out()
         self._connect()
         self.take_tool(ArenaTool.MOVE)
-        self.setWindowTitle(f"{name}[*] — arena")
+        self.setWindowTitle(f"{title_text(name)}[*] — arena")
         open_within_screen(self, QSize(1240, 860))
         self.list.setFocus()
 

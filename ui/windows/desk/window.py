@@ -55,6 +55,7 @@ from ui.windows.flow import FlowLayout
 from ui.windows.key_sheet import KeyLines, KeySheet
 from ui.windows.look import GAP, follow_text, label, open_within_screen, px, spaced, style_as_panel
 from ui.windows.tables import GrowingModel, row_table
+from ui.windows.words_of_others import title_text
 
 KEYS: tuple[tuple[str, KeyLines], ...] = (
     (
@@ -147,7 +148,7 @@ class DeskWindow(QMainWindow):
     def receive(self, state: DeskState) -> None:
         """Show this state; what is selected and typed stays."""
         before, self.state = self.state, state
-        self.setWindowTitle(f"{state.title} - thbridge study")
+        self.setWindowTitle(f"{title_text(state.title)} - thbridge study")
         self._title.setText(state.title)
         self._counts.setText(count_words(state))
         self._frozen.setText(freeze_words(state))

@@ -11,7 +11,6 @@ from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
     QDockWidget,
-    QLabel,
     QMainWindow,
     QMenu,
     QSizePolicy,
@@ -37,6 +36,7 @@ from ui.windows.researcher.docks.team import TeamView
 from ui.windows.researcher.docks.wizard import WizardDock
 from ui.windows.researcher.keys import GROUPS
 from ui.windows.researcher.map.tools import TOOLS, MapTool
+from ui.windows.words_of_others import PlainLabel, title_text
 
 LEFT, RIGHT, BOTTOM = (
     Qt.DockWidgetArea.LeftDockWidgetArea,
@@ -88,7 +88,7 @@ class DockedWindow(QMainWindow):
 
     def __init__(self, title: str, palette: Palette, live: bool, canvas: QWidget) -> None:
         super().__init__()
-        self.setWindowTitle(f"{title} - thbridge watch")
+        self.setWindowTitle(f"{title_text(title)} - thbridge watch")
         self.setDockNestingEnabled(True)
         open_within_screen(self, _WANTED)
         self.canvas = canvas
@@ -107,7 +107,7 @@ class DockedWindow(QMainWindow):
         self._add_tools()
         self._add_time()
         self._add_keys(live)
-        self.tool_help = QLabel()
+        self.tool_help = PlainLabel()
         self.tool_help.setAccessibleDescription("How the tool in hand is used")
         self.statusBar().addPermanentWidget(self.tool_help)
         self.statusBar().messageChanged.connect(lambda text: self.statusBar().setAccessibleName(text))

@@ -23,6 +23,7 @@ from ui.model.study_form.resources import NamedResource, resources_for
 from ui.windows.editing.exact_text import exact_text
 from ui.windows.look import GAP, colours, fixed_font, follow_text, label, spaced, style_as_panel
 from ui.windows.study.row import FieldRow
+from ui.windows.words_of_others import button_text
 
 _FOUND = "found"
 _MOST_FOUND = 40
@@ -231,7 +232,7 @@ class FieldsPage(QScrollArea):
 
     def _fill_adding(self, row: QHBoxLayout, group: FormGroup) -> None:
         words = {RepeatKind.ROBOTS: "Add a robot with software of its own", RepeatKind.KEYS: "Add a key of studies …"}
-        what = words.get(group.repeats or RepeatKind.ITEMS, f"Add to {group.label}")
+        what = words.get(group.repeats or RepeatKind.ITEMS, f"Add to {button_text(group.label)}")
         button = QPushButton(what)
         button.clicked.connect(lambda: self.added.emit(group.key))
         row.addWidget(button)
@@ -239,7 +240,7 @@ class FieldsPage(QScrollArea):
 
     def _fill_link(self, row: QHBoxLayout, group: FormGroup, *, removable: bool) -> None:
         open_it = QPushButton()
-        self._name(group, lambda name: open_it.setText(f"{name} ›"))
+        self._name(group, lambda name: open_it.setText(button_text(f"{name} ›")))
         open_it.setAccessibleDescription(group.help)
         open_it.clicked.connect(lambda: self.opened.emit(group.key))
         row.addWidget(open_it)

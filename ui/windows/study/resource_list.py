@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QPushBu
 
 from ui.model.study_form.resources import NamedResource, is_path
 from ui.windows.look import GAP, px, spaced, style_as_panel
+from ui.windows.words_of_others import shown
 
 _LOOK = QSize(96, 64)
 """Size of the picture beside a name, `px`."""
@@ -44,7 +45,7 @@ class ResourceList(QWidget):
         self.list.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
         self.list.setWordWrap(True)
         for each in resources:
-            item = QListWidgetItem(f"{each.value}\n{each.words}")
+            item = QListWidgetItem(shown(f"{each.value}\n{each.words}"))
             item.setData(Qt.ItemDataRole.UserRole, each.value)
             if each.picture is not None:
                 item.setIcon(QIcon(QPixmap(str(each.picture))))

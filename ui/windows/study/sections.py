@@ -6,6 +6,7 @@ from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.form import FormGroup
 from ui.windows.look import GAP, follow_text, px
+from ui.windows.words_of_others import shown
 
 NOISE = "noise"
 """Key of the section that is a single page with all its subsections."""
@@ -41,7 +42,7 @@ class SectionTree(QTreeWidget):
             wrong = sum(_is_in(place, own) for place in faulty)
             marks = ([f"● {written}"] if written else []) + ([f"⚠ {wrong}"] if wrong else [])
             spoken = ([f"{written} written"] if written else []) + ([f"{wrong} wrong"] if wrong else [])
-            item.setText(0, "   ".join([group.label, *marks]))
+            item.setText(0, shown("   ".join([group.label, *marks])))
             item.setData(0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *spoken]))
 
     def select(self, key: str) -> bool:

@@ -29,6 +29,7 @@ from ui.windows.study.editor import StudyEditor
 from ui.windows.study.noise_page import NoisePage, NoiseView
 from ui.windows.study.pages import FieldsPage, TextPage
 from ui.windows.study.sections import NOISE, SectionTree
+from ui.windows.words_of_others import title_text
 
 
 class StudyWindow(QMainWindow):
@@ -71,7 +72,7 @@ class StudyWindow(QMainWindow):
         self._show()
         if self.editor.draft.tree is None:
             self.show_text()
-        self.setWindowTitle(f"{path.name}[*] — study")
+        self.setWindowTitle(f"{title_text(path.name)}[*] — study")
         open_within_screen(self, QSize(1240, 860))
         self.sections.setFocus()
 

@@ -45,6 +45,7 @@ from ui.windows.editing.exact_text import exact_text
 from ui.windows.editing.faults import FaultList
 from ui.windows.look import GAP, fixed_font, follow_text, label, open_within_screen, px, spaced
 from ui.windows.templates.sheet_page import SheetPage
+from ui.windows.words_of_others import button_text, shown, title_text
 
 _PAUSE = 250
 """Milliseconds without a key after which what was typed is checked."""
@@ -132,7 +133,7 @@ class TemplateWindow(QMainWindow):
         self.save_button.clicked.connect(self.save)
         QShortcut(QKeySequence("Ctrl+S"), self).activated.connect(self.save)
         self._lay_out()
-        self.setWindowTitle(f"{folder.name}[*] — template set")
+        self.setWindowTitle(f"{title_text(folder.name)}[*] — template set")
         open_within_screen(self, QSize(1240, 820))
         self._check()
 
@@ -260,11 +261,11 @@ class TemplateWindow(QMainWindow):
         if self.draft is None or self.draft.templates is None:
             return
         for kind in self.draft.templates.kinds:
-            item = QListWidgetItem(f"{name_in_words(kind.name)}\n{kind.image}")
+            item = QListWidgetItem(shown(f"{name_in_words(kind.name)}\n{kind.image}"))
             item.setData(Qt.ItemDataRole.UserRole, kind.image)
-            shown = QPixmap()
-            shown.loadFromData(self.draft.templates.pictures[kind.image or ""])
-            item.setIcon(QIcon(shown))
+            picture = QPixmap()
+            picture.loadFromData(self.draft.templates.pictures[kind.image or ""])
+            item.setIcon(QIcon(picture))
             self.pictures.addItem(item)
 
     def _show_state(self) -> None:
@@ -357,7 +358,7 @@ class TemplateWindow(QMainWindow):
             self.words.addAction("Words stand in questions only").setEnabled(False)
             return
         for name, meaning in allowed_words(scenario, self._properties).items():
-            self.words.addAction(f"£{name}£ – {meaning}").setData(f"£{name}£")
+            self.words.addAction(button_text(f"£{name}£ – {meaning}")).setData(f"£{name}£")
 
     @Slot(QAction)
     def _put_in_word(self, chosen: QAction) -> None:
@@ -433,9 +434,9 @@ class TemplateWindow(QMainWindow):
         self.tabs.setUsesScrollButtons(False)
         self.tabs.setElideMode(Qt.TextElideMode.ElideRight)
         for title, sheet in self.sheets.items():
-            self.tabs.addTab(sheet, title)
+            self.tabs.addTab(sheet, button_text(title))
         for name, page in self.pages.items():
-            self.tabs.addTab(page, name)
+            self.tabs.addTab(page, button_text(name))
         self.tabs.addTab(self.changes, "Changes")
         left, right = QWidget(), QWidget()
         column = spaced(QVBoxLayout(left), GAP, 0)

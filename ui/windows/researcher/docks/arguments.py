@@ -9,6 +9,7 @@ from ui.windows.controls import ChoiceBox
 from ui.windows.look import follow_text, px
 from ui.windows.researcher.docks.attack_graph import AttackGraph
 from ui.windows.tables import TextModel, row_table
+from ui.windows.words_of_others import shown
 
 MOVES = ("Time", "Who", "Move", "Sentence", "State")
 DETAILS = ("What", "From", "How it stands")
@@ -76,7 +77,7 @@ class ArgumentsDock(QWidget):
             course: its latest dialogue.
             start_ns: ROS time from which times count.
         """
-        if (text := heading(robot, course)) != self.heading.text():
+        if (text := shown(heading(robot, course))) != self.heading.text():
             self.heading.setText(text)
             self.heading.setToolTip(text)
             self.heading.setCursorPosition(0)

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
-from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QVBoxLayout, QWidget
 
 from ui.windows.controls import CheckBox
+from ui.windows.words_of_others import PlainLabel
 
 
 class MapDisplay(StrEnum):
@@ -98,7 +99,7 @@ class DisplaysPanel(QScrollArea):
             box.setToolTip(switch.hint)
             box.setAccessibleDescription(f"{switch.hint}. Key {switch.key}" if switch.key else switch.hint)
             box.toggled.connect(self.changed)
-            key = QLabel(switch.key)
+            key = PlainLabel(switch.key)
             key.setProperty("role", "key")
             self._boxes[display] = box
             grid.addWidget(box, row, 0)

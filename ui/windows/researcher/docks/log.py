@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QColor, QGuiApplication, QKeySequence, QShortcut
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QTableView, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QTableView, QVBoxLayout, QWidget
 
 from ui.windows.controls import CheckBox
 from ui.windows.look import colours
 from ui.windows.tables import NO_PARENT, RIGHT, ModelIndex, TableModel, row_table
+from ui.windows.words_of_others import PlainLabel, shown
 
 MAX_ROWS = 20_000
 """Most rows that are kept; the oldest go first."""
@@ -122,7 +123,7 @@ class LogModel(TableModel):
         """Return a cell's text, its colour, or its tool tip."""
         row = self._shown[index.row()]
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
-            return f"{row.time:.2f}" if index.column() == 0 else row.cells[index.column() - 1]
+            return f"{row.time:.2f}" if index.column() == 0 else shown(row.cells[index.column() - 1])
         if role == Qt.ItemDataRole.TextAlignmentRole and index.column() == 0:
             return RIGHT
         if role == Qt.ItemDataRole.ForegroundRole:
@@ -157,7 +158,7 @@ class LogView(QWidget):
         self._follows.setAccessibleDescription("Scrolls along with the time shown, until you scroll elsewhere")
         self._follows.setChecked(True)
         self._follows.toggled.connect(self._keep_up)
-        self._count = QLabel()
+        self._count = PlainLabel()
         extended = QTableView.SelectionMode.ExtendedSelection
         self.table = row_table(name, self.model, extended, 1, (9, *(12 for _ in columns)))
         self.table.horizontalHeader().setStretchLastSection(True)

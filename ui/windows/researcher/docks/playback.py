@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetrics, QMouseEvent, QPaintEvent, QPen
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
 
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import colours, fixed_font, follow_text, font, smooth_painter, spaced
+from ui.windows.words_of_others import PlainLabel
 
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Simulated seconds per second."""
@@ -172,10 +173,10 @@ class PlaybackBar(QWidget):
         self.speed.activated.connect(lambda number: self.speed_chosen.emit(SPEEDS[number]))
         self.timeline = Timeline()
         self.timeline.valueChanged.connect(lambda value: self.seek.emit(value / 1000.0))
-        self.time = QLabel("0:00.00")
+        self.time = PlainLabel("0:00.00")
         self.time.setAccessibleDescription("Time shown")
         follow_text(self.time, lambda it: it.setFont(fixed_font()))
-        self.state = QLabel()
+        self.state = PlainLabel()
         self.state.setAccessibleDescription("What is shown, and how it is")
         layout = spaced(QHBoxLayout(self), 8, 12, 6, 12, 6)
         for widget in (self.play, self.back, self.forward, self.speed):

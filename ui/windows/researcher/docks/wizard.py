@@ -23,6 +23,7 @@ from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import CheckBox
 from ui.windows.flow import FlowLayout
 from ui.windows.look import follow_text, font
+from ui.windows.words_of_others import PlainLabel, button_text
 
 NO_NAMES = RoomNames()
 """Names of rooms where none is known."""
@@ -54,10 +55,12 @@ class WizardDock(QWidget):
         self._puppets: list[CheckBox] = []
         self._shown: Wizard | None = None
         self._reason = ""
-        self._note = QLabel("Robots that are ticked speak only what you let them say. The recording marks it as yours.")
+        self._note = PlainLabel(
+            "Robots that are ticked speak only what you let them say. The recording marks it as yours."
+        )
         self._note.setWordWrap(True)
         self._boxes = QGridLayout()
-        self._boxes.addWidget(QLabel("Speak for"), 0, 0)
+        self._boxes.addWidget(PlainLabel("Speak for"), 0, 0)
         self._boxes.setColumnStretch(PUPPETS_PER_ROW + 1, 1)
         self._cards = QVBoxLayout()
         self._cards.setAlignment(Qt.AlignmentFlag.AlignTop)
@@ -106,7 +109,7 @@ class WizardDock(QWidget):
         # What waits needs the room more than a sentence that is known by then.
         self._note.setVisible(not waits or bool(self._reason))
         if not waits:
-            self._cards.addWidget(QLabel("Nothing waits for you."))
+            self._cards.addWidget(PlainLabel("Nothing waits for you."))
 
     def _show_puppets(self, robots: int, puppets: tuple[int, ...]) -> None:
         while len(self._puppets) < robots:
@@ -154,7 +157,7 @@ class WizardDock(QWidget):
         for room, cost in pending.costs:
             own = "its own choice" if room == pending.suggestion else ""
             told = "; ".join(part for part in (self._rooms.name(room), energy_text(cost), own) if part)
-            button = QPushButton(f"Room {room} ({told})")
+            button = QPushButton(button_text(f"Room {room} ({told})"))
             button.clicked.connect(partial(self._advise, pending.robot, room))
             rooms.addWidget(button)
         column.addLayout(rooms)
@@ -189,7 +192,7 @@ class _GrowingArea(QScrollArea):
 
 
 def _show_sentence(sentence: str, button: QPushButton) -> None:
-    button.setText(fill(sentence, WIDEST // QFontMetrics(font()).averageCharWidth()))
+    button.setText(button_text(fill(sentence, WIDEST // QFontMetrics(font()).averageCharWidth())))
 
 
 def _card() -> tuple[QFrame, QVBoxLayout]:
@@ -201,4 +204,4 @@ def _card() -> tuple[QFrame, QVBoxLayout]:
 
 
 def _heading(title: str) -> QLabel:
-    return follow_text(QLabel(title), lambda it: it.setFont(font(bold=True)))
+    return follow_text(PlainLabel(title), lambda it: it.setFont(font(bold=True)))

@@ -1,15 +1,16 @@
 """A sentence about trouble across the top of the map."""
 
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent
-from PySide6.QtWidgets import QLabel, QWidget
+from PySide6.QtWidgets import QWidget
 
 from ui.windows.look import px, style_as_panel
+from ui.windows.words_of_others import PlainLabel
 
 WIDEST, EDGE = 640, 16
 """Greatest width of the sign, `px`, and its distance from the map's edges, pixels."""
 
 
-class TroubleSign(QLabel):
+class TroubleSign(PlainLabel):
     """A label that says what is wrong, or what is waited for.
 
     Args:
@@ -17,7 +18,7 @@ class TroubleSign(QLabel):
     """
 
     def __init__(self, view: QWidget) -> None:
-        super().__init__(view)
+        super().__init__(parent=view)
         self.setAccessibleDescription("Trouble")
         self.setWordWrap(True)
         self.setMargin(8)
