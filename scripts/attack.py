@@ -1,27 +1,35 @@
 """Attack a session that runs on this machine, and tell how it held: every door, the loopback alone, bounded.
 
 Run it from the project's folder: `.venv/bin/python scripts/attack.py` (`make attack`). It starts a hunt with all doors
-open, lets one attack after the other loose on it, and measures meanwhile how long an honest program waits for an
-answer, what memory and descriptors the session takes, and whether it still runs. Ends with 1 where something gave way.
+open, lets one attack after the other loose on it, and measures meanwhile how long honest programs wait for an answer,
+what memory and descriptors the session takes, and whether it still runs. Crowds and endless lines come from processes
+of their own, which have all the descriptors that the system allows. Ends with 1 where something gave way.
 """
 
 import argparse
 import asyncio
 import contextlib
 import json
+import multiprocessing
 import os
 import random
+import resource
+import selectors
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Coroutine
-from dataclasses import dataclass
+import xmlrpc.client
+from collections.abc import Callable, Coroutine, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 from thbridge.protocols.mavlink.dialect import mav
 from thbridge.protocols.watching import BagStreamReader, SessionMessage, key_line, parse_status
@@ -32,6 +40,8 @@ WAIT_BOUND = 1.0
 """Longest wait of honest people, and lag of the session, seconds, that counts as held."""
 MEMORY_BOUND = 256
 """Megabytes that one attack may cost."""
+_OUTSIDE = 8
+"""Processes of attackers."""
 KEY = "attack-" + "0123456789abcdef"
 
 
@@ -44,36 +54,66 @@ class Doors:
     tcp: int
     udp: int
     ros: int
+    foxglove: int
+    node: int = 0
+    tcpros: int = 0
+
+    def with_node(self) -> "Doors":
+        """These with the ports of the session's ROS node, as the master and the node itself say."""
+        master = xmlrpc.client.ServerProxy(f"http://{HOST}:{self.ros}/")
+        published: dict[str, list[str]] = {}
+        while not any("/scan" in topic for topic in published):
+            _, _, state = cast("tuple[int, str, list[list[tuple[str, list[str]]]]]", master.getSystemState("/attack"))
+            published = dict(state[0])
+            time.sleep(0.1)
+        topic, nodes = next((topic, nodes) for topic, nodes in published.items() if "/scan" in topic)
+        _, _, uri = cast("tuple[int, str, str]", master.lookupNode("/attack", nodes[0]))
+        asked = xmlrpc.client.ServerProxy(uri).requestTopic("/attack", topic, [["TCPROS"]])
+        return replace(self, node=int(uri.rstrip("/").rpartition(":")[2]), tcpros=cast("list[list[int]]", asked)[2][2])
 
 
 class Honest(threading.Thread):
-    """Honest people beside an attack: a program that wants answers, and a researcher who comes again and again.
+    """Honest people beside an attack: programs that want answers, some of them on a new connection each time.
+
+    They are a participant's program, a researcher, a ground station, and ROS's tools at the master and a node.
 
     Attributes:
-        wait: longest time until either was served since it was last set, seconds.
+        wait: longest time until one of them was served since it was last set, seconds.
+        slowest: who waited so long.
         lag: how far the session is behind its pace, seconds; what it does not make up for stays in it.
-        refused: how often either was cut off or kept out.
+        refused: how often one of them was cut off or kept out.
     """
 
     def __init__(self, doors: "Doors") -> None:
         super().__init__(daemon=True)
         self.wait = self.lag = 0.0
         self.refused = 0
+        self.slowest = ""
         self._doors = doors
         self._stopped = threading.Event()
         self._client: socket.socket | None = None
+        self._station: socket.socket | None = None
 
     def run(self) -> None:
-        """Ask both doors ten times a second, until stopped."""
+        """Ask all doors ten times a second, until stopped."""
+        people: dict[str, Callable[[], None]] = {
+            "text": self._ping,
+            "watch": self._watch,
+            "MAVLink": self._beat,
+            "master": lambda: self._call(self._doors.ros),
+            "node": lambda: self._call(self._doors.node),
+        }
         while not self._stopped.wait(0.1):
-            for ask in (self._ping, self._watch):
+            for name, ask in people.items():
                 began = time.monotonic()
                 try:
                     ask()
                 except OSError:
                     self.refused += 1
-                    self._client = None
-                self.wait = max(self.wait, time.monotonic() - began)
+                    self._client, self._station = (None if name == "text" else self._client), None
+                waited = time.monotonic() - began
+                if waited > self.wait:
+                    self.wait, self.slowest = waited, name
 
     def stop(self) -> None:
         """Ask no more."""
@@ -88,6 +128,22 @@ class Honest(threading.Thread):
         heard = b""
         while b"%%pong" not in heard:
             heard += received(self._client)
+
+    def _beat(self) -> None:
+        link = mav.MAVLink(None, srcSystem=249)
+        if self._station is None:
+            self._station = socket.create_connection((HOST, self._doors.tcp), PATIENCE)
+        self._station.sendall(link.ping_encode(7, 1, 0, 0).pack(link))
+        parser = mav.MAVLink(None)
+        parser.robust_parsing = True
+        while not any(each.get_type() == "PING" for each in parser.parse_buffer(received(self._station)) or ()):
+            pass
+
+    def _call(self, port: int) -> None:
+        with socket.create_connection((HOST, port), PATIENCE) as client:
+            client.sendall(xmlrpc_call("getPid", "/honest"))
+            if b" 200 " not in received(client):
+                raise ConnectionError
 
     def _watch(self) -> None:
         stream = BagStreamReader()
@@ -175,12 +231,104 @@ async def noise(port: int, draws: random.Random) -> int:
     return await say(port, draws.randbytes(8192), 20, 20)
 
 
+def all_descriptors() -> None:
+    """Let this process have all the descriptors that the system allows."""
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+
+
+def crowd(port: int, count: int, seconds: float) -> tuple[int, int]:
+    """Open so many connections at once, say nothing and hold them; return how many were made, and then cut off."""
+    all_descriptors()
+    made, cut = 0, 0
+    with selectors.DefaultSelector() as selector:
+        clients = []
+        for _ in range(count):
+            try:
+                client = socket.socket()
+            except OSError:
+                break
+            client.setblocking(False)
+            with contextlib.suppress(BlockingIOError, OSError):
+                client.connect((HOST, port))
+            clients.append(client)
+            selector.register(client, selectors.EVENT_WRITE)
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            for key, _ in selector.select(0.2):
+                client = cast(socket.socket, key.fileobj)
+                if key.events & selectors.EVENT_WRITE and not client.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR):
+                    made += 1
+                    selector.modify(client, selectors.EVENT_READ)
+                    continue
+                try:
+                    ended = not client.recv(2**16)
+                except BlockingIOError:
+                    continue
+                except OSError:
+                    ended = True
+                if ended:
+                    cut += 1
+                    selector.unregister(client)
+        for client in clients:
+            client.close()
+    return made, cut
+
+
+def pour(port: int, begin: bytes, piece: bytes, times: int, seconds: float) -> tuple[int, int]:
+    """Say something that has no end on one connection; return how many pieces were taken, and 1 if it was cut off."""
+    said = 0
+    try:
+        with socket.create_connection((HOST, port), PATIENCE) as client:
+            end = time.monotonic() + seconds
+            client.sendall(begin)
+            while said < times and time.monotonic() < end:
+                client.settimeout(max(0.1, end - time.monotonic()))
+                client.sendall(piece)
+                said += 1
+    except TimeoutError:
+        return said, 0
+    except OSError:
+        return said, 1
+    return said, 0
+
+
+def shower(port: int, piece: bytes, times: int) -> tuple[int, int]:
+    """Say something by datagrams; return how many."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        for _ in range(times):
+            with contextlib.suppress(OSError):
+                client.sendto(piece, (HOST, port))
+    return times, 0
+
+
+class Outside:
+    """Attackers in a process of their own.
+
+    Attributes:
+        cut: connections that the session cut off in the last attack.
+    """
+
+    def __init__(self) -> None:
+        self._pool = ProcessPoolExecutor(_OUTSIDE, multiprocessing.get_context("spawn"))
+        # They start before anything is measured: that takes the session's processor.
+        list(self._pool.map(time.sleep, [2.0] * _OUTSIDE))
+        self.cut = 0
+
+    async def __call__(self, *attacks: Callable[[], tuple[int, int]]) -> int:
+        """Let attackers loose at the same time; return how often they did what they do."""
+        loop = asyncio.get_running_loop()
+        outcomes = await asyncio.gather(*(loop.run_in_executor(self._pool, attack) for attack in attacks))
+        self.cut = sum(cut for _, cut in outcomes)
+        return sum(said for said, _ in outcomes)
+
+
 def http(path: str, body: str, headers: str = "") -> bytes:
     """Return a request as a page in a browser makes it."""
     return f"POST {path} HTTP/1.1\r\nHost: {HOST}\r\n{headers}Content-Length: {len(body)}\r\n\r\n{body}".encode()
 
 
-def xmlrpc(method: str, *arguments: str) -> bytes:
+def xmlrpc_call(method: str, *arguments: str) -> bytes:
     """Return a call of the ROS master."""
     values = "".join(f"<param><value><string>{argument}</string></value></param>" for argument in arguments)
     body = f"<?xml version='1.0'?><methodCall><methodName>{method}</methodName><params>{values}</params></methodCall>"
@@ -191,7 +339,7 @@ async def subscribers(port: int, count: int) -> int:
     """Register invented subscribers of one topic."""
     for number in range(count):
         uri = f"http://{HOST}:{10_000 + number % 50_000}/"
-        call = xmlrpc("registerSubscriber", f"/invented{number}", "/tf", "tf2_msgs/TFMessage", uri)
+        call = xmlrpc_call("registerSubscriber", f"/invented{number}", "/tf", "tf2_msgs/TFMessage", uri)
         await say(port, call, seconds=1.0)
     return count
 
@@ -222,7 +370,58 @@ async def wrong_keys(port: int, count: int) -> int:
 Attack: TypeAlias = tuple[str, Callable[[], Coroutine[None, None, int]]]
 
 
-def attacks(doors: Doors, draws: random.Random, scale: int) -> list[Attack]:
+def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[Attack]:
+    """Attacks at each door with thousands of connections, and with what has no end; 10 000 and 300 MB at scale 10."""
+    ports = {
+        "text": doors.text,
+        "watch": doors.watch,
+        "MAVLink": doors.tcp,
+        "ROS master": doors.ros,
+        "ROS node": doors.node,
+        "TCPROS": doors.tcpros,
+        "Foxglove": doors.foxglove,
+    }
+    count, megabytes, patience = 1000 * scale, 30 * scale, 30.0 * scale
+    for door, port in ports.items():
+        yield f"{door}: a crowd at once", partial(outside, partial(crowd, port, count, 6.0))
+    all_at_once = [partial(crowd, port, count, 10.0) for port in ports.values()]
+    yield "all doors: a crowd at each", partial(outside, *all_at_once)
+    line = b"x" * 2**20
+    claim = struct.pack("<I", megabytes * 2**20)
+    head = f"POST /RPC2 HTTP/1.1\r\nHost: {HOST}\r\n".encode()
+    announced = b"Content-Type: text/xml\r\nContent-Length: %d\r\n\r\n" % (megabytes * 2**20)
+    chunked = head + b"Transfer-Encoding: chunked\r\n\r\n"
+    chunk = b"100000\r\n" + line + b"\r\n"
+    upgrade = f"GET / HTTP/1.1\r\nHost: {HOST}\r\nX-Long: ".encode()
+    service = b"".join(
+        struct.pack("<I", len(field)) + field
+        for field in (b"callerid=/attack", b"md5sum=*", b"persistent=1", b"service=/static_map")
+    )
+    request = struct.pack("<I", len(service)) + service + claim
+    poured: list[tuple[str, int, bytes, bytes]] = [
+        ("text: megabytes without a newline", doors.text, b"", line),
+        ("watch: megabytes without a newline", doors.watch, b"", line),
+        ("watch: megabytes behind the key", doors.watch, key_line(KEY), line),
+        ("MAVLink: megabytes by TCP", doors.tcp, b"", line),
+        ("MAVLink: megabytes of beginnings of frames", doors.tcp, b"", b"\xfd\xff" * 2**19),
+        ("TCPROS: a claim of megabytes, and they", doors.tcpros, claim, line),
+        ("TCPROS: a request of megabytes", doors.tcpros, request, line),
+        ("Foxglove: megabytes of header", doors.foxglove, upgrade, line),
+    ]
+    for name, port in (("master", doors.ros), ("node", doors.node)):
+        poured += [
+            (f"ROS {name}: megabytes of header", port, head + b"X-Long: ", line),
+            (f"ROS {name}: megabytes of headers", port, head, b"X-Short: x\r\n" * 2**16),
+            (f"ROS {name}: megabytes of body", port, head + announced, line),
+            (f"ROS {name}: megabytes in chunks", port, chunked, chunk),
+            (f"ROS {name}: a chunk's length without end", port, chunked, b"0" * 2**20),
+        ]
+    for name, port, begin, piece in poured:
+        yield name, partial(outside, partial(pour, port, begin, piece, megabytes, patience))
+    yield "MAVLink: megabytes by UDP", partial(outside, partial(shower, doors.udp, b"\xfd" * 60_000, 17 * megabytes))
+
+
+def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int) -> list[Attack]:
     """All attacks, each with a name; `scale` 1 is quick, 10 as large as it was found."""
     forged = b'%%error SimR Game thbridge {"kind":"Status","game":1}\n'
     surrogate = b'%%error SimR Game thbridge {"kind":"GiveUp","game":"\\ud800"}\n'
@@ -230,7 +429,7 @@ def attacks(doors: Doors, draws: random.Random, scale: int) -> list[Attack]:
     ready = b'%%setid P extended\n%%error P Game thbridge {"kind":"ParticipantReady"}\n'
     names = b"".join(ready.replace(b"P ", f"P{number} ".encode()) for number in range(50))
     endless = b"x" * 2**20
-    page = xmlrpc("getPid", "x").replace(b"\r\n", b"\r\nOrigin: http://a.example\r\n", 1)
+    page = xmlrpc_call("getPid", "x").replace(b"\r\n", b"\r\nOrigin: http://a.example\r\n", 1)
     return [
         ("text: half a surrogate in a notice", lambda: say(doors.text, surrogate)),
         ("text: a line that regular expressions shun", lambda: say(doors.text, slow, 10)),
@@ -255,6 +454,7 @@ def attacks(doors: Doors, draws: random.Random, scale: int) -> list[Attack]:
         ("MAVLink: datagrams of many addresses", lambda: datagrams(doors.udp, 500 * scale)),
         ("MAVLink: a page in a browser", lambda: say(doors.tcp, http("/", "x"), 1, 20)),
         ("MAVLink: noise", lambda: noise(doors.tcp, draws)),
+        *crowds_and_floods(doors, outside, scale),
     ]
 
 
@@ -267,15 +467,34 @@ def free_ports(count: int) -> list[int]:
     return ports
 
 
-def memory_of(process: subprocess.Popen[bytes]) -> float:
-    """Resident megabytes of a process."""
-    pages = int(Path(f"/proc/{process.pid}/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGESIZE") / 2**20
+class Gauge(threading.Thread):
+    """What a process takes, looked at again and again.
 
+    Attributes:
+        memory: most resident megabytes since it was last set.
+        descriptors: most open files since then.
+    """
 
-def descriptors_of(process: subprocess.Popen[bytes]) -> int:
-    """Open files of a process."""
-    return len(list(Path(f"/proc/{process.pid}/fd").iterdir()))
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        super().__init__(daemon=True)
+        self.memory = 0.0
+        self.descriptors = 0
+        self._pid = process.pid
+
+    def run(self) -> None:
+        """Look twenty times a second while the process runs."""
+        with contextlib.suppress(OSError):
+            while True:
+                self.look()
+                time.sleep(0.05)
+
+    def look(self) -> float:
+        """Look once; return what memory it has now. Raises OSError: it has ended."""
+        pages = int(Path(f"/proc/{self._pid}/statm").read_text().split()[1])
+        now = pages * os.sysconf("SC_PAGESIZE") / 2**20
+        self.memory = max(self.memory, now)
+        self.descriptors = max(self.descriptors, sum(1 for _ in Path(f"/proc/{self._pid}/fd").iterdir()))
+        return now
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,8 +506,10 @@ class Held:
         tries: how often it did what it does.
         wait: longest wait of honest people, seconds.
         lag: by which the session fell behind, seconds.
-        memory: megabytes that it cost.
-        descriptors: open files of the session afterwards.
+        slowest: which honest program waited so long.
+        memory: megabytes that it cost at most, while it was under way.
+        descriptors: most open files of the session, while it was under way.
+        cut: connections of attackers in other processes that were cut off.
         running: False where it ended the session.
         refused: how often honest people were kept out.
     """
@@ -296,9 +517,11 @@ class Held:
     attack: str
     tries: int
     wait: float
+    slowest: str
     lag: float
     memory: float
     descriptors: int
+    cut: int
     running: bool
     refused: int
 
@@ -311,20 +534,33 @@ class Held:
 
 def assault(doors: Doors, session: subprocess.Popen[bytes], seed: int, scale: int, only: str) -> list[Held]:
     """Let all attacks loose, one after the other."""
-    honest, held = Honest(doors), []
+    honest, outside, gauge, held = Honest(doors), Outside(), Gauge(session), []
     honest.start()
-    for name, attack in attacks(doors, random.Random(seed), scale):
+    gauge.start()
+    for name, attack in attacks(doors, outside, random.Random(seed), scale):
         if only not in name:
             continue
-        before, lagged = memory_of(session), honest.lag
-        honest.wait, honest.refused = 0.0, 0
+        time.sleep(1.0)
+        before, lagged = gauge.look(), honest.lag
+        honest.wait, honest.refused, honest.slowest = 0.0, 0, ""
+        gauge.memory, gauge.descriptors, outside.cut = before, 0, 0
         tries = asyncio.run(attack())
         time.sleep(1.5)
         running = session.poll() is None
-        memory = memory_of(session) - before if running else 0.0
-        descriptors = descriptors_of(session) if running else 0
-        wait, lag, refused = honest.wait, honest.lag - lagged, honest.refused
-        held.append(Held(name, tries, wait, lag, memory, descriptors, running, refused))
+        held.append(
+            Held(
+                attack=name,
+                tries=tries,
+                wait=honest.wait,
+                slowest=honest.slowest,
+                lag=honest.lag - lagged,
+                memory=gauge.memory - before,
+                descriptors=gauge.descriptors,
+                cut=outside.cut,
+                running=running,
+                refused=honest.refused,
+            )
+        )
         print(row(held[-1]), flush=True)
         if not running:
             break
@@ -336,8 +572,8 @@ def row(held: Held) -> str:
     """Return a line of the table."""
     outcome = "held" if held.well else "ENDED" if not held.running else "GAVE WAY"
     return (
-        f"{held.attack:<45} {held.tries:>7} {1000 * held.wait:>7.0f} ms {1000 * held.lag:>7.0f} ms {held.refused:>7} "
-        f"{held.memory:>+7.0f} MB {held.descriptors:>5}  {outcome}"
+        f"{held.attack:<45} {held.tries:>7} {1000 * held.wait:>7.0f} ms {held.slowest:<8} {1000 * held.lag:>6.0f} ms "
+        f"{held.refused:>7} {held.cut:>6} {held.memory:>+7.0f} MB {held.descriptors:>5}  {outcome}"
     )
 
 
@@ -347,17 +583,21 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="of the random bytes")
     parser.add_argument("--scale", type=int, default=1, help="1: a minute or two; 10: as large as attacks were found")
     parser.add_argument("--only", default="", help="attacks with this in their name")
+    parser.add_argument("--descriptors", type=int, help="that the session may have, and no more; by default as usual")
     given = parser.parse_args()
-    doors = Doors(*free_ports(5))
+    doors = Doors(*free_ports(6))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         key = folder / "key.txt"
         key.write_text(KEY)
         key.chmod(0o600)
-        command = [sys.executable, "-c", "from ui.cli import main; main()", "play", "--outside", "TabUI"]
+        command = [sys.executable, "-c", "from ui.cli import main; main()", "play", "study.yaml", "--outside", "TabUI"]
         options = ["--port", str(doors.text), "--watch", str(doors.watch), "--watch-key", str(key), "--ros"]
         options += ["--ros-master", f"http://{HOST}:{doors.ros}", "--mavlink", "--tcp", f"{HOST}:{doors.tcp}"]
         options += ["--udp-listen", f"{HOST}:{doors.udp}", "--rate", "1", "--bag", "hunt.bag", "--no-report"]
+        options += ["--foxglove", str(doors.foxglove)]
+        # A part after each two seconds: there must always be a descriptor for the next.
+        (folder / "study.yaml").write_text("recording: {split_duration: 2}\n")
         told = folder / "told.txt"
         with told.open("wb") as file:
             session = subprocess.Popen(
@@ -367,23 +607,27 @@ def main() -> int:
                 stderr=file,
                 env={**os.environ, "PYTHONPATH": str(Path.cwd())},
             )
+        if given.descriptors:
+            resource.prlimit(session.pid, resource.RLIMIT_NOFILE, (given.descriptors, given.descriptors))
         try:
             while "join at" not in told.read_text():
                 if session.poll() is not None:
                     print(told.read_text())
                     return 1
                 time.sleep(0.1)
-            titles = f"{'wait':>10} {'lag':>10} {'refused':>7} {'memory':>10} {'files':>5}"
+            titles = f"{'wait':>10} {'of':<8} {'lag':>9} {'refused':>7} {'cut':>6} {'memory':>10} {'files':>5}"
             print(f"{'attack':<45} {'tries':>7} {titles}  outcome")
-            held = assault(doors, session, given.seed, given.scale, given.only)
+            held = assault(doors.with_node(), session, given.seed, given.scale, given.only)
         finally:
             if session.poll() is None:
                 session.send_signal(signal.SIGTERM)
             session.wait(60)
         text = told.read_text()
-        recorded = (folder / "hunt.bag").exists()
+        parts = len(list(folder.glob("hunt_*.bag")))
+        recorded = parts > 1 and not list(folder.glob("*.active"))
     traceback = "Traceback" in text
-    print(f"The recording is {'whole' if recorded else 'NOT whole'}; {'a TRACEBACK' if traceback else 'no traceback'}.")
+    whole = f"whole, in {parts} parts" if recorded else "NOT whole"
+    print(f"The recording is {whole}; {'a TRACEBACK' if traceback else 'no traceback'}.")
     if traceback:
         print(text[text.index("Traceback") - 500 :][:3000])
     print(json.dumps({"attacks": len(held), "held": sum(each.well for each in held)}))

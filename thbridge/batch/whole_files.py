@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import IO
 
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.recording.append import sync_folder
+from thbridge.files.synced import make_folder, put_in_free_place, put_in_place
 
 PART = ".part"
 """Suffix of a file while it is being written; its name begins with a dot, so that readers of folders pass it over."""
@@ -32,18 +32,14 @@ def whole_file(path: Path, *, exclusive: bool = False) -> Iterator[IO[bytes]]:
     """
     part = path.with_name(f".{path.name}.{worker_name().replace(':', '.')}{PART}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
         with part.open("wb") as file:
             yield file
-            file.flush()
-            os.fsync(file.fileno())
         if not exclusive:
-            part.replace(path)
-        elif not path.exists():
-            # Of several programs that begin at once, one wins.
+            put_in_place(part, path)
+        else:
             with suppress(FileExistsError):
-                path.hardlink_to(part)
-        sync_folder(path.parent)
+                put_in_free_place(part, path)
     except OSError as error:
         raise BadFile(path, f"it cannot be written ({reason_of(error)})", "make room, then go on") from error
     finally:

@@ -13,6 +13,7 @@ from thbridge.experiment.progress import EventKind
 from thbridge.experiment.store.event_log import copy_log, read_log
 from thbridge.experiment.store.events import LogEntry, LoggedEvent
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.synced import make_folder, put_in_place
 from thbridge.recording.recordings import digest_of
 
 
@@ -31,12 +32,13 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
     if to.resolve().is_relative_to(study.root.resolve()):
         raise BadFile(to, "it is in the study's own folder, and would be lost with it", "Name another by --to")
     try:
-        if to.exists() and not copy.log.exists() and any(to.iterdir()):
+        # A backup that a power cut has ended may have the folder of its log alone.
+        if to.exists() and not copy.log.exists() and any(path.name != STORE for path in to.iterdir()):
             raise BadFile(
                 to, "there is something in this folder that is no backup", "Name a new or an empty one by --to"
             )
         study.backups_known.add(to)
-        copy.log.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(copy.log.parent)
         copy_log(study.log, copy.log)
         people = {entry.event.participant for entry in _events(read_log(copy.log))}
         exports = {*known_exports(study), (study.root / EXPORTS).resolve()}
@@ -82,10 +84,10 @@ def _copy(path: Path, to: Path) -> None:
     now = path.stat()
     if to.exists() and (to.stat().st_size, to.stat().st_mtime_ns) == (now.st_size, now.st_mtime_ns):
         return
-    to.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(to.parent)
     part = to.with_name(f".{to.name}.part")
     shutil.copy2(path, part)
-    part.replace(to)
+    put_in_place(part, to)
 
 
 def _missing(copy: ExperimentFolder) -> Iterator[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.regular_files import open_regular
+from thbridge.files.synced import put_in_place
 from thbridge.files.yaml.tree import read_text
 
 _MARK = "\ufeff"
@@ -63,7 +64,9 @@ def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
 
 
 def write_whole(path: Path, data: bytes, remedy: str = "check the folder and the disk") -> None:
-    """Replace the file, or make it, in one step; links and permissions are kept. Devices and pipes are written to.
+    """Replace the file, or make it, in one step, and outlive a power cut; links and permissions are kept.
+
+    Devices and pipes are written to.
 
     Raises:
         BadFile: it cannot be written; then the file is unchanged.
@@ -77,11 +80,9 @@ def write_whole(path: Path, data: bytes, remedy: str = "check the folder and the
         handle, part = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
         with os.fdopen(handle, "wb") as file:
             file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
         # Files of mkstemp are readable only by their owner.
         Path(part).chmod(target.stat().st_mode & 0o7777 if target.exists() else 0o666 & ~_umask())
-        Path(part).replace(target)
+        put_in_place(Path(part), target)
     except OSError as error:
         if part:
             with suppress(OSError):

@@ -5,6 +5,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.synced import put_in_place
 
 UNFINISHED = ".part"
 """Suffix of a file while it is being written."""
@@ -33,7 +34,7 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
     try:
         part.unlink(missing_ok=True)
         yield part
-        part.replace(path)
+        put_in_place(part, path)
     except OSError as error:
         problem = f"it cannot be written ({reason_of(error)})"
         raise BadFile(path, problem, "choose another place by --to, or make room") from error

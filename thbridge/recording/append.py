@@ -1,8 +1,7 @@
-"""Records appended to a file completely or not at all, and folders that are on the disk."""
+"""Records appended to a file completely or not at all."""
 
 import contextlib
 import os
-from pathlib import Path
 from typing import IO
 
 
@@ -30,24 +29,3 @@ def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
             file.truncate(before)
             file.seek(before)
         raise
-
-
-def sync_folder(folder: Path) -> None:
-    """Force the names in a folder onto the disk."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
-
-
-def make_folder(folder: Path) -> None:
-    """Make a folder, with those above it, where it is not there; it outlives a power cut when this returns.
-
-    Raises:
-        OSError: it cannot be made.
-    """
-    new = [each for each in (folder, *folder.parents) if not each.exists()]
-    folder.mkdir(parents=True, exist_ok=True)
-    for each in new:
-        sync_folder(each.parent)

@@ -16,10 +16,11 @@ from typing import IO, Self
 
 from thbridge.files.errors import BadFile
 from thbridge.files.regular_files import content_of
+from thbridge.files.synced import make_folder, put_in_free_place
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.events import DialogueOpened, DialogueSaid, GameStarted, JournalEntry
 from thbridge.hunt.game import GameState, apply, begin
-from thbridge.recording.append import append_whole, sync_folder
+from thbridge.recording.append import append_whole
 from thbridge.recording.checked_lines import DamagedLine, checked, has_sum, verified
 
 _NAME = re.compile(r"game-(\d+)\.jsonl")
@@ -133,26 +134,31 @@ class Journal:
             BadFile: a journal of this number exists already, or it cannot be written.
         """
         path = journal_path(folder, started.game)
+        # It gets its name with its first event: a journal without one would prevent the next game.
+        part = path.with_name(f".{path.name}.{os.getpid()}.part")
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-            file = path.open("xb", buffering=0)
-        except FileExistsError:
-            raise BadFile(
-                path, "the journal of this game exists already", "start the game with the next number"
-            ) from None
+            make_folder(folder)
+            part.unlink(missing_ok=True)
+            file = part.open("xb", buffering=0)
         except OSError as error:
             raise _not_writable(path, error) from None
         journal = cls(path, file)
         try:
             journal._lock()
             journal.append((started,))
-            # The file's name is in the folder, which has to be synced as well.
-            sync_folder(folder)
-        except BaseException:
-            # A journal without its first event would prevent the next game.
+            put_in_free_place(part, path)
+        except FileExistsError:
             journal.close()
-            path.unlink()
+            problem = "the journal of this game exists already"
+            raise BadFile(path, problem, "start the game with the next number") from None
+        except OSError as error:
+            journal.close()
+            raise _not_writable(path, error) from None
+        except BaseException:
+            journal.close()
             raise
+        finally:
+            part.unlink(missing_ok=True)
         return journal
 
     @classmethod

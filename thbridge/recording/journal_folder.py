@@ -1,12 +1,16 @@
 """The journals of all games of one keeper: a folder with one file per game, the last of which may not have ended."""
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
+from thbridge.files.synced import make_folder
 from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal import Journal, journal_path, next_game
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +40,7 @@ class JournalStore:
         self.folder = folder
         self._journal: Journal | None = None
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            make_folder(folder)
         except OSError as error:
             problem = f"there can be no journals here ({error.strerror})"
             raise BadFile(folder, problem, "choose another folder") from None
@@ -57,6 +61,8 @@ class JournalStore:
         journal, recovered = Journal.resume(journal_path(self.folder, self.last_game))
         if recovered.state.ended is not None:
             journal.close()
+            if recovered.torn is not None:
+                _log.warning("%s: what was half written after the end of its game is lost", journal.path)
             return None
         self._journal = journal
         return UnfinishedGame((recovered.started, *recovered.events), recovered.torn is not None)

@@ -4,6 +4,7 @@ import hashlib
 import re
 from pathlib import Path
 
+from thbridge.files.synced import make_folder, sync_folder
 from thbridge.recording.claims import claim
 
 ACTIVE = ".active"
@@ -80,6 +81,7 @@ def make_room(bag: Path) -> Path | None:
     moved = bag.with_name(f"{bag.stem}-{number}{bag.suffix}")
     for path in old:
         path.rename(path.with_name(moved.stem + path.name.removeprefix(bag.stem)))
+    sync_folder(bag.parent)
     return moved
 
 
@@ -90,7 +92,7 @@ def try_place(bag: Path) -> None:
         OSError: it cannot.
     """
     active = active_of(bag)
-    bag.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(bag.parent)
     with active.open("xb"):
         active.unlink()
 

@@ -16,7 +16,7 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.files.errors import BadFile
-from thbridge.recording.append import make_folder
+from thbridge.files.synced import make_folder
 from ui.display import why_no_window
 from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames

@@ -23,8 +23,9 @@ from thbridge.app.session import inputs
 from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.session import TickRecord
 from thbridge.files.errors import BadFile
+from thbridge.files.synced import make_folder, sync_folder
 from thbridge.json_text import json_of
-from thbridge.recording.append import append_whole, sync_folder
+from thbridge.recording.append import append_whole
 from thbridge.ros.messages.session_records import InputRecord, SessionRecord
 
 _MACHINE_TELLS = ("libc", "processor", "compiler", "architecture")
@@ -68,7 +69,7 @@ class InputLog:
     def __init__(self, path: Path, record: SessionRecord) -> None:
         self._path = path
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(path.parent)
             self._file = path.open("a+b", buffering=0)
             with ExitStack() as opened:
                 opened.callback(self._file.close)

@@ -32,8 +32,8 @@ from thbridge.experiment.store.events import (
     Tombstone,
 )
 from thbridge.files.errors import BadFile
+from thbridge.files.synced import sync_folder
 from thbridge.json_text import json_of
-from thbridge.recording.append import sync_folder
 
 WITHDRAWN = "withdrawn"
 """Kind of the event by which rows were deleted; its data names them and nobody."""
@@ -87,6 +87,8 @@ class ExperimentLog:
         new = not path.exists()
         if new and _head_path(path).exists():
             raise BadFile(path, "is missing, though its head is there", "bring it back from a backup")
+        if not new:
+            _recover(path)
         # Nothing is ever appended to a damaged log.
         entries = [] if new or _is_just_made(path) else read_log(path)
         try:
@@ -256,10 +258,12 @@ def copy_log(path: Path, to: Path) -> None:
             copy.execute("PRAGMA journal_mode=DELETE")
             _write_whole(_head_path(new), _head(_length(copy), _last_chain(copy)))
         read_log(new)
-        # In this order: a head may be behind its log, never before it.
-        for one, other in ((new, to), (_head_path(new), _head_path(to))):
+        # In this order: a head may be behind its log, never before it. Of a first copy it comes first, so that a log
+        # without a head is always damaged.
+        order = [(new, to), (_head_path(new), _head_path(to))]
+        for one, other in order if to.exists() else reversed(order):
             one.replace(other)
-        sync_folder(to.parent)
+            sync_folder(to.parent)
     except (sqlite3.Error, OSError) as error:
         raise BadFile(to, f"cannot be written ({error})", "make room on the disk") from None
 
@@ -388,6 +392,12 @@ def _make(path: Path) -> None:
             database.execute(statement)
         database.commit()
         _write_whole(path, database.serialize())
+
+
+def _recover(path: Path) -> None:
+    """Take back what was being written at a power cut, which readers cannot; damage is for them to tell."""
+    with contextlib.suppress(sqlite3.Error), contextlib.closing(_opened(path, "rw")) as database:
+        database.execute("SELECT count(*) FROM sqlite_schema").fetchone()
 
 
 def _is_just_made(path: Path) -> bool:

@@ -13,6 +13,7 @@ from thbridge.files.edited_file import write_whole
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.private_file import check_private
 from thbridge.files.regular_files import content_of
+from thbridge.files.synced import make_folder, sync_folder
 
 RING = "ring.json"
 """The file of a ring, in its folder."""
@@ -109,12 +110,21 @@ class KeyRing:
         if any(entry.name == name for entry in self.entries):
             raise BadFile(self._path, f"there is a key {name} already", "take another name; a name is never used again")
         path = self.folder / f"{name}{KEY_SUFFIX}"
+        before = os.umask(0o077)
         try:
-            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            make_folder(self.folder)
             with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
                 file.write(f"{secret}\n")
+                file.flush()
+                os.fsync(file.fileno())
+            sync_folder(self.folder)
+        except FileExistsError:
+            problem = f"there is such a file, and no key {name} in the ring: its making was cut off, or it is another's"
+            raise BadFile(path, problem, "move it elsewhere, then try again") from None
         except OSError as error:
             raise BadFile(path, f"it cannot be written ({reason_of(error)})", "choose another folder") from None
+        finally:
+            os.umask(before)
         self._write((*self._entries, KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires)))
         return path
 

@@ -5,6 +5,7 @@ import logging
 import os
 from pathlib import Path
 
+from thbridge.files.synced import put_in_place
 from thbridge.protocols.mavlink.frames.signing import MAX_STREAMS, KnownTimestamps
 
 SUFFIX = ".timestamps"
@@ -48,7 +49,7 @@ class TimestampFile:
             part.unlink(missing_ok=True)  # Left over; its mode would stay.
             with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
                 file.write(text)
-            part.replace(self._path)
+            put_in_place(part, self._path)
         except OSError as error:
             if not self._has_failed:
                 _log.warning("%s cannot be written (%s): after a restart stations may be refused", self._path, error)

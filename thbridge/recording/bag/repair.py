@@ -1,9 +1,11 @@
 """Repair of a bag: writes all messages that can be read into a new one, with an index."""
 
+import contextlib
 from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
+from thbridge.files.synced import sync_folder
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reading.scan import ChunkRecord, ConnectionRecord, MessageRecord, UnreadableSpan, scan
 from thbridge.recording.bag.records import BagConnection
@@ -50,8 +52,19 @@ def reindex(path: Path) -> RepairResult:
     try:
         fresh.unlink(missing_ok=True)
         messages, end_ns, lost = _copy(path, fresh, compression)
-        path.replace(backup)
-        fresh.replace(repaired)
+        # BagFile has synced the bytes. At a power cut there is always a file to go on with.
+        if repaired == path:
+            with contextlib.suppress(OSError):  # Some file systems have no second names.
+                backup.hardlink_to(path)
+                sync_folder(path.parent)
+            if not backup.exists():
+                path.replace(backup)
+            fresh.replace(repaired)
+        else:
+            fresh.replace(repaired)
+            sync_folder(path.parent)
+            path.replace(backup)
+        sync_folder(path.parent)
     except OSError as error:
         fresh.unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()

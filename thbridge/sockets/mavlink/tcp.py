@@ -15,6 +15,8 @@ from thbridge.sockets.addresses import Address
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
+from thbridge.sockets.listening import BACKLOG as WAITING
+from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
 
 CONNECTIONS = 32
@@ -48,31 +50,34 @@ class TcpPort:
         where = own.getsockname()
         self.where = Address(where[0], where[1])
         self._socket = own
-        self._server: asyncio.Server | None = None
+        self._door = ServerDoor(CONNECTIONS)
+        self._served = False
         self._open: dict[_Connection, None] = {}
         self._all_closed = asyncio.Event()
 
     async def serve(self) -> None:
         """Accept connections of ground stations."""
-        self._server = await asyncio.get_running_loop().create_server(lambda: _Connection(self), sock=self._socket)
+        self._served = True
+        await self._door.accept(lambda: _Connection(self), self._socket)
 
     async def close(self) -> None:
         """Close the port and all connections."""
-        if self._server is None:
+        if not self._served:
             self._socket.close()
             return
-        self._server.close()
+        self._door.close()
         for connection in tuple(self._open):
             connection.close()
         while self._open:
             self._all_closed.clear()
             await self._all_closed.wait()
-        await self._server.wait_closed()
+        await self._door.wait_closed()
 
     def connection_opened(self, connection: _Connection) -> bool:
         """Add a connection; return False when there is no room for it."""
-        if len(self._open) >= CONNECTIONS:
-            self.links.complaints.warn(f"MAVLink: {CONNECTIONS} are connected by TCP; not all of them are heard")
+        most = self._door.most
+        if len(self._open) >= most:
+            self.links.complaints.warn(f"MAVLink: {most} are connected by TCP; not all of them are heard")
             silent = next((each for each in self._open if not each.has_spoken), None)
             if silent is None:
                 return False
@@ -92,7 +97,7 @@ async def tcp_port(links: MavlinkLinks, address: Address, admission: Admission =
     try:
         found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
         family, _, _, _, where = found[0]
-        own = socket.create_server((where[0], where[1]), family=family, backlog=CONNECTIONS)
+        own = socket.create_server((where[0], where[1]), family=family, backlog=WAITING)
     except (OSError, UnicodeError) as error:
         return CannotListen.because(error, address.host, address.port)
     return TcpPort(links, own, admission)

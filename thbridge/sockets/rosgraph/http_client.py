@@ -22,6 +22,7 @@ from thbridge.protocols.rosgraph.xmlrpc import (
     decode_response,
     encode_call,
 )
+from thbridge.sockets.listening import check_room
 from thbridge.sockets.rosgraph.documents import read_document, write_document
 
 _SEGMENT = 64 * 1024
@@ -131,6 +132,7 @@ class XmlRpcClient:
                 return await self._ask(kept, address, body)
             except (_HungUpError, ConnectionError):
                 pass  # the server had closed it; if the server is gone, the next attempt fails
+        check_room()
         reader, writer = await asyncio.open_connection(address.host, address.port)
         return await self._ask(_Link(reader, writer, h11.Connection(h11.CLIENT)), address, body)
 

@@ -28,6 +28,7 @@ from thbridge.protocols.rosgraph.xmlrpc import (
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.rosgraph.documents import read_document, write_document
 
 _log = logging.getLogger(__name__)
@@ -87,7 +88,7 @@ class XmlRpcServer:
         self._methods = frozenset(methods)
         self._handler = handler
         self._limits = limits or HttpLimits()
-        self._server: asyncio.Server | None = None
+        self._door = ServerDoor(self._limits.connections)
         self._connections: OrderedDict[asyncio.Task[None], str] = OrderedDict()
         """Peers by connection, longest idle first."""
         self._held = 0
@@ -104,23 +105,18 @@ class XmlRpcServer:
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
         try:
-            self._server = await asyncio.start_server(self._connected, host, port, backlog=300)
+            return await self._door.listen(self._connection, host, port)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, port)
-        address = self._server.sockets[0].getsockname()
-        return ListeningAddress(address[0], address[1])
 
     async def stop(self) -> None:
         """Close the port and cut off every connection."""
-        if self._server is None:
-            return
-        self._server.close()
+        self._door.close()
         for connection in self._connections:
             connection.cancel()
         while self._connections:
             await asyncio.wait(self._connections)
-        await self._server.wait_closed()
-        self._server = None
+        await self._door.wait_closed()
 
     async def answer(self, call: MethodCall, peer: str) -> XmlRpcValue | Fault:
         """Answer a call, also one of this process without a socket."""
@@ -168,13 +164,16 @@ class XmlRpcServer:
             return {"faultCode": answer.code, "faultString": answer.text}
         return [answer]
 
+    def _connection(self) -> asyncio.StreamReaderProtocol:
+        return asyncio.StreamReaderProtocol(asyncio.StreamReader(), self._connected)
+
     def _connected(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         if self._admission.refused(writer.transport) is not None:
             writer.transport.abort()
             return
         name = writer.get_extra_info("peername")
         peer = str(name[0]) if name else "?"
-        if len(self._connections) >= self._limits.connections:
+        if len(self._connections) >= self._door.most:
             ((most, _),) = Counter(self._connections.values()).most_common(1)
             longest_idle = next(task for task, other in self._connections.items() if other == most)
             del self._connections[longest_idle]

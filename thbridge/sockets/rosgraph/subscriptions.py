@@ -16,6 +16,7 @@ from thbridge.protocols.rosgraph.links import LinkEnded, LinkRefused, MessageRec
 from thbridge.protocols.rosgraph.outbound import SubscriberLink
 from thbridge.protocols.rosgraph.slave import TRANSPORT, BusConnection
 from thbridge.protocols.rosgraph.tcpros import LENGTH_BYTES
+from thbridge.sockets.listening import check_room
 from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, endpoints, keep_alive
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.replies import value_of
@@ -181,6 +182,7 @@ class Subscription:
                 return LinkEnded(f"it does not offer {TRANSPORT}")
         try:
             async with asyncio.timeout(HANDSHAKE_SECONDS):
+                check_room()
                 await asyncio.get_running_loop().create_connection(lambda: listener, host, port)
                 await asyncio.wait((listener.accepted, listener.ended), return_when=asyncio.FIRST_COMPLETED)
         except TimeoutError:

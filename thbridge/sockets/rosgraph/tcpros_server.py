@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import resource
 from asyncio import Transport
 from collections import Counter, deque
 from collections.abc import Awaitable, Callable, Iterable, Iterator
@@ -28,6 +27,7 @@ from thbridge.protocols.rosgraph.slave import BusConnection
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, close_gently, keep_alive
 from thbridge.sockets.rosgraph.publications import WAITING_LIMIT, Publication, SubscriberQueue
 from thbridge.sockets.warn_once import WarnOnce
@@ -37,8 +37,8 @@ CONNECTION_LIMIT = 8192
 
 One address has three quarters of them at most: enough for all topics of 64 robots for four recorders.
 """
-_FILES = 12_288
-"""Open files that the process should be allowed for them."""
+_WEIGHT = 4
+"""Share of the descriptors where they are few: a recorder has a connection for each topic."""
 
 TOPIC_LIMIT = 64
 """Most subscribers of one topic at one address; each costs a copy of every message."""
@@ -87,25 +87,21 @@ class TcprosServer:
         self._clients: dict[_Inbound, None] = {}
         self._one_gone = asyncio.Event()
         self._answering: set[asyncio.Task[None]] = set()
-        self._limit = min(CONNECTION_LIMIT, _open_files() * 3 // 4)
-        self._server: asyncio.Server | None = None
+        self._door = ServerDoor(CONNECTION_LIMIT, _WEIGHT)
 
     async def start(self, host: str) -> ListeningAddress | CannotListen:
         """Begin to listen, on a port that is free."""
         try:
-            self._server = await asyncio.get_running_loop().create_server(lambda: _Inbound(self), host, 0, backlog=300)
+            return await self._door.listen(lambda: _Inbound(self), host, 0)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, 0)
-        address = self._server.sockets[0].getsockname()
-        return ListeningAddress(address[0], address[1])
 
     async def stop(self) -> None:
         """Close the port, cancel pending requests, and close every connection.
 
         Subscribers have a moment to read the last messages.
         """
-        if self._server is not None:
-            self._server.close()
+        self._door.close()
         for task in self._answering:
             task.cancel()
         for connection in tuple(self._connections):
@@ -143,9 +139,10 @@ class TcprosServer:
 
     def admit(self, connection: _Inbound) -> bool:
         """Accept a new connection, if there is room or a connection that is not a subscriber's can be ended for it."""
-        crowded = self._addresses[connection.address] >= self._limit * 3 // 4
-        if crowded or len(self._connections) >= self._limit:
-            self.complaints.warn(f"more than {self._limit} connections, or three quarters of that from one address")
+        most = self._door.most
+        crowded = self._addresses[connection.address] >= most * 3 // 4
+        if crowded or len(self._connections) >= most:
+            self.complaints.warn(f"more than {most} connections, or three quarters of that from one address")
             others = (*self._silent, *self._clients)
             ended = next((one for one in others if not crowded or one.address == connection.address), None)
             if ended is None:
@@ -317,16 +314,6 @@ async def _answer_in_time(
     except Exception:
         answer = _broken(service)
     respond(answer)
-
-
-def _open_files() -> int:
-    """Raise the limit of open files, which usually is 1024, as far as wanted, and return it."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = _FILES if hard == resource.RLIM_INFINITY else min(_FILES, hard)
-    if soft == resource.RLIM_INFINITY or soft >= wanted:
-        return wanted
-    resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
-    return wanted
 
 
 def _broken(service: str) -> ServiceFailed:

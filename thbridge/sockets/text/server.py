@@ -21,6 +21,7 @@ from thbridge.protocols.text.router import (
     ConnectionId,
     Forwarded,
     LineSkipped,
+    RouterLimits,
     RouterOutput,
     SendToClient,
     TurnedAway,
@@ -29,6 +30,7 @@ from thbridge.sockets.addresses import DEBIAN_HOST, LOCALHOST, TEXT_SERVER_PORT,
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
+from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.warn_once import WarnOnce
 
 _log = logging.getLogger(__name__)
@@ -105,7 +107,9 @@ class TextServer:
         self.complaints = WarnOnce(_log)
         """What clients do wrong."""
         self._all_closed = asyncio.Event()
-        self._servers: list[asyncio.Server] = []
+        # Those turned away linger beside the router's.
+        self._door = ServerDoor(RouterLimits().clients + _MOST_LINGERING)
+        self._named: set[ConnectionId] = set()
         self._watch: asyncio.Task[None] | None = None
 
     async def start(self, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT) -> ListeningAddress | CannotListen:
@@ -115,18 +119,14 @@ class TextServer:
         """
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
-        loop = asyncio.get_running_loop()
         try:
-            server = await loop.create_server(lambda: _Connection(self), host, port, backlog=300)
+            address = await self._door.listen(lambda: _Connection(self), host, port)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, port)
-        self._servers = [server]
-        self._watch = loop.create_task(self._check_idle())
-        address = ListeningAddress(*server.sockets[0].getsockname()[:2])
+        self._watch = asyncio.get_running_loop().create_task(self._check_idle())
         if host == LOCALHOST:
             try:
-                other = await loop.create_server(lambda: _Connection(self), DEBIAN_HOST, address.port, backlog=300)
-                self._servers.append(other)
+                await self._door.listen(lambda: _Connection(self), DEBIAN_HOST, address.port)
             except OSError as error:
                 _log.info("programs that expect the server at %s do not find it: %s", DEBIAN_HOST, error)
         return address
@@ -135,16 +135,13 @@ class TextServer:
         """Send the shutdown line to every client, wait a moment for them to close, and close the port."""
         if self._watch is None:
             return
-        for server in self._servers:
-            server.close()
+        self._door.close()
         self._watch.cancel()
         self._perform(self._router.stop())
         while self._open:
             self._all_closed.clear()
             await self._all_closed.wait()
-        for server in self._servers:
-            await server.wait_closed()
-        self._servers = []
+        await self._door.wait_closed()
 
     def perform(self, outputs: Iterable[RouterOutput]) -> None:
         """Carry out outputs of the router, and hear on whoever has said too much before."""
@@ -182,8 +179,10 @@ class TextServer:
                     _log.info("client %d sent a line of %d bytes", connection, length)
                 case ClientJoined(connection, name):
                     _log.info("client %d is %s", connection, name)
+                    self._named.add(connection)
                 case ClientLeft(connection, name):
                     _log.info("client %d is %s no more", connection, name)
+                    self._named.discard(connection)
                 case Forwarded():
                     self._tap(output)
 
@@ -194,6 +193,15 @@ class TextServer:
             self.complaints.warn(f"{stranger} is in none of the networks of open_to, and is cut off")
             transport.abort()
             return None
+        if len(self._open) >= self._door.most:
+            # Descriptors are short: the oldest who has not said a name goes, as if it had ended by itself.
+            self.complaints.warn(f"more than {self._door.most} connections are more than there are descriptors for")
+            nameless = next((each for each in self._transports if each not in self._named), None)
+            if nameless is None:
+                transport.abort()
+                return None
+            self._transports[nameless].abort()
+            self.ended(nameless)
         self._open.add(transport)
         now = self._clock()
         self._perform(self._router.make_room(now))

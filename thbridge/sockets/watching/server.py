@@ -33,6 +33,7 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
+from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.watching.backlog import Backlog
 from thbridge.sockets.watching.history import MessageHistory
 
@@ -117,34 +118,31 @@ class WatchServer:
         self._open: dict[_Watcher, None] = {}
         self._connection_count = 0
         self._all_closed = asyncio.Event()
-        self._server: asyncio.Server | None = None
+        self._door = ServerDoor(MAX_CONNECTIONS)
         self._heart: asyncio.Task[None] | None = None
 
     async def start(self, host: str, port: int) -> ListeningAddress | CannotListen:
         """Begin to serve; port 0 takes any that is free."""
-        loop = asyncio.get_running_loop()
         try:
-            server = await loop.create_server(self._watcher, host, port)
+            address = await self._door.listen(self._watcher, host, port)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, port)
-        self._server = server
-        self._heart = loop.create_task(self._beat())
-        address = server.sockets[0].getsockname()
-        return ListeningAddress(address[0], address[1])
+        self._heart = asyncio.get_running_loop().create_task(self._beat())
+        return address
 
     async def stop(self) -> None:
         """Close the port; watchers have a moment to read the last messages."""
-        if self._server is None or self._heart is None:
+        if self._heart is None:
             return
-        self._server.close()
+        self._door.close()
         self._heart.cancel()
         for watcher in tuple(self._open):
             watcher.close()
         while self._open:
             self._all_closed.clear()
             await self._all_closed.wait()
-        await self._server.wait_closed()
-        self._server = None
+        await self._door.wait_closed()
+        self._heart = None
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Send the messages of a tick; see `thbridge.app.session.broadcast.Listener`."""
@@ -164,7 +162,7 @@ class WatchServer:
 
     def connection_opened(self, watcher: _Watcher) -> int:
         """Add a connection and return its number."""
-        if len(self._open) >= MAX_CONNECTIONS:
+        if len(self._open) >= self._door.most:
             # Whoever has the key shows it at once. First those make room who showed a wrong one, then the oldest.
             outside = [each for each in self._open if each not in self._watchers]
             next((each for each in outside if each.deaf), outside[0]).abort()

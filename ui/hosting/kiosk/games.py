@@ -21,7 +21,7 @@ from thbridge.experiment.recordings import moved_aside
 from thbridge.experiment.store.events import JsonValue
 from thbridge.experiment.trials import played, setting_of_trial
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.recording.append import make_folder
+from thbridge.files.synced import make_folder
 from thbridge.recording.recordings import make_room
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen

@@ -13,6 +13,7 @@ from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.router import Forwarded, MessageRouter, RouterLimits
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.text import server as text_server
 from thbridge.sockets.text.server import TextServer
 
@@ -165,6 +166,22 @@ async def test_a_server_full_of_silent_connections_lets_a_program_in() -> None:
         await simr.says(b"%%ping\n")
         assert await simr.hears() == b"%%pong i am here\n"
         assert await silent[0].hears_the_rest() == b""
+
+
+def test_where_descriptors_are_few_those_without_a_name_make_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    @run
+    async def whole() -> None:
+        async with serving() as house:
+            simr, nameless = await house.enter("SimR"), await house.enter()
+            monkeypatch.setattr(ServerDoor, "most", 2)
+            tabui = await house.enter("TabUI")
+            assert await nameless.hears_the_rest() == b""
+            await tabui.says(b"%%goto TabUI SimR 0 3 3 45\n")
+            assert await simr.hears() == b"%%goto TabUI SimR 0 3 3 45 \n"
+            kept_out = await house.enter()
+            assert await kept_out.hears_the_rest() == b"", "all others have names"
+
+    whole()
 
 
 @run
