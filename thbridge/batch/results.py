@@ -18,6 +18,9 @@ from thbridge.batch.measures import MEASURES, GameMeasures
 from thbridge.batch.whole_files import whole_file
 from thbridge.files.errors import BadFile
 
+MOST_GAMES, LARGEST_TABLE = 1_000_000, 1 << 30
+"""Games of a chunk that are read, and bytes that they unpack to: some kilobytes of Parquet can stand for gigabytes."""
+
 VERSIONS = "thbridge.versions"
 """Key in a file's metadata of the versions of programs that played its games, as JSON."""
 
@@ -212,9 +215,14 @@ def differing_games(path: Path, condition: int) -> list[str]:
 
 
 def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
-    """Read some columns of a file. Raises BadFile."""
+    """Read some columns of a file. Raises BadFile: it is none of ours, or too large for one."""
     try:
         # Its own columns alone: the folder's name would be another.
-        return parquet.ParquetFile(path).read(columns)
+        file = parquet.ParquetFile(path)
+        unpacked = sum(file.metadata.row_group(number).total_byte_size for number in range(file.num_row_groups))
+        if file.metadata.num_rows > MOST_GAMES or unpacked > LARGEST_TABLE:
+            problem = f"{file.metadata.num_rows} games that unpack to {unpacked} bytes are more than a chunk has"
+            raise BadFile(path, problem, "delete it: a further run plays its games again")
+        return file.read(columns)
     except (OSError, pa.ArrowException) as error:
         raise BadFile(path, f"it cannot be read ({error})", "delete it: a further run plays its games again") from None

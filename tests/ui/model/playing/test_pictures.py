@@ -43,3 +43,16 @@ def test_what_is_no_piece_is_passed_over():
     for piece in (PicturePiece(1, 3, 0, 1, "?"), PicturePiece(1, 3, 5, 2, "aGE="), PicturePiece(1, 3, -1, 2, "aGE=")):
         album.receive(piece)
     assert album.of(1, 3) is None
+
+
+def test_pictures_that_no_game_has_take_no_memory(monkeypatch):
+    monkeypatch.setattr("ui.model.playing.memory.pictures.MOST_BYTES", 10)
+    album = Pictures()
+    for room in range(3):
+        for piece in pieces(b"abcd", 2, room=room):
+            album.receive(piece)
+            album.receive(piece)
+    assert [album.of(1, room) for room in range(3)] == [b"abcd", b"abcd", None]
+    for piece in pieces(b"abcd", 2, game=2):
+        album.receive(piece)
+    assert album.of(2, 3) == b"abcd"

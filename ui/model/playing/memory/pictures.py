@@ -5,17 +5,21 @@ from base64 import b64decode
 
 from thbridge.roles.notices import PicturePiece
 
+MOST_BYTES = 1 << 28
+"""Of all pictures of a game and their pieces; a hundred rooms have as much, with pictures as large as they may be."""
+
 
 class Pictures:
     """Pictures of the game whose pieces came last; they may come before the first view of it."""
 
     def __init__(self) -> None:
         self._game = 0
+        self._held = 0
         self._pieces: dict[int, dict[int, bytes]] = {}
         self._whole: dict[int, bytes] = {}
 
     def receive(self, piece: PicturePiece) -> None:
-        """Take a piece; a malformed piece is ignored."""
+        """Take a piece; a malformed piece is ignored, and one that is too much for a game."""
         if piece.game != self._game:
             self.forget()
             self._game = piece.game
@@ -25,6 +29,10 @@ class Pictures:
             data = b64decode(piece.data, validate=True)
         except binascii.Error:
             return
+        held = self._held + len(data) - len(self._pieces.get(piece.room, {}).get(piece.piece, b""))
+        if held > MOST_BYTES:
+            return
+        self._held = held
         pieces = self._pieces.setdefault(piece.room, {})
         pieces[piece.piece] = data
         if len(pieces) == piece.pieces:
@@ -33,6 +41,7 @@ class Pictures:
 
     def forget(self) -> None:
         """Drop all pictures: another game has the same number."""
+        self._held = 0
         self._pieces.clear()
         self._whole.clear()
 
