@@ -143,22 +143,19 @@ class Journal:
         except OSError as error:
             raise _not_writable(path, error) from None
         journal = cls(path, file)
-        try:
+        with contextlib.ExitStack() as unfinished:
+            unfinished.callback(part.unlink, missing_ok=True)
+            unfinished.callback(journal.close)
             journal._lock()
             journal.append((started,))
-            put_in_free_place(part, path)
-        except FileExistsError:
-            journal.close()
-            problem = "the journal of this game exists already"
-            raise BadFile(path, problem, "start the game with the next number") from None
-        except OSError as error:
-            journal.close()
-            raise _not_writable(path, error) from None
-        except BaseException:
-            journal.close()
-            raise
-        finally:
-            part.unlink(missing_ok=True)
+            try:
+                put_in_free_place(part, path)
+            except FileExistsError:
+                problem = "the journal of this game exists already"
+                raise BadFile(path, problem, "start the game with the next number") from None
+            except OSError as error:
+                raise _not_writable(path, error) from None
+            unfinished.pop_all()
         return journal
 
     @classmethod

@@ -14,7 +14,6 @@ import errno
 import os
 import resource
 import socket
-import ssl
 from asyncio import BaseProtocol
 from collections.abc import Callable, Sequence
 from typing import ClassVar
@@ -59,16 +58,13 @@ class ServerDoor:
         shares = fair_shares([(each._wanted, each._weight) for each in doors], mark() - _OWN)
         return max(1, shares[doors.index(self)])
 
-    async def listen(
-        self, connection: Callable[[], BaseProtocol], host: str, port: int, tls: ssl.SSLContext | None = None
-    ) -> ListeningAddress:
+    async def listen(self, connection: Callable[[], BaseProtocol], host: str, port: int) -> ListeningAddress:
         """Begin to accept at all addresses of a host; port 0 takes any that is free.
 
         Args:
             connection: makes the protocol of a connection.
             host: name or address.
             port: at all of them.
-            tls: encrypts all connections; None: they are not.
 
         Returns:
             The first address.
@@ -88,16 +84,14 @@ class ServerDoor:
             raise
         address = ListeningAddress(*bound[0].getsockname()[:2])
         for each in bound:
-            await self.accept(connection, each, tls)
+            await self.accept(connection, each)
         return address
 
-    async def accept(
-        self, connection: Callable[[], BaseProtocol], bound: socket.socket, tls: ssl.SSLContext | None = None
-    ) -> None:
+    async def accept(self, connection: Callable[[], BaseProtocol], bound: socket.socket) -> None:
         """Begin to accept at a socket that listens already, and is this object's from now on."""
         own = _MarkedSocket(bound.family, bound.type, bound.proto, bound.detach())
         loop = asyncio.get_running_loop()
-        self._servers.append(await loop.create_server(connection, sock=own, backlog=BACKLOG, ssl=tls))
+        self._servers.append(await loop.create_server(connection, sock=own, backlog=BACKLOG))
         self._open.add(self)
 
     def close(self) -> None:

@@ -75,28 +75,27 @@ def test_a_message_of_kilobytes_that_unpacks_to_half_a_gigabyte_is_refused(tmp_p
         list(recorded(folder))
 
 
-def test_messages_that_a_table_computes_are_no_more_than_its_file(tmp_path: Path) -> None:
-    folder = written(tmp_path / "said", StoragePlugin.SQLITE3, CompressionMode.NONE)
-    computed = "data BLOB GENERATED ALWAYS AS (zeroblob(1000000)) VIRTUAL"
+def compute_messages(folder: Path, size: int) -> None:
+    """Let the database compute its messages, each of so many bytes, instead of holding them."""
+    computed = f"data BLOB GENERATED ALWAYS AS (zeroblob({size})) VIRTUAL"
     with sqlite3.connect(folder / "said.db3") as database:
         database.executescript(f"""
             ALTER TABLE messages RENAME TO old;
             CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, {computed});
             INSERT INTO messages(id, topic_id, timestamp) SELECT id, topic_id, timestamp FROM old;
         """)
+
+
+def test_messages_that_a_table_computes_are_no_more_than_its_file(tmp_path: Path) -> None:
+    folder = written(tmp_path / "said", StoragePlugin.SQLITE3, CompressionMode.NONE)
+    compute_messages(folder, 1_000_000)
     with pytest.raises(BadFile, match="more than a recording of its size can hold"):
         list(recorded(folder))
 
 
 def test_a_computed_message_of_a_gigabyte_is_not_even_made(tmp_path: Path) -> None:
     folder = written(tmp_path / "said", StoragePlugin.SQLITE3, CompressionMode.NONE)
-    computed = "data BLOB GENERATED ALWAYS AS (zeroblob(900000000)) VIRTUAL"
-    with sqlite3.connect(folder / "said.db3") as database:
-        database.executescript(f"""
-            DROP TABLE messages;
-            CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, {computed});
-            INSERT INTO messages(id, topic_id, timestamp) VALUES (1, 1, 5);
-        """)
+    compute_messages(folder, 900_000_000)
     with pytest.raises(BadFile, match="its database expands"):
         list(recorded(folder))
 

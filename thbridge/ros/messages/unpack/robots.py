@@ -292,5 +292,7 @@ def _poses_alike(data: bytes, count: int) -> FloatArray | None:
 def _planar(rows: FloatArray) -> FloatArray:
     """(n, 3) x, y, yaw of (n, 7) positions and quaternions."""
     x, y, z, w = rows[:, 3:].T
-    yaw = elementary_arrays.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    # Numbers of others may be of any size; what comes of them is not finite, as they are, and no warning is due.
+    with np.errstate(over="ignore", invalid="ignore"):
+        yaw = elementary_arrays.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return np.column_stack((rows[:, :2], np.where(yaw < np.pi, yaw, -np.pi)))
