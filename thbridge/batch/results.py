@@ -1,6 +1,8 @@
 """Results of games as Parquet files, one a chunk, which DuckDB, pandas and Arrow read as one table."""
 
 import dataclasses
+import hashlib
+import io
 import json
 import re
 import types
@@ -17,12 +19,17 @@ from thbridge.app.compose.machine import versions
 from thbridge.batch.measures import MEASURES, GameMeasures
 from thbridge.batch.whole_files import whole_file
 from thbridge.files.errors import BadFile
+from thbridge.files.regular_files import content_of
 
 MOST_GAMES, LARGEST_TABLE = 1_000_000, 1 << 30
 """Games of a chunk that are read, and bytes that they unpack to: some kilobytes of Parquet can stand for gigabytes."""
 
 VERSIONS = "thbridge.versions"
 """Key in a file's metadata of the versions of programs that played its games, as JSON."""
+_SUM = "thbridge.sum"
+"""Key in a file's metadata of the SHA-256 of the file in which that hash is `_NO_SUM`. Older files have none."""
+_NO_SUM = 64 * "-"
+_WITH_SUM = re.compile(rb"thbridge\.sum[^0-9a-f]{1,8}([0-9a-f]{64})")
 
 
 class GameStatus(StrEnum):
@@ -152,9 +159,12 @@ def write_verified(path: Path, games: Sequence[Verification]) -> None:
 
 
 def _write(path: Path, columns: Mapping[str, pa.Array]) -> None:
-    table = pa.table(columns).replace_schema_metadata({VERSIONS: json.dumps(versions())})
+    table = pa.table(columns).replace_schema_metadata({VERSIONS: json.dumps(versions()), _SUM: _NO_SUM})
+    written = io.BytesIO()
+    parquet.write_table(table, written, compression="zstd")
+    content = written.getvalue()
     with whole_file(path) as file:
-        parquet.write_table(table, file, compression="zstd")
+        file.write(content.replace(_NO_SUM.encode(), hashlib.sha256(content).hexdigest().encode()))
 
 
 def _columns(rows: Sequence[object], of: type, names: Collection[str]) -> dict[str, pa.Array]:
@@ -215,14 +225,28 @@ def differing_games(path: Path, condition: int) -> list[str]:
 
 
 def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
-    """Read some columns of a file. Raises BadFile: it is none of ours, or too large for one."""
+    """Read some columns of a file. Raises BadFile: it is not what was written, none of ours, or too large for one."""
+    remedy = "delete it: a further run plays its games again"
     try:
+        content = content_of(path, LARGEST_TABLE)
+        if _is_damaged(content):
+            raise BadFile(path, "it is damaged: its checksum does not fit", remedy)
         # Its own columns alone: the folder's name would be another.
-        file = parquet.ParquetFile(path)
-        unpacked = sum(file.metadata.row_group(number).total_byte_size for number in range(file.num_row_groups))
+        file = parquet.ParquetFile(pa.BufferReader(content))
+        groups = range(file.num_row_groups)
+        unpacked = sum(file.metadata.row_group(number).total_byte_size for number in groups)  # of integers
         if file.metadata.num_rows > MOST_GAMES or unpacked > LARGEST_TABLE:
             problem = f"{file.metadata.num_rows} games that unpack to {unpacked} bytes are more than a chunk has"
-            raise BadFile(path, problem, "delete it: a further run plays its games again")
+            raise BadFile(path, problem, remedy)
         return file.read(columns)
     except (OSError, pa.ArrowException) as error:
-        raise BadFile(path, f"it cannot be read ({error})", "delete it: a further run plays its games again") from None
+        raise BadFile(path, f"it cannot be read ({error})", remedy) from None
+
+
+def _is_damaged(content: bytes) -> bool:
+    """Return True for a file that is not what was written: Parquet itself notices little."""
+    found = _WITH_SUM.search(content)
+    if found is None:
+        return False
+    begin, end = found.span(1)
+    return hashlib.sha256(content[:begin] + _NO_SUM.encode() + content[end:]).hexdigest().encode() != found[1]

@@ -21,8 +21,14 @@ from weakref import WeakSet
 
 from thbridge.sockets.addresses import ListeningAddress
 
-BACKLOG = 300
-"""Connections that wait to be accepted, and most that are accepted in one round of the loop."""
+_AT_ONCE = 16
+"""Most connections that one socket accepts in a round of the loop: there is other work between them, such as a tick."""
+
+_REFUSED_AT_ONCE = 64
+"""Most connections that are closed in place of one that is accepted."""
+
+BACKLOG = 4096
+"""Connections that may wait until they are accepted; beyond, the system lets them try again after a second."""
 
 DESCRIPTORS = 12_288
 """Descriptors that a process should be allowed."""
@@ -91,7 +97,7 @@ class ServerDoor:
         """Begin to accept at a socket that listens already, and is this object's from now on."""
         own = _MarkedSocket(bound.family, bound.type, bound.proto, bound.detach())
         loop = asyncio.get_running_loop()
-        self._servers.append(await loop.create_server(connection, sock=own, backlog=BACKLOG))
+        self._servers.append(await loop.create_server(connection, sock=own, backlog=_AT_ONCE))
         self._open.add(self)
 
     def close(self) -> None:
@@ -110,13 +116,18 @@ class ServerDoor:
 class _MarkedSocket(socket.socket):
     """Listening socket that closes what it accepts at the mark or above it."""
 
+    def listen(self, backlog: int = BACKLOG) -> None:
+        # A loop says here how many it accepts at once; those that wait are another matter.
+        super().listen(BACKLOG)
+
     def accept(self) -> tuple[socket.socket, object]:
-        # Here, for a loop accepts hundreds at a time before it makes anything of the first.
-        accepted, peer = super().accept()
-        if accepted.fileno() >= mark():
+        # Here, for a loop accepts some before it makes anything of the first.
+        for _ in range(_REFUSED_AT_ONCE):
+            accepted, peer = super().accept()
+            if accepted.fileno() < mark():
+                return accepted, peer
             accepted.close()
-            raise ConnectionAbortedError
-        return accepted, peer
+        raise ConnectionAbortedError
 
 
 def raise_limit() -> None:

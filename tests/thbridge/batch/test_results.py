@@ -1,4 +1,4 @@
-"""Results of others are read within bounds."""
+"""Files of results: what was damaged is refused, since a further run can play it again, and what is too large."""
 
 from pathlib import Path
 
@@ -7,8 +7,37 @@ import pyarrow as pa
 import pytest
 from pyarrow import parquet
 
-from thbridge.batch.results import MOST_GAMES, read_table
+from tests.damaging import SOME_BITS, cuts, flips
+from thbridge.batch.results import MOST_GAMES, VERSIONS, Verification, read_table, write_verified
 from thbridge.files.errors import BadFile
+
+GAMES = [Verification(seed, f"{seed:064x}", f"{seed:064x}", "a:1", "b:2") for seed in range(1, 4)]
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Path:
+    write_verified(tmp_path / "chunk-1.parquet", GAMES)
+    return tmp_path / "chunk-1.parquet"
+
+
+@pytest.mark.parametrize("stride", [11, pytest.param(1, marks=pytest.mark.slow)], ids=["quick", "each"])
+def test_a_changed_byte_or_a_cut_is_refused_or_changes_nothing(written: Path, stride: int) -> None:
+    content, rows = written.read_bytes(), read_table(written).to_pylist()
+    assert [row["seed"] for row in rows] == [1, 2, 3]
+    refused = 0
+    for what, damaged in (*flips(content, SOME_BITS, stride), *cuts(content, stride)):
+        written.write_bytes(damaged)
+        try:
+            assert read_table(written).to_pylist() == rows, what
+        except BadFile:
+            refused += 1
+    assert refused > 100
+
+
+def test_a_file_of_before_checksums_is_read(written: Path) -> None:
+    table = parquet.read_table(written)
+    parquet.write_table(table.replace_schema_metadata({VERSIONS: "{}"}), written)
+    assert read_table(written).to_pylist() == table.to_pylist()
 
 
 def test_a_file_of_kilobytes_that_stands_for_millions_of_games_is_refused(tmp_path: Path) -> None:

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.damaging import SOME_BITS, cuts, flips
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.export.folder import export_experiment
-from thbridge.experiment.export.manifest import MANIFEST, exports_with, missing_exports
+from thbridge.experiment.export.manifest import MANIFEST, _may_hold, exports_with, last_event_of, missing_exports
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import deviations, freeze
 from thbridge.experiment.progress import EventKind
@@ -89,6 +90,22 @@ def test_exports_that_hold_somebody_are_found_and_those_that_are_gone_told(
     assert exports_with(study, "P-NOBODY") == (outside,)
     root.rename(tmp_path / "renamed")
     assert exports_with(ExperimentFolder(tmp_path / "renamed"), person)[0] == tmp_path / "renamed" / "exports" / "first"
+
+
+def test_an_export_whose_manifest_was_damaged_is_not_passed_over_for_who_withdraws(
+    experiment: ExperimentFolder, tmp_path: Path
+) -> None:
+    study = ExperimentFolder(tmp_path / "study")
+    shutil.copytree(experiment.root, study.root)
+    export = study.root / "exports" / "first"
+    export_experiment(study, study.read(), read_log(study.log), export, VERSIONS, None)
+    whole = (export / MANIFEST).read_bytes()
+    people = json.loads(whole)["participants"]
+    for what, damaged in (*flips(whole, SOME_BITS), *cuts(whole)):
+        (export / MANIFEST).write_bytes(damaged)
+        for person in people:
+            assert _may_hold(export, person), what
+        assert last_event_of(export) in {None, json.loads(whole)["events"]}, what
 
 
 def test_the_methods_paragraph_has_people_orders_and_reliability(export: Path) -> None:

@@ -1,8 +1,10 @@
 """Exports that a study knows of, and of whom they have data, so that nothing of who withdraws stays in one."""
 
+import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import cast
 
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.json_text import json_of
@@ -58,26 +60,37 @@ def manifest_text(title: str, participants: Iterable[str], events: int) -> str:
         participants: ids of the people of whom the export has data.
         events: number of the last event in the log.
     """
-    told = {"title": title, "participants": sorted(participants), "events": events}
-    return json.dumps(told, indent=1, ensure_ascii=False) + "\n"
+    told: dict[str, object] = {"title": title, "participants": sorted(participants), "events": events}
+    return json.dumps({**told, "sum": _sum(told)}, indent=1, ensure_ascii=False) + "\n"
 
 
 def last_event_of(export: Path) -> int | None:
     """Return the number of the last event of the log that is in an export; None where no manifest says it."""
-    try:
-        last = json_of((export / MANIFEST).read_text(encoding="utf-8"))["events"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+    last = _told(export).get("events")
     return last if isinstance(last, int) else None
 
 
 def people_of(export: Path) -> frozenset[str] | None:
     """Return the ids of those of whom an export has data; None where no manifest says it."""
-    try:
-        people = json_of((export / MANIFEST).read_text(encoding="utf-8"))["participants"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+    people = _told(export).get("participants")
     return frozenset(map(str, people)) if isinstance(people, list) else None
+
+
+def _told(export: Path) -> Mapping[str, object]:
+    """Return what a manifest says; nothing where there is none, or where it is damaged."""
+    try:
+        told = json_of((export / MANIFEST).read_text(encoding="utf-8"))
+        # An id with another letter would be of nobody, and data of who withdraws would stay. Older ones have no sum.
+        if "sum" in told and told.pop("sum") != _sum(told):
+            return {}
+    except (OSError, ValueError, TypeError, AttributeError):
+        return {}
+    return cast(Mapping[str, object], told) if isinstance(told, dict) else {}
+
+
+def _sum(told: Mapping[str, object]) -> str:
+    """Return a checksum of what a manifest says."""
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
 
 def _may_hold(export: Path, participant: str) -> bool:

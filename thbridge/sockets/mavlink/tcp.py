@@ -15,7 +15,6 @@ from thbridge.sockets.addresses import Address
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
-from thbridge.sockets.listening import BACKLOG as WAITING
 from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
 
@@ -97,7 +96,7 @@ async def tcp_port(links: MavlinkLinks, address: Address, admission: Admission =
     try:
         found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
         family, _, _, _, where = found[0]
-        own = socket.create_server((where[0], where[1]), family=family, backlog=WAITING)
+        own = socket.create_server((where[0], where[1]), family=family)
     except (OSError, UnicodeError) as error:
         return CannotListen.because(error, address.host, address.port)
     return TcpPort(links, own, admission)

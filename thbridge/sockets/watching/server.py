@@ -164,8 +164,8 @@ class WatchServer:
         """Add a connection and return its number."""
         if len(self._open) >= self._door.most:
             # Whoever has the key shows it at once. First those make room who showed a wrong one, then the oldest.
-            outside = [each for each in self._open if each not in self._watchers]
-            next((each for each in outside if each.deaf), outside[0]).abort()
+            deaf = next((each for each in self._open if each.deaf), None)
+            (deaf or next(each for each in self._open if each not in self._watchers)).abort()
         self._open[watcher] = None
         self._connection_count += 1
         return self._connection_count
