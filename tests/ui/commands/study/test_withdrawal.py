@@ -10,6 +10,7 @@ import pytest
 
 from tests.ui.commands.study.test_experiment import runner, thbridge
 from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
+from thbridge.experiment.export.manifest import manifest_text
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Tombstone
@@ -123,7 +124,7 @@ def test_an_older_copy_of_a_study_leaves_exports_alone_that_know_more(finished: 
     thbridge("study", "export", newer, "--to", outside)
     manifest = outside / "manifest.json"
     told = json.loads(manifest.read_text())
-    manifest.write_text(json.dumps({**told, "events": told["events"] + 3}))
+    manifest.write_text(manifest_text(told["title"], told["participants"], told["events"] + 3))
     shutil.copy(newer / "store" / "exports.json", log.parent / "exports.json")
     before = {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()}
     _, gone, _ = people(tmp_path / "older")
