@@ -6,7 +6,6 @@ watcher sends JSON objects, one a line: first the key, where one is required, th
 
 from __future__ import annotations
 
-import json
 import struct
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from typing import TypeAlias
 
 import msgspec
 
+from thbridge.protocols.credentials import LOCAL, Credentials
 from thbridge.protocols.text.lines import LineSplitter, OverlongLine
 
 STATUS = "/watch/status"
@@ -188,11 +188,6 @@ class BagStreamReader:
                 raise ValueError(f"it has a record of kind {kind}")
 
 
-def key_line(key: str) -> bytes:
-    """Return the first line of a watcher, with the key."""
-    return json.dumps({"key": key}).encode() + b"\n"
-
-
 def _sizes(data: bytes | bytearray, at: int) -> tuple[int, int] | None:
     """Return the lengths of header and body of the record at `at`; None while it is incomplete.
 
@@ -249,19 +244,6 @@ class WatcherRequest:
 WatcherEvent: TypeAlias = WatcherAdmitted | WatcherRequest | WatchRefusal
 
 
-@dataclass(frozen=True, slots=True)
-class WatcherIdentity:
-    """Identity of a watcher, by the key that it has shown.
-
-    Attributes:
-        name: of the key; empty where keys have no names.
-        may_intervene: False where it may look on only.
-    """
-
-    name: str = ""
-    may_intervene: bool = True
-
-
 class WatcherSession:
     """Decoder of one watcher's lines, which also has its key checked.
 
@@ -269,16 +251,16 @@ class WatcherSession:
         identify: returns who has a key, or why it is good for nothing, as a clause; None: no key is needed.
 
     Attributes:
-        identity: of the watcher; anybody's before it is admitted.
+        credentials: of the watcher; anybody's before it is admitted.
         admitted: True when it may receive messages and make requests.
         rejected: it is to be disconnected: its key is wrong, its first line is not of this protocol (a browser's,
             say), or too many requests in a row were refused.
     """
 
-    def __init__(self, identify: Callable[[str], WatcherIdentity | str] | None = None) -> None:
+    def __init__(self, identify: Callable[[str], Credentials | str] | None = None) -> None:
         self.admitted = identify is None
         self.rejected = False
-        self.identity = WatcherIdentity()
+        self.credentials = LOCAL
         self._identify = identify
         self._lines = LineSplitter()
         self._understood = False
@@ -316,7 +298,7 @@ class WatcherSession:
             if isinstance(found, str):
                 yield WatchRefusal("", found if "key" in value else "a key is wanted")
             else:
-                self.identity = found
+                self.credentials = found
                 yield WatcherAdmitted()
         elif set(value) != {"key"}:  # a key that is not needed is ignored
             yield WatcherRequest(line, value)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import ssl
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
 from typing import NoReturn
 
 from thbridge.files.errors import reason_of
+from thbridge.files.keys.key_file import ClientKey
 from thbridge.protocols.text.client import ServerCloseReason
+from thbridge.sockets.tls import UntrustedServer, check_server, client_context, needs_tls
 
 
 class LossReason(Enum):
@@ -17,6 +20,7 @@ class LossReason(Enum):
 
     UNREACHABLE = "the server cannot be reached"
     BROKEN = "the connection broke"
+    UNTRUSTED = "the server is not the one that the key is for"
     REFUSED = ServerCloseReason.REFUSED.value
     STOPPED = ServerCloseReason.STOPPED.value
 
@@ -53,13 +57,16 @@ class ReconnectingClient(ABC):
         port: port of the server.
         backoff: delays between two attempts.
         segment: bytes that are read at a time.
+        key: key that is shown to the server; None for none, which is for servers of this machine.
     """
 
-    def __init__(self, host: str, port: int, backoff: Backoff, segment: int) -> None:
+    def __init__(self, host: str, port: int, backoff: Backoff, segment: int, key: ClientKey | None = None) -> None:
         self._host = host
         self._port = port
         self._backoff = backoff
         self._segment = segment
+        self._key = key
+        self._context = client_context(key) if key is not None and needs_tls(host, key) else None
         self._writer: asyncio.StreamWriter | None = None  # while the server has accepted us
         self._reason: LossReason | None = None
 
@@ -93,12 +100,22 @@ class ReconnectingClient(ABC):
         """Connect once and exchange messages until the connection ends, for any reason."""
         try:
             async with asyncio.timeout(self._backoff.timeout):
-                reader, writer = await asyncio.open_connection(self._host, self._port, limit=self._segment)
+                reader, writer = await asyncio.open_connection(
+                    self._host, self._port, limit=self._segment, ssl=self._context
+                )
+        except ssl.SSLCertVerificationError as error:
+            return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port}: {error.verify_message}")
+        except ssl.SSLError as error:
+            return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port} speaks no TLS ({error.reason})")
         except (OSError, UnicodeError, OverflowError) as error:
             reason = reason_of(error) if isinstance(error, OSError) else str(error)
             return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {reason}")
         try:
+            if self._key is not None and self._context is not None:
+                check_server(writer.transport, self._key)
             return await self._listen(reader, writer)
+        except UntrustedServer as error:
+            return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port}: {error}")
         except OSError as error:
             return ConnectionLost(LossReason.BROKEN, str(error))
         finally:

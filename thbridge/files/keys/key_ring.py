@@ -1,19 +1,23 @@
 """Ring of keys by which people are admitted: names, rights and digests; only these people have the secrets."""
 
+import fcntl
 import hashlib
 import os
 import re
-from collections.abc import Callable, Sequence
-from enum import StrEnum
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import msgspec
 
 from thbridge.files.edited_file import write_whole
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.keys.certificate import certificate_of
+from thbridge.files.keys.key_file import key_text
 from thbridge.files.keys.private_file import check_private
 from thbridge.files.regular_files import content_of
 from thbridge.files.synced import make_folder, sync_folder
+from thbridge.protocols.credentials import Right
 
 RING = "ring.json"
 """The file of a ring, in its folder."""
@@ -25,23 +29,17 @@ SHORTEST_KEY = 16
 _NAME = re.compile(r"[a-z][a-z0-9_-]{0,31}")
 
 
-class Right(StrEnum):
-    """Rights of a key."""
-
-    WATCH = "watch"
-    INTERVENE = "intervene"
-
-
-class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """A key of a ring.
 
     Attributes:
         name: of whoever has it.
-        rights: what it is good for; intervening includes watching.
+        rights: what it is good for; intervening includes watching, and admin is everything.
         digest: SHA-256 of the secret, which has 256 bits itself: it cannot be found by trying.
         created: time of day, UTC.
         expires: time of day from which on it is good for nothing; None: never.
         revoked: time of day at which it was taken back; None: it is good.
+        game: the one game that a participant's key is good for; None: the next that it is used in.
     """
 
     name: str
@@ -50,6 +48,7 @@ class KeyEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     created: str
     expires: str | None = None
     revoked: str | None = None
+    game: str | None = None
 
     def why_not(self, now: str) -> str | None:
         """Return why it is good for nothing at a time of day, as a clause; None where it is good."""
@@ -99,7 +98,9 @@ class KeyRing:
         return f"there is no key {name}" if entry is None else entry.why_not(self._clock())
 
     def add(self, name: str, rights: Sequence[Right], secret: str, expires: str | None) -> Path:
-        """Add a key, and write its secret into a file to be handed over; return that file.
+        """Add a key, and write it into a file to be handed over; return that file.
+
+        The file has the fingerprint of the folder's certificate, too, which is made where there is none.
 
         Raises:
             BadFile: the name is none or taken, or a file cannot be written.
@@ -107,39 +108,75 @@ class KeyRing:
         if _NAME.fullmatch(name) is None:
             problem = f"{name!r} is no name of a key"
             raise BadFile(self._path, problem, "take small letters, digits, - and _, a letter first")
-        if any(entry.name == name for entry in self.entries):
-            raise BadFile(self._path, f"there is a key {name} already", "take another name; a name is never used again")
         path = self.folder / f"{name}{KEY_SUFFIX}"
-        before = os.umask(0o077)
-        try:
-            make_folder(self.folder)
-            with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-                file.write(f"{secret}\n")
-                file.flush()
-                os.fsync(file.fileno())
-            sync_folder(self.folder)
-        except FileExistsError:
-            problem = f"there is such a file, and no key {name} in the ring: its making was cut off, or it is another's"
-            raise BadFile(path, problem, "move it elsewhere, then try again") from None
-        except OSError as error:
-            raise BadFile(path, f"it cannot be written ({reason_of(error)})", "choose another folder") from None
-        finally:
-            os.umask(before)
-        self._write((*self._entries, KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires)))
+        with self._locked():
+            if any(entry.name == name for entry in self.entries):
+                remedy = "take another name; a name is never used again"
+                raise BadFile(self._path, f"there is a key {name} already", remedy)
+            certificate = certificate_of(self.folder, self._clock())
+            try:
+                with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+                    file.write(key_text(secret, certificate.fingerprint))
+                    file.flush()
+                    os.fsync(file.fileno())
+                sync_folder(self.folder)
+            except FileExistsError:
+                problem = f"there is such a file, and no key {name} in the ring: its making was cut off, or it is another's"
+                raise BadFile(path, problem, "move it elsewhere, then try again") from None
+            except OSError as error:
+                raise BadFile(path, f"it cannot be written ({reason_of(error)})", "choose another folder") from None
+            self._write((*self._entries, KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires)))
         return path
 
     def revoke(self, name: str) -> None:
         """Take a key back. Raises BadFile: there is none of this name."""
-        if not any(entry.name == name for entry in self.entries):
-            names = ", ".join(entry.name for entry in self._entries) or "none"
-            raise BadFile(self._path, f"there is no key {name}", f"name one of these: {names}")
-        now = self._clock()
-        self._write(
-            tuple(
-                msgspec.structs.replace(entry, revoked=entry.revoked or now) if entry.name == name else entry
-                for entry in self._entries
-            )
-        )
+        with self._locked():
+            entry = next((entry for entry in self.entries if entry.name == name), None)
+            if entry is None:
+                names = ", ".join(entry.name for entry in self._entries) or "none"
+                raise BadFile(self._path, f"there is no key {name}", f"name one of these: {names}")
+            self._replace(msgspec.structs.replace(entry, revoked=entry.revoked or self._clock()))
+
+    def enter(self, name: str, game: str) -> str | None:
+        """Use a participant's key for a game, which it is good for from now on, and for no other.
+
+        Args:
+            name: of the key.
+            game: its name, unlike all others.
+
+        Returns:
+            The reason why it is not good for this game, as a clause; None where it is.
+
+        Raises:
+            BadFile: the ring cannot be read or written.
+        """
+        with self._locked():
+            entry = next((entry for entry in self.entries if entry.name == name), None)
+            if entry is None:
+                return f"there is no key {name}"
+            if entry.game is None:
+                self._replace(msgspec.structs.replace(entry, game=game))
+            return None if entry.game in (None, game) else f"the key {name} was for one game, which is over"
+
+    @contextmanager
+    def _locked(self) -> Iterator[None]:
+        """Keep other programs from changing the ring meanwhile. Raises BadFile."""
+        before = os.umask(0o077)
+        try:
+            make_folder(self.folder)
+            opened = os.open(self.folder, os.O_RDONLY | os.O_DIRECTORY)
+        except OSError as error:
+            raise BadFile(self.folder, f"it cannot be opened ({reason_of(error)})", "choose another folder") from None
+        finally:
+            os.umask(before)
+        try:
+            fcntl.flock(opened, fcntl.LOCK_EX)
+            yield
+        finally:
+            os.close(opened)
+
+    def _replace(self, entry: KeyEntry) -> None:
+        self._write(tuple(entry if each.name == entry.name else each for each in self._entries))
 
     def _write(self, entries: tuple[KeyEntry, ...]) -> None:
         text = msgspec.json.format(msgspec.json.encode(entries), indent=2)

@@ -20,6 +20,7 @@ from thbridge.protocols.text.lines import (
     parse_tokens,
     tokens,
 )
+from thbridge.protocols.text.notice import REFUSED, SERVER, Notice, is_notice, parse_notice
 
 _PONG_LINE = encode_line(f"{TextCommand.PONG} ")
 
@@ -45,9 +46,15 @@ class ServerCloseReason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ClosedByServer:
-    """The server has announced the end of this connection; nothing more will come on it."""
+    """The server has announced the end of this connection; nothing more will come on it.
+
+    Attributes:
+        reason: kind of reason.
+        detail: what the server says of it, as a clause; empty: nothing.
+    """
 
     reason: ServerCloseReason
+    detail: str = ""
 
 
 ClientSessionEvent: TypeAlias = NameRegistered | TextMessage | SendToServer | ClosedByServer | OverlongLine
@@ -75,6 +82,7 @@ class ClientSession:
         self._lines = LineSplitter()
         self._registered = False
         self._ended = False
+        self._refused = ""
 
     def receive_data(self, data: bytes) -> list[ClientSessionEvent]:
         """Return the events in bytes from the server; none after `ClosedByServer`."""
@@ -95,7 +103,15 @@ class ClientSession:
                 return [NameRegistered()]
             case [TextCommand.SHUTDOWN]:
                 self._ended = True
-                return [ClosedByServer(ServerCloseReason.STOPPED if self._registered else ServerCloseReason.REFUSED)]
+                stops = self._registered and not self._refused
+                reason = ServerCloseReason.STOPPED if stops else ServerCloseReason.REFUSED
+                return [ClosedByServer(reason, self._refused)]
             case _:
                 message = parse_tokens(parts)
-                return [message] if isinstance(message, TextMessage) else []
+                if not isinstance(message, TextMessage):
+                    return []
+                if message.sender == SERVER and is_notice(message):
+                    told = parse_notice(message)
+                    if isinstance(told, Notice) and told.kind == REFUSED:
+                        self._refused = str(told.fields.get("reason", ""))
+                return [message]

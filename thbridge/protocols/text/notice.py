@@ -24,6 +24,9 @@ SERVER = "Server"
 UNDELIVERED = "undelivered"
 """The server's notice of a failed delivery: `command`, `receiver`, `content` (its beginning) and `reason`."""
 
+REFUSED = "refused"
+"""The server's notice before it closes a connection whose key is not good for what it wants: `reason`, a clause."""
+
 COUNTED = range(1, 1 << 32)
 """Numbers that games and dialogues can have; random numbers are drawn by them. Others come from faulty senders."""
 

@@ -30,6 +30,9 @@ Extended clients register with ``%%setid NAME extended [TOKEN]``. They alone
 * replace a dead holder of their name: one that has not answered a ping yet, or one that registered with the same
   TOKEN, which is then this program's own connection from before a network failure.
 
+A connection from another machine has credentials. One with a key holds the names that the key's rights are for, and
+speaks in its own name alone; one without a key is never extended. Whoever may not is told why, and closed.
+
 For all other clients there is no difference from the server of 2016.
 """
 
@@ -41,6 +44,7 @@ from enum import Enum
 from functools import cached_property
 from typing import NewType, TypeAlias
 
+from thbridge.protocols.credentials import LOCAL, Credentials, Right
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import (
     EXTENDED,
@@ -54,7 +58,7 @@ from thbridge.protocols.text.lines import (
     parse_tokens,
     tokens,
 )
-from thbridge.protocols.text.notice import SERVER, UNDELIVERED, is_notice, notice
+from thbridge.protocols.text.notice import REFUSED, SERVER, UNDELIVERED, Notice, is_notice, notice, parse_notice
 
 ConnectionId = NewType("ConnectionId", int)
 
@@ -99,11 +103,12 @@ class CloseReason(Enum):
     SLOW = "it does not read what it is sent"
     REPLACED = "its program has connected anew"
     IDLE = "it has no name and says nothing, and its place is needed"
+    NOT_ENTITLED = "its key is not good for that"
 
     @property
     def flush(self) -> bool:
         """True when pending bytes shall still arrive; otherwise the other side does not read any more."""
-        return self in (CloseReason.NAME_TAKEN, CloseReason.ASKED, CloseReason.STOPPED)
+        return self in (CloseReason.NAME_TAKEN, CloseReason.ASKED, CloseReason.STOPPED, CloseReason.NOT_ENTITLED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +162,7 @@ class ClientJoined:
     connection: ConnectionId
     name: str
     extended: bool
+    credentials: Credentials = LOCAL
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,6 +197,7 @@ class _Connection:
     id: ConnectionId
     lines: LineSplitter
     last_line: float
+    credentials: Credentials
     pinged: float | None = None
     name: str | None = None
     extended: bool = False
@@ -238,13 +245,13 @@ class MessageRouter:
             return []
         return self._close(min(idle, key=lambda client: client.last_line), CloseReason.IDLE)
 
-    def connect(self, now: float) -> ConnectionId | TurnedAway:
+    def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
         """Accept a connection, nameless at first; turned away when the server is full or has stopped."""
         if self._stopped or len(self._connections) >= self.limits.clients:
             return TurnedAway(SHUTDOWN_LINE)
         self._connection_count += 1
         connection = ConnectionId(self._connection_count)
-        self._connections[connection] = _Connection(connection, LineSplitter(self.limits.line), last_line=now)
+        self._connections[connection] = _Connection(connection, LineSplitter(self.limits.line), now, credentials)
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
@@ -304,6 +311,14 @@ class MessageRouter:
         """Return a connection's name, or its number while it has none, for people; None when it is not open."""
         client = self._connections.get(connection)
         return None if client is None else client.name or f"connection {connection}"
+
+    def keyed_programs(self) -> list[ClientJoined]:
+        """Return the programs that have shown a key, each with its name, in the order of their connections."""
+        return [
+            ClientJoined(client.id, client.name, client.extended, client.credentials)
+            for client in self._connections.values()
+            if client.name is not None and client.credentials.key
+        ]
 
     # Local endpoints
 
@@ -371,7 +386,8 @@ class MessageRouter:
                 outputs += self._register(client, name, extras)
             case [TextCommand.GETID, *_]:
                 name = self._fresh_number()
-                outputs += self._rename(client, name, client.extended)
+                if _not_entitled(client.credentials, name, client.extended) is None:
+                    outputs += self._rename(client, name, client.extended)
                 outputs.append(SendToClient(client.id, encode_line(f"{TextCommand.SETID} {name}")))
             case [TextCommand.PING, *_]:
                 outputs.append(SendToClient(client.id, PONG_LINE))
@@ -389,6 +405,10 @@ class MessageRouter:
         extended = extras[:1] == [EXTENDED]
         token = extras[1] if extended and len(extras) > 1 else None
         outputs: list[RouterOutput] = []
+        reason = _not_entitled(client.credentials, name, extended)
+        if reason is not None:
+            told = SendToClient(client.id, farewell(name, reason))
+            return [told, *self._close(client, CloseReason.NOT_ENTITLED)]
         holder = self._holders.get(name)
         if holder is not None and holder is not client:
             if not (extended and isinstance(holder, _Connection) and _is_dead(holder, token)):
@@ -401,6 +421,11 @@ class MessageRouter:
         """Pass a message on; send an extended origin a notice when that cannot be done."""
         extended = isinstance(origin, _Endpoint) or origin.extended
         is_extension = extended and is_notice(message)
+        withheld = _withheld(origin, message) if isinstance(origin, _Connection) else None
+        if withheld is not None:
+            # Not even taps hear of it: the keeper would take it for the word of whoever it names.
+            told = extended and not is_extension
+            return self._hand_over(origin, _undelivered(origin.name or SERVER, message, withheld)) if told else []
         holder = self._holders.get(message.receiver)
         failure = self._obstacle(holder, message, is_extension)
         to_ours = isinstance(holder, _Endpoint) or (holder is not None and holder.extended)
@@ -443,7 +468,7 @@ class MessageRouter:
         left = self._release(client)
         client.name, client.extended = name, extended
         self._holders[name] = client
-        return [*left, ClientJoined(client.id, name, extended)]
+        return [*left, ClientJoined(client.id, name, extended, client.credentials)]
 
     def _release(self, client: _Connection) -> list[RouterOutput]:
         if client.name is None:
@@ -458,6 +483,38 @@ class MessageRouter:
 
 def _is_dead(holder: _Connection, token: str | None) -> bool:
     return holder.pinged is not None or (token is not None and holder.token == token)
+
+
+def farewell(name: str, reason: str) -> bytes:
+    """Return the last lines to a client of ours whose key is not good for what it wants, or not any more."""
+    return encode_line(notice(SERVER, name, REFUSED, reason=reason).line()) + SHUTDOWN_LINE
+
+
+_RIGHTS = {legacy.SIMR: Right.ROBOTS, legacy.HIDER: Right.HIDER}
+"""Rights for the names of programs; all other names are participants'."""
+PLAY_AGAIN = "PlayAgain"
+"""Kind of the notice by which a participant begins another game."""
+
+
+def _not_entitled(credentials: Credentials, name: str, extended: bool) -> str | None:
+    """Return why a connection may not hold a name, as a clause; None where it may."""
+    if extended and not credentials.extended:
+        return "from another machine programs of thbridge need a key"
+    if credentials.may(_RIGHTS.get(name, Right.PARTICIPANT)):
+        return None
+    return f"the key {credentials.key} is not good for being {name}, but for: {', '.join(credentials.rights)}"
+
+
+def _withheld(client: _Connection, message: TextMessage) -> str | None:
+    """Return why the message of a client with a key is not passed on; None where it is, or there is no key."""
+    if not client.credentials.key:
+        return None
+    if message.sender != client.name:
+        return f"the key {client.credentials.key} speaks for {client.name} alone"
+    said = parse_notice(message) if client.credentials.one_game and is_notice(message) else None
+    if isinstance(said, Notice) and said.kind == PLAY_AGAIN:
+        return f"the key {client.credentials.key} is good for one game"
+    return None
 
 
 def _undelivered(to: str, message: TextMessage, reason: str) -> TextMessage:

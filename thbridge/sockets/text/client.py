@@ -8,6 +8,8 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import TypeAlias
 
+from thbridge.files.keys.key_file import ClientKey
+from thbridge.protocols.credentials import key_line, parse_answer
 from thbridge.protocols.text.client import (
     ClientSession,
     ClosedByServer,
@@ -42,6 +44,7 @@ class TextClient(ReconnectingClient):
     Args:
         name: name of the program on the server.
         token: one word that marks this run of the program, e.g. some random digits; see `ClientSession`.
+        key: key that is shown to the server, encrypted; None for servers of this machine.
 
     Attributes:
         name: of the program.
@@ -51,9 +54,17 @@ class TextClient(ReconnectingClient):
         ValueError: name or token is not one word.
     """
 
-    def __init__(self, name: str, token: str, host: str, port: int, backoff: Backoff | None = None) -> None:
+    def __init__(
+        self,
+        name: str,
+        token: str,
+        host: str,
+        port: int,
+        backoff: Backoff | None = None,
+        key: ClientKey | None = None,
+    ) -> None:
         ClientSession(name, token)  # refuses a bad name here, not in the midst of a run
-        super().__init__(host, port, backoff or Backoff(), _SEGMENT)
+        super().__init__(host, port, backoff or Backoff(), _SEGMENT, key)
         self.name = name
         self.address = f"{host}:{port}"
         self._token = token
@@ -88,6 +99,11 @@ class TextClient(ReconnectingClient):
         await self._events.put(loss)
 
     async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
+        if self._key is not None and self._context is not None:
+            writer.write(key_line(self._key.secret))
+            refused = await self._answer(reader)
+            if refused is not None:
+                return refused
         session = ClientSession(self.name, self._token)
         self._write(writer, session.hello)
         while True:
@@ -107,10 +123,21 @@ class TextClient(ReconnectingClient):
                         await self._events.put(event)
                     case TextMessage():
                         await self._events.put(event)
-                    case ClosedByServer(reason):
-                        return ConnectionLost(LossReason(reason.value))
+                    case ClosedByServer(reason, detail):
+                        return ConnectionLost(LossReason(reason.value), detail)
                     case OverlongLine(length):
                         _log.warning("the server sent a line of %d bytes, which is too long; skipped", length)
+
+    async def _answer(self, reader: asyncio.StreamReader) -> ConnectionLost | None:
+        """Wait for the answer to the key; return the reason why there is no connection, None where there is."""
+        try:
+            async with asyncio.timeout(self._backoff.timeout):
+                answer = parse_answer(await reader.readline())
+        except (TimeoutError, ValueError):
+            answer = None
+        if answer is None:
+            return ConnectionLost(LossReason.BROKEN, "the server did not answer to the key")
+        return ConnectionLost(LossReason.REFUSED, answer.refused) if answer.refused else None
 
     def _write(self, writer: asyncio.StreamWriter, data: bytes) -> None:
         writer.write(data)

@@ -7,7 +7,9 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from thbridge.protocols.watching import BagStreamReader, BrokenStream, SessionMessage, key_line, parse_status
+from thbridge.files.keys.key_file import ClientKey
+from thbridge.protocols.credentials import key_line
+from thbridge.protocols.watching import BagStreamReader, BrokenStream, SessionMessage, parse_status
 from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason, ReconnectingClient
 
 _SEGMENT = 256 * 1024
@@ -38,9 +40,8 @@ class WatchClient(ReconnectingClient):
         backoff: delays between two attempts.
     """
 
-    def __init__(self, host: str, port: int, key: str | None = None, backoff: Backoff | None = None) -> None:
-        super().__init__(host, port, backoff or Backoff(timeout=_TIMEOUT), _SEGMENT)
-        self._key = key
+    def __init__(self, host: str, port: int, key: ClientKey | None = None, backoff: Backoff | None = None) -> None:
+        super().__init__(host, port, backoff or Backoff(timeout=_TIMEOUT), _SEGMENT, key)
         self._events: deque[WatchEvent] = deque()
         self._loop: asyncio.AbstractEventLoop | None = None
 
@@ -65,7 +66,7 @@ class WatchClient(ReconnectingClient):
     async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
         self._loop = asyncio.get_running_loop()
         if self._key is not None:
-            writer.write(key_line(self._key))
+            writer.write(key_line(self._key.secret))
         stream = BagStreamReader()
         refused = ""
         while True:

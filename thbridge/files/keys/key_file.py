@@ -1,0 +1,52 @@
+"""File with one key, as it is handed over: the secret, and the fingerprint of the session that it is for."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from thbridge.files.keys.private_file import check_private
+from thbridge.files.yaml.tree import read_text
+
+_FINGERPRINT = re.compile(r"sha256:([0-9a-f]{64})")
+
+
+@dataclass(frozen=True, slots=True)
+class ClientKey:
+    """Key of a client.
+
+    Attributes:
+        secret: what it shows.
+        fingerprint: SHA-256 of the certificate of whom it shows it to, hexadecimal; None: whoever a public authority
+            vouches for.
+    """
+
+    secret: str
+    fingerprint: str | None = None
+
+    def __repr__(self) -> str:
+        return "ClientKey(...)"  # It may get into a log.
+
+
+def key_text(secret: str, fingerprint: str) -> str:
+    """Return the text of a file with a key."""
+    return f"{secret}\nsha256:{fingerprint}\n"
+
+
+def read_key(path: Path) -> ClientKey:
+    """Read a file with a key: the secret in its first line, a fingerprint in its second, which may be missing.
+
+    Raises:
+        BadFile: it cannot be read, others may read it, or it holds no key.
+    """
+    check_private(path)
+    lines = [line.strip() for line in read_text(path).splitlines()]
+    if not lines or not lines[0]:
+        raise BadFile(path, "there is no key in this line", "write one, some random letters, into it", line=1)
+    if len(lines) < 2 or not lines[1]:
+        return ClientKey(lines[0])
+    found = _FINGERPRINT.fullmatch(lines[1].lower())
+    if found is None:
+        remedy = "write sha256: and 64 hexadecimal digits, or nothing"
+        raise BadFile(path, "this line is no fingerprint of a certificate", remedy, line=2)
+    return ClientKey(lines[0], found[1])
