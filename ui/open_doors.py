@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from thbridge.sockets.addresses import parse_address
 from thbridge.sockets.admission import is_own, parse_network
-from ui.terminal import BAD_INPUT, fail, note
+from ui.terminal import BAD_INPUT, command, fail, note
 
 if TYPE_CHECKING:
     from thbridge.app.listeners import WatchAddress
+    from thbridge.sockets.keys import RingKeys
     from thbridge.sockets.rosgraph.joining import GraphAddress
     from thbridge.study.study_file import Study
 
@@ -27,33 +28,56 @@ def with_open_to(study: Study, networks: Sequence[str] | None) -> Study:
 
 
 def check_doors(
-    study: Study, watch: WatchAddress | None = None, graph: GraphAddress | None = None, *, serves_text: bool = True
+    study: Study,
+    keys: RingKeys | None = None,
+    watch: WatchAddress | None = None,
+    graph: GraphAddress | None = None,
+    *,
+    serves_text: bool = True,
 ) -> None:
     """End the program where other machines could reach what nobody has opened to them; else tell what is open to whom.
 
     Args:
         study: with what options change in it.
+        keys: of programs and windows on other machines.
         watch: address for researchers' windows.
         graph: the ROS graph to take part in.
         serves_text: False for a program whose text server is elsewhere.
     """
+    networks = ", ".join(study.open_to)
+    plain, keyed = _exposed(_plain_doors(study, graph)), {}
+    if serves_text and not is_own(study.server.host):
+        if keys is not None:
+            keyed["the text server"] = study.server.host
+        if keys is None or networks:
+            plain = {"the text server": study.server.host} | plain
+    if plain and not networks:
+        what, host = next(iter(plain.items()))
+        problem = f"{what}: other machines could reach {host}, and no network is named that may"
+        with_keys = ", or --keys FOLDER for programs that show a key" if what == "the text server" else ""
+        remedy = f"Add --open-to NETWORK (open_to in the study), such as 10.0.0.0/24{with_keys}; or take 127.0.0.1"
+        fail(BAD_INPUT, f"{problem}. {remedy}.")
+    if watch is not None and not is_own(watch.host):
+        if watch.keys is None or watch.keys.tls is None:
+            problem = f"researchers' windows: whoever reaches {watch.host} would see the truth and command robots"
+            remedy = f"Make a key, {command('keys', 'new', 'NAME')}, and add --watch-key keys; or listen on 127.0.0.1"
+            fail(BAD_INPUT, f"{problem}. {remedy}.")
+        keyed["researchers' windows"] = watch.host
+    if keyed:
+        note(f"Open to whoever shows a key, encrypted: {', '.join(keyed)}.")
+    if plain:
+        note(f"Open to {networks}, without key or encryption: {', '.join(plain)}.")
+
+
+def _plain_doors(study: Study, graph: GraphAddress | None) -> dict[str, str]:
+    """Return the hosts of the doors that have no keys, but for the text server."""
     mavlink = study.mavlink
-    hosts = {"the text server": study.server.host} if serves_text else {}
-    if watch is not None:
-        hosts["researchers' windows"] = watch.host
-    if graph is not None:
-        hosts["ROS"] = graph.host
+    hosts = {} if graph is None else {"ROS": graph.host}
     if mavlink.on:
         listens = (("MAVLink by TCP", mavlink.tcp), ("MAVLink by UDP", mavlink.udp_listen))
         hosts |= {what: address.host for what, at in listens if at and (address := parse_address(at))}
-    exposed = {what: host for what, host in hosts.items() if not is_own(host)}
-    if not exposed:
-        return
-    if not study.open_to:
-        what, host = next(iter(exposed.items()))
-        problem = f"{what}: other machines could reach {host}, and no network is named that may"
-        fail(BAD_INPUT, f"{problem}. Add --open-to NETWORK (open_to in the study), such as 10.0.0.0/24; or 127.0.0.1.")
-    if watch is not None and watch.keys is None and not is_own(watch.host):
-        problem = f"researchers' windows: whoever reaches {watch.host} would see the truth and command robots"
-        fail(BAD_INPUT, f"{problem}. Add --watch-key FILE with a key that nobody can guess, or listen on 127.0.0.1.")
-    note(f"Open to {', '.join(study.open_to)}, without encryption: {', '.join(exposed)}.")
+    return hosts
+
+
+def _exposed(hosts: Mapping[str, str]) -> dict[str, str]:
+    return {what: host for what, host in hosts.items() if not is_own(host)}

@@ -77,6 +77,18 @@ WatchKey = Annotated[
         help="Folder of keys (`thbridge keys new`), or file with one: whoever watches has one. They see the truth.",
     ),
 ]
+Keys = Annotated[
+    Path | None,
+    typer.Option(
+        "--keys",
+        help="Folder of keys (`thbridge keys new`), by which programs and windows take part from other machines, "
+        "encrypted; see docs/security.md.",
+    ),
+]
+ServerKey = Annotated[
+    Path | None,
+    typer.Option("--key", help="File with the key that the server wants; what is said is encrypted.", metavar="FILE"),
+]
 FoxglovePort = Annotated[
     int | None,
     typer.Option(

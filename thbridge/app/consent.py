@@ -7,6 +7,7 @@ from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
+from thbridge.protocols.credentials import LOCAL, Credentials
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage, encode_line
 from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
@@ -58,9 +59,9 @@ class ConsentDesk:
         """Make room for a connection."""
         return self._session.make_room(now)
 
-    def connect(self, now: float) -> ConnectionId | TurnedAway:
+    def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
         """Accept a connection."""
-        return self._session.connect(now)
+        return self._session.connect(now, credentials)
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
         """Handle received bytes; a participant's program that joins is shown the text."""

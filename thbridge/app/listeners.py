@@ -17,10 +17,10 @@ from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.publisher import TeamPublisher
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
-from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.keys import KeyVerifier
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence
-from thbridge.sockets.watching.server import WatchKeys, WatchServer
+from thbridge.sockets.watching.server import WatchServer
 from thbridge.timing.pacer import Pacer
 
 
@@ -36,7 +36,7 @@ class WatchAddress:
 
     host: str
     port: int
-    keys: WatchKeys | None
+    keys: KeyVerifier | None
 
 
 class ListenerOptions(Protocol):
@@ -93,6 +93,7 @@ async def listeners(
     ask: Callable[[str, Request], None],
     callbacks: StartupCallbacks,
     receive_frame: Callable[[int, Frame], None] | None = None,
+    granted: Callable[[str, str], None] | None = None,
     *,
     has_game: bool,
 ) -> AsyncIterator[list[Listener]]:
@@ -108,6 +109,7 @@ async def listeners(
             the session exists.
         callbacks: for the results of starting.
         receive_frame: takes MAVLink frames for one robot, likewise; None where the robots are no vehicles.
+        granted: takes the names of keys by which watchers were granted requests, each with the request; None: nobody.
         has_game: True when the game is this session's.
     """
     listening: list[Listener] = []
@@ -117,8 +119,8 @@ async def listeners(
             await opened.enter_async_context(on_graph(live, options.graph, callbacks.joined))
             listening.append(live)
         if options.watch is not None:
-            desk = WatchRequestHandler(ask, team, pacer, has_game=has_game)
-            server = WatchServer(desk, options.watch.keys, admission=Admission.to(setting.study.open_to))
+            desk = WatchRequestHandler(ask, team, pacer, granted, has_game=has_game)
+            server = WatchServer(desk, options.watch.keys)
             opened.push_async_callback(server.stop)
             callbacks.watched(await server.start(options.watch.host, options.watch.port))
             listening += [desk, server]

@@ -38,6 +38,7 @@ from thbridge.ros.names import GRAPH_LINK
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.keys import RingKeys
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.text.server import TextServer
@@ -131,6 +132,8 @@ class PlayOptions:
         mavlink: ports of the MAVLink links; None for none.
         inputs: path of the log of inputs; a game whose log is there already goes on where that ends, and a simulated
             participant in this process decides anew as it did. None: no log.
+        keys: by which programs take part from other machines; None: there are none.
+        run: name of this run, unlike all others, for what keys were used in.
     """
 
     rate: float
@@ -144,6 +147,8 @@ class PlayOptions:
     foxglove: int | None = None
     mavlink: MavlinkPorts | None = None
     inputs: Path | None = None
+    keys: RingKeys | None = None
+    run: str = ""
 
 
 async def play(
@@ -198,7 +203,12 @@ async def play(
             rehearse(setting)
         session = Session(build_keeper(setting), roles, (), inside, vehicle_factory(setting, simr))
         desk = ConsentDesk(session, introduction(setting)) if setting.consent and inside is None else None
-        server = TextServer(desk or session, session.note_forwarded, admission=Admission.to(setting.study.open_to))
+        # A game that goes on is the same as before, and its log is its own.
+        name = options.run if options.inputs is None else str(options.inputs.resolve())
+        session.run = lambda game: f"{name}/{game}"
+        server = TextServer(
+            desk or session, session.note_forwarded, admission=Admission.to(setting.study.open_to), keys=options.keys
+        )
         session.perform = server.perform
 
         async def listen() -> None:
@@ -248,6 +258,7 @@ async def play(
             # A participant in this process is told by window or terminal.
             refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
             troubles.note(refusals, now.utterances)
+            server.note_game(session.game_in_progress)
             progress(now)
             return not ending.reached(session)
 

@@ -14,6 +14,7 @@ from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress,
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
+from thbridge.files.keys.key_file import ClientKey
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.client import NameRegistered
 from thbridge.protocols.text.lines import TextMessage
@@ -218,6 +219,7 @@ class SimrOptions:
         graph: the ROS graph to take part in; None for none.
         watch: address of the watch server; None for none.
         foxglove: TCP port of this machine for Foxglove; None for none.
+        key: that is shown to the text server; None for none.
     """
 
     host: str
@@ -228,6 +230,7 @@ class SimrOptions:
     graph: GraphAddress | None = None
     watch: WatchAddress | None = None
     foxglove: int | None = None
+    key: ClientKey | None = None
 
 
 async def simr(
@@ -270,7 +273,7 @@ async def simr(
         record = build_record(setting, SIMR, [role.name], "")
         recorders = [BagRecorder(Broadcast(publisher, record, setting.map.grid, audience))] if audience else []
         session = SimrSession(role, recorders)
-        client = TextClient(role.name, options.token, options.host, options.port)
+        client = TextClient(role.name, options.token, options.host, options.port, key=options.key)
         await run_at_server(session, client, pacer, lambda: role.rejection is not None, lost)
     return role.rejection
 
@@ -288,20 +291,34 @@ async def await_consent(role: SimR, options: SimrOptions, lost: Callable[[Connec
     """
     _log.warning(CONSENT_SENTENCES[ConsentStatus.AWAITED])
     waiting = UnrecordedSimr(role)
-    client = TextClient(role.name, options.token, options.host, options.port)
+    client = TextClient(role.name, options.token, options.host, options.port, key=options.key)
     await run_at_server(
         waiting, client, Pacer(options.rate), lambda: waiting.granted or waiting.rejection is not None, lost
     )
     return waiting
 
 
-async def hider(role: Hider, host: str, port: int, token: str, lost: Callable[[ConnectionLost], None]) -> None:
+async def hider(
+    role: Hider,
+    host: str,
+    port: int,
+    token: str,
+    lost: Callable[[ConnectionLost], None],
+    key: ClientKey | None = None,
+) -> None:
     """Run the treasures' program until stopped."""
-    await run_at_server(SingleRole(role), TextClient(role.name, token, host, port), Pacer(1.0), lambda: False, lost)
+    client = TextClient(role.name, token, host, port, key=key)
+    await run_at_server(SingleRole(role), client, Pacer(1.0), lambda: False, lost)
 
 
 async def tabui(
-    role: TabUI, host: str, port: int, token: str, lost: Callable[[ConnectionLost], None], shown: Callable[[View], None]
+    role: TabUI,
+    host: str,
+    port: int,
+    token: str,
+    lost: Callable[[ConnectionLost], None],
+    shown: Callable[[View], None],
+    key: ClientKey | None = None,
 ) -> View | None:
     """Run the participant's program until the game is over, or the participant has said that they do not take part.
 
@@ -312,6 +329,7 @@ async def tabui(
         token: identifies this run of the program.
         lost: takes the reason when the connection is lost.
         shown: takes every new view.
+        key: that is shown to the server; None for none.
 
     Returns:
         The last view, of a game that is over unless the participant takes no part; None when stopped.
@@ -326,12 +344,15 @@ async def tabui(
             shown(last)
         return role.declined or (last is not None and last.over is not None)
 
-    finished = await run_at_server(SingleRole(role), TextClient(role.name, token, host, port), Pacer(1.0), after, lost)
+    client = TextClient(role.name, token, host, port, key=key)
+    finished = await run_at_server(SingleRole(role), client, Pacer(1.0), after, lost)
     return last if finished else None
 
 
 def reason_of(lost: ConnectionLost) -> str:
     """Return the reason why there is no connection, for people."""
+    if lost.reason is LossReason.REFUSED and lost.detail:
+        return f"the server refuses: {lost.detail}; trying again"
     if lost.reason is LossReason.REFUSED:
         return "another program holds this name at the server; waiting until it is free"
     return f"{lost.reason.value}; trying again" + (f" ({lost.detail})" if lost.detail else "")

@@ -139,7 +139,7 @@ async def simr_with_real_robots(
             record(options.bag)
         role = build_simr(setting, fleet, timeout)
         session = SimrSession(role, [] if traffic.recorder is None else [BagRecorder(traffic.recorder)])
-        client = TextClient(role.name, options.token, options.host, options.port)
+        client = TextClient(role.name, options.token, options.host, options.port, key=options.key)
         await run_at_server(session, client, Pacer(1.0), lambda: role.rejection is not None, lost)
         await fleet.stop()
         traffic.flush()

@@ -7,12 +7,13 @@ from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
 from thbridge.app.trouble_log import TroubleLog
-from thbridge.hunt.events import GameStarted, JournalEntry
+from thbridge.hunt.events import GameStarted, JournalEntry, KeyUsed
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.keys import RingKeys
 from thbridge.sockets.text.server import TextServer
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
@@ -55,6 +56,8 @@ async def serve(
     journals: JournalStore,
     new_game: bool,
     ready: Callable[[ListeningAddress | CannotListen], None],
+    keys: RingKeys | None = None,
+    run: str = "",
 ) -> None:
     """Run the text server and the keeper until stopped; a game that was cut off goes on.
 
@@ -63,6 +66,9 @@ async def serve(
         journals: of the games; closed at the end.
         new_game: True leaves an unfinished game as it is and begins the next.
         ready: takes the address of the server, or the reason why it cannot listen; then the function returns.
+        keys: by which programs take part from other machines; None: there are none.
+        run: name of this run of the program, unlike all others, for what keys were used in; a game that goes on keeps
+            the name that its journal has.
 
     Raises:
         BadFile: the journal cannot be read or written.
@@ -74,11 +80,15 @@ async def serve(
             if unfinished.torn:
                 _log.warning("its last event was half written and is lost")
         last_game = journals.last_game if unfinished is None else journals.last_game - 1
-        keeper = build_keeper(setting, () if unfinished is None else unfinished.history, last_game)
+        history = () if unfinished is None else unfinished.history
+        keeper = build_keeper(setting, history, last_game)
         for dialogue in keeper.dialogues_not_restored:
             _log.warning("dialogue %d cannot be taken up again; what was said in it is in the journal", dialogue)
+        used_in = [each.run for each in history if isinstance(each, KeyUsed)]
+        names = {last_game + 1: used_in[0]} if used_in else {}
         session = Session(keeper, [], log=ConsentedLog(journals, lambda: keeper.consent))
-        server = TextServer(session, session.note_forwarded, admission=Admission.to(setting.study.open_to))
+        session.run = lambda game: names.setdefault(game, f"{run}/{game}")
+        server = TextServer(session, session.note_forwarded, admission=Admission.to(setting.study.open_to), keys=keys)
         session.perform = server.perform
         listening = await server.start(setting.study.server.host, setting.study.server.port)
         ready(listening)
@@ -92,6 +102,7 @@ async def serve(
             nonlocal told
             now = session.step()
             troubles.note(now.refusals, now.utterances)
+            server.note_game(session.game_in_progress)
             before, told = told, keeper.consent
             if told is not before and told in CONSENT_SENTENCES:
                 _log.warning(CONSENT_SENTENCES[told])

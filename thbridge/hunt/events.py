@@ -315,6 +315,20 @@ class DialogueSaid(_Event, frozen=True, tag="said"):
     text: str
 
 
+class KeyUsed(_Event, frozen=True, tag="key"):
+    """A key was used: a program joined by it, or whoever has it asked for something. Only journals have it.
+
+    Attributes:
+        key: its name.
+        did: what was done by it, for people.
+        run: name of this game, unlike all others: the game that a participant's key is good for.
+    """
+
+    key: str
+    did: str
+    run: str = ""
+
+
 Event = (
     GameStarted
     | TreasuresHidden
@@ -337,5 +351,5 @@ Event = (
     | GameEnded
 )
 
-JournalEntry = Event | DialogueOpened | DialogueSaid
-"""What a journal holds: the events of a game, and what was said between them."""
+JournalEntry = Event | DialogueOpened | DialogueSaid | KeyUsed
+"""What a journal holds: the events of a game, what was said between them, and by which keys."""

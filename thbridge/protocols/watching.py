@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 import msgspec
 
-from thbridge.protocols.credentials import LOCAL, Credentials
+from thbridge.protocols.credentials import LOCAL, Credentials, Right
 from thbridge.protocols.text.lines import LineSplitter, OverlongLine
 
 STATUS = "/watch/status"
@@ -297,6 +297,8 @@ class WatcherSession:
             self.admitted, self.rejected = not isinstance(found, str), isinstance(found, str)
             if isinstance(found, str):
                 yield WatchRefusal("", found if "key" in value else "a key is wanted")
+            elif not found.may(Right.WATCH):
+                yield WatchRefusal("", f"the key {found} is not good for watching")
             else:
                 self.credentials = found
                 yield WatcherAdmitted()

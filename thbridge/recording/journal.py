@@ -18,7 +18,7 @@ from thbridge.files.errors import BadFile
 from thbridge.files.regular_files import content_of
 from thbridge.files.synced import make_folder, put_in_free_place
 from thbridge.hunt.codec import from_json, to_json
-from thbridge.hunt.events import DialogueOpened, DialogueSaid, GameStarted, JournalEntry
+from thbridge.hunt.events import DialogueOpened, DialogueSaid, GameStarted, JournalEntry, KeyUsed
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.recording.append import append_whole
 from thbridge.recording.checked_lines import DamagedLine, checked, has_sum, verified
@@ -86,7 +86,7 @@ def read_journal(path: Path) -> RecoveredGame:
             if isinstance(event, DialogueOpened):
                 if not (state.has_robot(event.robot) and state.has_room(event.room)):
                     raise ValueError(f"this game has no robot {event.robot} or no {event.room}")
-            elif not isinstance(event, DialogueSaid):
+            elif not isinstance(event, DialogueSaid | KeyUsed):
                 state = apply(state, event)
         except ValueError as error:
             raise BadFile(path, str(error), _remedy(number), line=number) from None

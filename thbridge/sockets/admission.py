@@ -44,11 +44,8 @@ class Admission:
 
     def refused(self, transport: BaseTransport) -> str | None:
         """Return the address of a peer that is not admitted, for people; None for one that is."""
-        peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
-        # Sockets without addresses connect programs of one machine, and so do those whose addresses are the same.
-        if not isinstance(peer, tuple) or peer[0] == own[0] or self.admits(str(peer[0])):
-            return None
-        return str(peer[0])
+        peer = peer_of(transport)
+        return None if peer is None or self.admits(peer) else peer
 
     def admits(self, host: str) -> bool:
         """Return True for the address of a peer that is admitted."""
@@ -61,6 +58,15 @@ class Admission:
 
 OWN_MACHINE = Admission()
 """Admission of programs of this machine alone."""
+
+
+def peer_of(transport: BaseTransport) -> str | None:
+    """Return the address of another machine's peer; None for a program of this machine."""
+    peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
+    # Sockets without addresses connect programs of one machine, and so do those whose addresses are the same.
+    if not isinstance(peer, tuple) or peer[0] == own[0] or is_own(str(peer[0])):
+        return None
+    return str(peer[0])
 
 
 def _plain(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:

@@ -2,6 +2,7 @@
 
 import hmac
 import logging
+import ssl
 from typing import Protocol
 
 from thbridge.files.errors import BadFile
@@ -15,6 +16,10 @@ _log = logging.getLogger(__name__)
 class KeyVerifier(Protocol):
     """Keys by which clients are admitted."""
 
+    @property
+    def tls(self) -> ssl.SSLContext | None:
+        """Context of the server, with its certificate; None: all is plain, and for this machine alone."""
+
     def identify(self, secret: str) -> Credentials | str:
         """Return the credentials of whoever has a secret, or why it is good for nothing, as a clause."""
 
@@ -24,6 +29,8 @@ class KeyVerifier(Protocol):
 
 class SingleKey:
     """One key, which whoever has it may do everything with; see `KeyVerifier`."""
+
+    tls = None
 
     def __init__(self, secret: str) -> None:
         self._secret = secret.encode()
@@ -39,10 +46,16 @@ class SingleKey:
 
 
 class RingKeys:
-    """The keys of a ring, as it is at the moment; see `KeyVerifier`. A ring that cannot be read admits nobody."""
+    """The keys of a ring, as it is at the moment; see `KeyVerifier`. A ring that cannot be read admits nobody.
 
-    def __init__(self, ring: KeyRing) -> None:
+    Args:
+        ring: the keys.
+        tls: context of the server, with the certificate that the keys are for.
+    """
+
+    def __init__(self, ring: KeyRing, tls: ssl.SSLContext) -> None:
         self._ring = ring
+        self.tls: ssl.SSLContext | None = tls
         self._complaints = WarnOnce(_log)
 
     def identify(self, secret: str) -> Credentials | str:

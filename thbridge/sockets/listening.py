@@ -11,21 +11,32 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import logging
 import os
 import resource
 import socket
+import ssl
 from asyncio import BaseProtocol
 from collections.abc import Callable, Sequence
 from typing import ClassVar
 from weakref import WeakSet
 
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.tls import begin_connection
+
+_log = logging.getLogger(__name__)
 
 _AT_ONCE = 16
 """Most connections that one socket accepts in a round of the loop: there is other work between them, such as a tick."""
 
 _REFUSED_AT_ONCE = 64
 """Most connections that are closed in place of one that is accepted."""
+
+_AGAIN_SECONDS = 1.0
+"""Seconds until the next attempt, where the system cannot accept."""
+
+_MOST_ARRIVING = 64
+"""Connections at a socket for TLS that have not shown yet what they speak; one more takes the oldest's place."""
 
 BACKLOG = 4096
 """Connections that may wait until they are accepted; beyond, the system lets them try again after a second."""
@@ -55,7 +66,7 @@ class ServerDoor:
         raise_limit()
         self._wanted = wanted
         self._weight = weight
-        self._servers: list[asyncio.Server] = []
+        self._acceptors: list[_Acceptor] = []
 
     @property
     def most(self) -> int:
@@ -64,13 +75,16 @@ class ServerDoor:
         shares = fair_shares([(each._wanted, each._weight) for each in doors], mark() - _OWN)
         return max(1, shares[doors.index(self)])
 
-    async def listen(self, connection: Callable[[], BaseProtocol], host: str, port: int) -> ListeningAddress:
+    async def listen(
+        self, connection: Callable[[], BaseProtocol], host: str, port: int, tls: ssl.SSLContext | None = None
+    ) -> ListeningAddress:
         """Begin to accept at all addresses of a host; port 0 takes any that is free.
 
         Args:
             connection: makes the protocol of a connection.
             host: name or address.
             port: at all of them.
+            tls: for connections that begin with a TLS handshake; None: none may.
 
         Returns:
             The first address.
@@ -90,44 +104,92 @@ class ServerDoor:
             raise
         address = ListeningAddress(*bound[0].getsockname()[:2])
         for each in bound:
-            await self.accept(connection, each)
+            self.accept(connection, each, tls)
         return address
 
-    async def accept(self, connection: Callable[[], BaseProtocol], bound: socket.socket) -> None:
-        """Begin to accept at a socket that listens already, and is this object's from now on."""
-        own = _MarkedSocket(bound.family, bound.type, bound.proto, bound.detach())
-        loop = asyncio.get_running_loop()
-        self._servers.append(await loop.create_server(connection, sock=own, backlog=_AT_ONCE))
+    def accept(
+        self, connection: Callable[[], BaseProtocol], bound: socket.socket, tls: ssl.SSLContext | None = None
+    ) -> None:
+        """Begin to accept at a socket that listens already, and is this object's from now on; see `listen`."""
+        self._acceptors.append(_Acceptor(connection, bound, tls))
         self._open.add(self)
 
     def close(self) -> None:
         """Accept no more."""
-        for server in self._servers:
-            server.close()
+        for each in self._acceptors:
+            each.close()
         self._open.discard(self)
 
     async def wait_closed(self) -> None:
         """Wait until all is closed."""
-        for server in self._servers:
-            await server.wait_closed()
-        self._servers = []
+        for each in self._acceptors:
+            await each.wait_closed()
+        self._acceptors = []
 
 
-class _MarkedSocket(socket.socket):
-    """Listening socket that closes what it accepts at the mark or above it."""
+class _Acceptor:
+    """Accepts connections at one listening socket, and gives each its protocol, encrypted where it begins so.
 
-    def listen(self, backlog: int = BACKLOG) -> None:
-        # A loop says here how many it accepts at once; those that wait are another matter.
-        super().listen(BACKLOG)
+    Of a server of asyncio's, which would accept, nobody can tell what a connection begins with.
+    """
 
-    def accept(self) -> tuple[socket.socket, object]:
-        # Here, for a loop accepts some before it makes anything of the first.
+    def __init__(
+        self, connection: Callable[[], BaseProtocol], bound: socket.socket, tls: ssl.SSLContext | None
+    ) -> None:
+        self._connection = connection
+        self._bound = bound
+        self._tls = tls
+        self._arriving: dict[asyncio.Task[None], None] = {}
+        self._again: asyncio.TimerHandle | None = None
+        self._loop = asyncio.get_running_loop()
+        bound.setblocking(False)
+        self._begin()
+
+    def close(self) -> None:
+        """Accept no more, and cut off whoever has not shown yet what it speaks."""
+        if self._again is not None:
+            self._again.cancel()
+        self._loop.remove_reader(self._bound)
+        self._bound.close()
+        for task in self._arriving:
+            task.cancel()
+
+    async def wait_closed(self) -> None:
+        """Wait until all is closed."""
+        await asyncio.gather(*self._arriving, return_exceptions=True)
+
+    def _begin(self) -> None:
+        self._again = None
+        self._loop.add_reader(self._bound, self._accept)
+
+    def _accept(self) -> None:
+        try:
+            for _ in range(_AT_ONCE):
+                self._welcome(self._next())
+        except (BlockingIOError, InterruptedError, ConnectionAbortedError):
+            return
+        except OSError as error:
+            # No descriptor at all, or no memory: at once it would be so again.
+            _log.warning("no client can be accepted for a second: %s", error)
+            self._loop.remove_reader(self._bound)
+            self._again = self._loop.call_later(_AGAIN_SECONDS, self._begin)
+
+    def _next(self) -> socket.socket:
+        """Return a connection that is below the mark. Raises OSError, such as BlockingIOError where none waits."""
         for _ in range(_REFUSED_AT_ONCE):
-            accepted, peer = super().accept()
+            accepted, _ = self._bound.accept()
             if accepted.fileno() < mark():
-                return accepted, peer
+                accepted.setblocking(False)
+                return accepted
             accepted.close()
         raise ConnectionAbortedError
+
+    def _welcome(self, accepted: socket.socket) -> None:
+        if self._tls is not None and len(self._arriving) >= _MOST_ARRIVING:
+            next(iter(self._arriving)).cancel()
+        task = self._loop.create_task(begin_connection(self._connection, accepted, self._tls))
+        self._arriving[task] = None
+        task.add_done_callback(self._arriving.pop)
 
 
 def raise_limit() -> None:

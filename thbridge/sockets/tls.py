@@ -9,7 +9,6 @@ import asyncio
 import hashlib
 import hmac
 import logging
-import os
 import socket
 import ssl
 from asyncio import BaseProtocol, BaseTransport
@@ -21,17 +20,15 @@ from thbridge.sockets.admission import is_own
 
 _log = logging.getLogger(__name__)
 
-_HANDSHAKE = 0x16
+_HANDSHAKE = b"\x16"
 """First byte of a TLS connection: the type of its first record (RFC 8446, 5.1)."""
 _FIRST_BYTE_SECONDS = 1.0
 """Seconds that a connection may be silent before it counts as plain: programs of 2016 may wait to be spoken to."""
 _HANDSHAKE_SECONDS = 10.0
 _SHUTDOWN_SECONDS = 1.0
-_MOST_ARRIVING = 64
-"""Connections that have not shown yet what they speak; one more takes the place of the oldest."""
 
 
-class UntrustedServer(ConnectionError):
+class UntrustedServer(ConnectionError):  # noqa: N818 - nothing went wrong with the program
     """The server is not the one that the key is for; the key was not shown to it."""
 
 
@@ -74,123 +71,46 @@ def is_encrypted(transport: BaseTransport) -> bool:
     return transport.get_extra_info("ssl_object") is not None
 
 
-class TlsDetector:
-    """Makes protocols for connections, in TLS where these begin so, else plain; to be given to `create_server`.
+async def begin_connection(
+    connection: Callable[[], BaseProtocol], accepted: socket.socket, tls: ssl.SSLContext | None
+) -> None:
+    """Give an accepted connection its protocol: in TLS where it begins so and may, else plain.
 
     Args:
-        make: makes the protocol of a connection.
-        context: of the server.
+        connection: makes the protocol.
+        accepted: socket of the connection, not blocking.
+        tls: context of the server; None: it speaks plain only.
     """
-
-    def __init__(self, make: Callable[[], BaseProtocol], context: ssl.SSLContext) -> None:
-        self._make = make
-        self._context = context
-        self._arriving: dict[_Arrival, None] = {}
-
-    def __call__(self) -> BaseProtocol:
-        """Return the protocol of a new connection, until it is known what it speaks."""
-        return _Arrival(self)
-
-    def close(self) -> None:
-        """Cut off whoever has not shown yet what it speaks."""
-        for arrival in tuple(self._arriving):
-            arrival.abandon()
-
-    def arrived(self, arrival: _Arrival) -> None:
-        """Add a connection; the oldest that is still silent makes room."""
-        if len(self._arriving) >= _MOST_ARRIVING:
-            next(iter(self._arriving)).abandon()
-        self._arriving[arrival] = None
-
-    def gone(self, arrival: _Arrival) -> None:
-        """Remove a connection."""
-        self._arriving.pop(arrival, None)
-
-    async def take(self, peer: socket.socket, *, encrypted: bool) -> None:
-        """Give a connection its protocol. Raises OSError, of which failed handshakes are one kind."""
-        loop = asyncio.get_running_loop()
-        if encrypted:
+    loop = asyncio.get_running_loop()
+    try:
+        if tls is not None and await _begins_tls(accepted):
             await loop.connect_accepted_socket(
-                self._make,
-                peer,
-                ssl=self._context,
+                connection,
+                accepted,
+                ssl=tls,
                 ssl_handshake_timeout=_HANDSHAKE_SECONDS,
                 ssl_shutdown_timeout=_SHUTDOWN_SECONDS,
             )
         else:
-            await loop.connect_accepted_socket(self._make, peer)
+            await loop.connect_accepted_socket(connection, accepted)
+    except OSError as error:
+        _log.info("a connection failed before it was one: %s", error)
+        accepted.close()
+    except asyncio.CancelledError:
+        accepted.close()
+        raise
 
 
-class _Arrival(BaseProtocol):
-    """A connection whose first byte is looked at, and left for its protocol to read.
-
-    The socket is taken over from the transport that the loop has made for it: of a transport nothing can be read
-    without taking it away from whoever comes next.
-    """
-
-    def __init__(self, detector: TlsDetector) -> None:
-        self._detector = detector
-        self._socket: socket.socket | None = None
-        self._timer: asyncio.TimerHandle | None = None
-        self._task: asyncio.Task[None] | None = None
-
-    def connection_made(self, transport: BaseTransport) -> None:
-        if not isinstance(transport, asyncio.Transport):
-            return
-        try:
-            self._socket = socket.socket(fileno=os.dup(transport.get_extra_info("socket").fileno()))
-        except OSError as error:
-            _log.warning("a client is turned away: %s", error)
-            transport.abort()
-            return
-        self._socket.setblocking(False)
-        transport.abort()  # The other end notices nothing: our copy is open.
-        self._detector.arrived(self)
-        loop = asyncio.get_running_loop()
-        loop.add_reader(self._socket, self._look)
-        self._timer = loop.call_later(_FIRST_BYTE_SECONDS, self._begin, b"")
-
-    def abandon(self) -> None:
-        """Cut the connection off."""
-        if self._task is not None:
-            self._task.cancel()
-        self._leave()
-        if self._socket is not None:
-            self._socket.close()
-
-    def _look(self) -> None:
-        if self._socket is None:
-            return
-        try:
-            first = self._socket.recv(1, socket.MSG_PEEK)
-        except (BlockingIOError, InterruptedError):
-            return
-        except OSError:
-            self.abandon()
-            return
-        self._begin(first)
-
-    def _begin(self, first: bytes) -> None:
-        self._stop_looking()
-        self._task = asyncio.get_running_loop().create_task(self._hand_over(encrypted=first[:1] == bytes([_HANDSHAKE])))
-
-    async def _hand_over(self, *, encrypted: bool) -> None:
-        if self._socket is None:
-            return
-        try:
-            await self._detector.take(self._socket, encrypted=encrypted)
-        except OSError as error:
-            _log.info("a client's TLS handshake failed: %s", error)
-            self._socket.close()
-        finally:
-            self._detector.gone(self)
-
-    def _stop_looking(self) -> None:
-        if self._socket is not None:
-            asyncio.get_running_loop().remove_reader(self._socket)
-        if self._timer is not None:
-            self._timer.cancel()
-
-    def _leave(self) -> None:
-        self._stop_looking()
-        self._detector.gone(self)
+async def _begins_tls(accepted: socket.socket) -> bool:
+    """Return True where a connection's first byte, which is left for its protocol to read, is that of a handshake."""
+    loop = asyncio.get_running_loop()
+    readable = asyncio.Event()
+    loop.add_reader(accepted, readable.set)
+    try:
+        async with asyncio.timeout(_FIRST_BYTE_SECONDS):
+            await readable.wait()
+    except TimeoutError:
+        return False
+    finally:
+        loop.remove_reader(accepted)
+    return accepted.recv(1, socket.MSG_PEEK) == _HANDSHAKE

@@ -217,7 +217,7 @@ class DialogueSection:
 class ServerSection:
     """The text server of the game's programs."""
 
-    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets those of open_to in")
+    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets those of keys and open_to in")
     port: int = param(TEXT_SERVER_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
     dialect: Dialect = param(Dialect.LEGACY_2016, "which reading of %%goto comes first")
     tell_refusals: bool = param(
@@ -267,7 +267,7 @@ class RecordingSection:
 class WatchSection:
     """Address for researchers' windows: they see the truth, and may send requests to robots."""
 
-    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets those of open_to in")
+    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets those in who have a key of a folder")
     port: int | None = param(None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535)
     key: Path | None = param(
         None,
@@ -296,10 +296,15 @@ class Study:
     dialogue: DialogueSection = param(DialogueSection(), "how robots talk")
     server: ServerSection = param(ServerSection(), "the text server")
     watch: WatchSection = param(WatchSection(), "researchers' windows")
+    keys: Path | None = param(
+        None,
+        "path of a folder of keys (`thbridge keys`), by which programs and windows of thbridge take part from other"
+        " machines, encrypted; null: none can",
+    )
     open_to: tuple[str, ...] = param(
         (),
-        "networks, such as 10.0.0.0/24, whose machines may reach what listens on an address that is not this machine's"
-        " alone; the text server, MAVLink and ROS have neither keys nor encryption",
+        "networks, such as 10.0.0.0/24, whose machines may speak as in 2016, ROS and MAVLink, which have neither keys"
+        " nor encryption, to what listens on an address that is not this machine's alone",
     )
     mavlink: MavlinkSection = param(MavlinkSection(), "the robots as MAVLink vehicles, for ground stations")
     recording: RecordingSection = param(RecordingSection(), "the bag")

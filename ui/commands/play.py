@@ -17,6 +17,7 @@ from ui.options import (
     ColourScheme,
     FoxglovePort,
     KeyFile,
+    Keys,
     LookOption,
     MapName,
     Mavlink,
@@ -90,6 +91,7 @@ def play(
     watch: WatchAt = None,
     watch_key: WatchKey = None,
     foxglove: FoxglovePort = None,
+    keys: Keys = None,
     open_to: OpenTo = None,
     mavlink: Mavlink = None,
     identity: MavlinkIdentity = None,
@@ -112,12 +114,13 @@ def play(
     from thbridge.protocols.text import legacy
     from thbridge.roles.participant.bot_strategy import BotStrategy
     from thbridge.study.overrides import with_changes
+    from ui.actions.programs import new_token
     from ui.event_loop import run
     from ui.first_start import compile_ahead
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
     from ui.hosting.seats import seat_of_bot, seat_of_person
-    from ui.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
+    from ui.listening import check_foxglove, graph_of, hosts_of, keys_of, ports_of, watch_of
     from ui.open_doors import check_doors, with_open_to
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report
@@ -149,12 +152,14 @@ def play(
     limit = max_seconds or (math.inf if people else AN_HOUR)
     pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
     told = hosts_of(graph, as_json)
-    door = watch_of(study, study_file, watch, watch_key)
-    check_doors(study, door, graph)
+    ring = keys_of(study, study_file, keys)
+    door = watch_of(study, study_file, watch, watch_key, ring)
+    check_doors(study, ring, door, graph)
     check_foxglove(foxglove)
     if windowed:
         offered = offer_of(setting, given=robots is not None)
         options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=foxglove, mavlink=ports)
+        options = dataclasses.replace(options, keys=ring, run=new_token())
         games = WindowGames(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--look", look.value))
         return
@@ -184,6 +189,7 @@ def play(
     unfinished: HuntUnfinished | None = None
     try:
         options = PlayOptions(pace, path, others, who, limit, graph, watch=door, foxglove=foxglove, mavlink=ports)
+        options = dataclasses.replace(options, keys=ring, run=new_token())
         program = hunt.play(setting, seat.tabui, options, ready, progress, told)
         outcome = run(program, seat.typed)
     except ParticipantDeclined as declined:

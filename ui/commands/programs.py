@@ -17,6 +17,7 @@ from ui.options import (
     BagFile,
     ColourScheme,
     FoxglovePort,
+    Keys,
     LookOption,
     MapName,
     OpenTo,
@@ -28,6 +29,7 @@ from ui.options import (
     RosMaster,
     Seed,
     Server,
+    ServerKey,
     StudyFile,
     StudyOption,
     Templates,
@@ -43,6 +45,7 @@ def server(
     study_file: StudyFile = None,
     host: Annotated[str | None, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in.")] = None,
     port: Port = None,
+    keys: Keys = None,
     open_to: OpenTo = None,
     journal: Annotated[Path, typer.Option(help="Folder of the games' journals.")] = Path("journal"),
     new_game: Annotated[bool, typer.Option("--new-game", help="Do not go on with an unfinished game.")] = False,
@@ -50,12 +53,15 @@ def server(
     """Run the text server of 2016, and with it the keeper of the game, until stopped."""
     from thbridge.app.server import serve
     from thbridge.recording.journal_folder import JournalStore
+    from ui.actions.programs import new_token
     from ui.event_loop import run
+    from ui.listening import keys_of
     from ui.open_doors import check_doors, with_open_to
     from ui.settings import setting_of, study_of, with_server
 
     study = with_open_to(with_server(study_of(study_file, {}), host, port), open_to)
-    check_doors(study)
+    ring = keys_of(study, study_file, keys)
+    check_doors(study, ring)
     setting = setting_of(study, study_file)
 
     with bad_input():
@@ -66,13 +72,14 @@ def server(
             fail(BAD_INPUT, str(where))
         print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
 
-    run(serve(setting, ledger, new_game, ready))
+    run(serve(setting, ledger, new_game, ready, ring, new_token()))
 
 
 def simr(
     study_file: StudyFile = None,
     study_option: StudyOption = None,
     server: Server = None,
+    key: ServerKey = None,
     robots: Robots = None,
     map_name: MapName = None,
     robots_from: Annotated[
@@ -99,7 +106,7 @@ def simr(
     from ui.actions.programs import address_of, new_token, settings_without_effect, tell_lost
     from ui.event_loop import run
     from ui.first_start import compile_ahead
-    from ui.listening import check_foxglove, graph_of, hosts_of, watch_of
+    from ui.listening import check_foxglove, graph_of, hosts_of, key_of, watch_of
     from ui.open_doors import check_doors, with_open_to
     from ui.settings import setting_of, study_of
 
@@ -130,20 +137,21 @@ def simr(
         fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or take fewer robots.")
     graph = graph_of(ros or real, ros_master, ros_host, study.open_to)
     door = None if real else watch_of(setting.study, study_file, watch, watch_key)
-    check_doors(study, door, graph, serves_text=False)
+    check_doors(study, None, door, graph, serves_text=False)
+    shown = None if key is None else key_of(key)
     if bag is not None:
         make_ready(bag)
     if real and graph is not None:
-        for key in settings_without_effect(setting.study):
-            note(f"{key} has no effect here: it is for simulated robots.")
-        options = SimrOptions(host, port, new_token(), 1.0, bag)
+        for setting_name in settings_without_effect(setting.study):
+            note(f"{setting_name} has no effect here: it is for simulated robots.")
+        options = SimrOptions(host, port, new_token(), 1.0, bag, key=shown)
         unfit = run(simr_with_real_robots(setting, options, graph, tell_lost, _unreachable, _missing))
         if unfit is not None:
             fail(FAILED, unfit)
         return
     check_foxglove(foxglove)
     compile_ahead(whole_hunt=True)
-    options = SimrOptions(host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door, foxglove)
+    options = SimrOptions(host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door, foxglove, shown)
     unfit = run(programs.simr(setting, options, tell_lost, hosts_of(graph)))
     if unfit is not None:
         fail(FAILED, unfit)
@@ -153,6 +161,7 @@ def hider(
     study_file: StudyFile = None,
     study_option: StudyOption = None,
     server: Server = None,
+    key: ServerKey = None,
     treasures: Annotated[str | None, typer.Option(help="Set of templates, or its folder, with `treasures`.")] = None,
     seed: Seed = None,
 ) -> None:
@@ -161,6 +170,7 @@ def hider(
     from thbridge.app.compose.game import build_hider
     from ui.actions.programs import address_of, new_token, read_templates, tell_lost
     from ui.event_loop import run
+    from ui.listening import key_of
     from ui.settings import study_of
 
     study_file = the_study(study_file, study_option)
@@ -168,13 +178,14 @@ def hider(
     host, port = address_of(server, study.server)
     beside = Path() if study_file is None or treasures is not None else study_file.parent
     role = build_hider(read_templates(study.templates, beside), study.seed)
-    run(programs.hider(role, host, port, new_token(), tell_lost))
+    run(programs.hider(role, host, port, new_token(), tell_lost, None if key is None else key_of(key)))
 
 
 def tabui(
     study_file: StudyFile = None,
     study_option: StudyOption = None,
     server: Server = None,
+    key: ServerKey = None,
     participant: Annotated[
         ParticipantKind | None,
         typer.Option(
@@ -195,22 +206,24 @@ def tabui(
     from thbridge.app import programs
     from ui.actions.programs import ANOTHER_GAME, address_of, new_token, seat_of, show_nothing, tell_lost
     from ui.event_loop import run
+    from ui.listening import key_of
     from ui.model.consent_words import THANKS
     from ui.settings import study_of
 
     study_file = the_study(study_file, study_option)
     study = study_of(study_file, {"templates": templates, "seed": seed})
     host, port = address_of(server, study.server)
+    shown = None if key is None else key_of(key)
     if participant is None and templates is None and seed is None and not as_json:
         why = why_no_window()
         if why is None:
             from ui.windows.participant_program import play_at
 
-            raise typer.Exit(play_at(host, port, new_token(), look.value))
+            raise typer.Exit(play_at(host, port, new_token(), look.value, shown))
         note(f"{why} A simulated participant plays.")
     participant = participant or ParticipantKind.SUGGESTION
     seat = seat_of(participant, study, study_file, templates, seed)
-    program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing)
+    program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing, shown)
     last = run(program, seat.typed)
     if seat.tabui.declined:
         say(THANKS)

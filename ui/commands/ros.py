@@ -59,7 +59,7 @@ def ros_master(
     from ui.open_doors import check_doors, with_open_to
 
     study = with_open_to(Study(), open_to)
-    check_doors(study, None, GraphAddress(host=host), serves_text=False)
+    check_doors(study, None, None, GraphAddress(host=host), serves_text=False)
 
     def ready(where: ListeningAddress | CannotListen) -> None:
         if isinstance(where, CannotListen):

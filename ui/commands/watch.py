@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from thbridge.files.keys.key_file import ClientKey
 from ui.display import why_no_window
 from ui.options import ColourScheme, LookOption
 from ui.terminal import BAD_INPUT, fail
@@ -30,21 +31,21 @@ def watch(
     At a session the window also sends robots, kidnaps and kills them, puts things in their way and speaks for them;
     whatever it asks is recorded. Keys are told by F1. See docs/watching.md.
     """
-    from ui.listening import parse_key
+    from ui.listening import key_of
 
     address = ADDRESS.fullmatch(what)
     if address is not None and not Path(what).exists():
         port = int(address["port"])
         if not 0 < port < 65536:
             fail(BAD_INPUT, f"{what}: {port} is not a port. Give the number that the session told, 1 to 65535.")
-        _watch_session(address["host"], port, None if key is None else parse_key(key), look)
+        _watch_session(address["host"], port, None if key is None else key_of(key), look)
     elif key is not None:
         fail(BAD_INPUT, f"--key: {what} is not HOST:PORT, and a recording wants no key. Leave the option out.")
     else:
         _watch_recording(Path(what), look)
 
 
-def _watch_session(host: str, port: int, key: str | None, look: ColourScheme) -> None:
+def _watch_session(host: str, port: int, key: ClientKey | None, look: ColourScheme) -> None:
     _need_window()
     from thbridge.sockets.watching.client import WatchClient
     from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection

@@ -14,6 +14,7 @@ from typing import TypeAlias
 
 from sim.common.observations import TICK
 from thbridge.app.programs import exchange
+from thbridge.files.keys.key_file import ClientKey
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry
 from thbridge.roles.participant.tabui import TabUI
@@ -46,6 +47,7 @@ LOSS_SENTENCES = {
     LossReason.BROKEN: "",
     LossReason.REFUSED: "Somebody else plays it just now.",
     LossReason.STOPPED: "Its server has stopped.",
+    LossReason.UNTRUSTED: "It is not the server that your key is for.",
 }
 """Sentences for the player about a lost connection; empty where there is nothing to add."""
 
@@ -68,13 +70,21 @@ class ParticipantLink:
         port: of the server.
         token: marks this run of the program, so that the server knows its own connection from before a fault.
         consent: of a participant who has agreed to take part already; None: not yet, or nothing was asked.
+        key: that is shown to the server; None for none.
 
     Raises:
         ValueError: the token is not one word.
     """
 
-    def __init__(self, host: str, port: int, token: str, consent: GiveConsent | None = None) -> None:
-        self._client = TextClient(TabUI.name, token, host, port, RECONNECT_BACKOFF)
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        token: str,
+        consent: GiveConsent | None = None,
+        key: ClientKey | None = None,
+    ) -> None:
+        self._client = TextClient(TabUI.name, token, host, port, RECONNECT_BACKOFF, key)
         self._token = token
         self._consent = consent
         self._declined = False
@@ -134,7 +144,8 @@ class ParticipantLink:
         self._report(level)
 
     def _lost(self, lost: ConnectionLost) -> None:
-        self._report(ServerLost(LOSS_SENTENCES[lost.reason]))
+        refused = lost.reason is LossReason.REFUSED and lost.detail
+        self._report(ServerLost(f"Its server says: {lost.detail}." if refused else LOSS_SENTENCES[lost.reason]))
 
     def _report(self, event: ServerEvent) -> None:
         self._events.append(ReceivedEvent(time.monotonic(), event))

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from thbridge.files.keys.key_file import ClientKey
 from thbridge.roles.view import GiveConsent
 from ui.model.lobby import (
     LOBBY,
@@ -333,11 +334,11 @@ class ParticipantMainWindow(QMainWindow):
                 self.leave()
 
 
-def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
-    """Open the window at a server; return the exit code when it is closed."""
+def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKey | None = None) -> int:
+    """Open the window at a server, with a key, if any; return the exit code when it is closed."""
     app = application()
     table = _table(app, choice, None)
-    table.join(ParticipantLink(host, port, token))
+    table.join(ParticipantLink(host, port, token, key=key))
     table.show()
     code = app.exec()
     return DECLINED if table.declined else code

@@ -31,7 +31,7 @@ from thbridge.recording.bag.records import (
     message_head,
     time_bytes,
 )
-from thbridge.sockets.watching.keys import SingleKey
+from thbridge.sockets.keys import SingleKey
 
 TOPICS = [
     BagConnection(0, "/tf", "tf2_msgs/TFMessage", "0" * 32, "x", "/thbridge", False),

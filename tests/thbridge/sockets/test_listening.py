@@ -20,13 +20,13 @@ from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.sockets.addresses import Address, ListeningAddress
+from thbridge.sockets.keys import SingleKey
 from thbridge.sockets.listening import DESCRIPTORS, RESERVED, ServerDoor, check_room, fair_shares, mark
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.tcpros_server import TcprosServer
 from thbridge.sockets.text.server import TextServer
-from thbridge.sockets.watching.keys import SingleKey
 from thbridge.sockets.watching.server import WatchServer
 
 PATIENCE = 30

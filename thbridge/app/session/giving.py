@@ -32,9 +32,9 @@ class RecordedParticipant:
 def give(session: Session, participant: RecordedParticipant | None, item: inputs.Input) -> None:
     """Give an input to a session of `thbridge play`, by the method that took it when it was recorded."""
     match item:
-        case inputs.ConnectionOpened(_, now):
+        case inputs.ConnectionOpened(_, now, credentials):
             session.perform(session.make_room(now))
-            session.connect(now)
+            session.connect(now, credentials)
         case inputs.BytesReceived(connection, _, data, now):
             session.perform(session.receive_data(connection, data, now))
         case inputs.ConnectionClosed(connection):

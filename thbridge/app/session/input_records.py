@@ -10,6 +10,7 @@ import numpy as np
 from sim.inputs import SendGoal
 from thbridge.app.session import inputs
 from thbridge.json_text import json_of
+from thbridge.protocols.credentials import LOCAL
 from thbridge.protocols.mavlink.dialect import name_of
 from thbridge.roles.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
 from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
@@ -80,8 +81,9 @@ def decode_request(value: object) -> inputs.ClientRequest:
 def _for_people(item: inputs.Input) -> tuple[str, str]:
     """Return the sender of an input, and a description for people."""
     match item:
-        case inputs.ConnectionOpened(connection):
-            return f"connection {connection}", "a connection is opened"
+        case inputs.ConnectionOpened(connection, _, credentials):
+            key = f" by the key {credentials}" if credentials.key else ""
+            return f"connection {connection}", f"a connection is opened{key}"
         case inputs.BytesReceived(_, sender, data):
             return _readable(sender), data.decode(errors="replace").rstrip("\r\n")
         case inputs.ConnectionClosed(_, sender):
@@ -128,6 +130,8 @@ def _fields(value: object) -> object:
             del fields["owner"]
         case GoalRequest(number=number):
             fields["number"] = recorded_number(GoalOwner.ROS_CLIENT, number)
+        case inputs.ConnectionOpened(credentials=credentials) if credentials == LOCAL:
+            del fields["credentials"]  # Nearly all are of this machine.
     return fields
 
 

@@ -8,6 +8,7 @@ a session that is given the same ones in the same ticks does the same.
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from thbridge.protocols.credentials import LOCAL, Credentials
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.text.lines import TextMessage
@@ -17,10 +18,11 @@ from thbridge.roles.robot_requests import Request
 
 @dataclass(frozen=True, slots=True)
 class ConnectionOpened:
-    """A connection was opened at the text server, at `now` seconds of its clock."""
+    """A connection was opened at the text server, at `now` seconds of its clock, with credentials."""
 
     connection: ConnectionId
     now: float
+    credentials: Credentials = LOCAL
 
 
 @dataclass(frozen=True, slots=True)

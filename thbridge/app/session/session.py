@@ -11,14 +11,22 @@ from typing import TYPE_CHECKING, Protocol
 from thbridge.app.session import inputs
 from thbridge.app.session.inputs import Input
 from thbridge.dialogue.moves import DialogueUtterance
-from thbridge.hunt.events import Event, JournalEntry
+from thbridge.hunt.events import Event, GameStarted, JournalEntry, KeyUsed
 from thbridge.hunt.game import GameState
+from thbridge.protocols.credentials import LOCAL, Credentials
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.links import HubLink
 from thbridge.protocols.mavlink.outgoing import LinkId, VehicleStatus
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, TurnedAway
+from thbridge.protocols.text.router import (
+    ClientJoined,
+    ConnectionId,
+    Forwarded,
+    MessageRouter,
+    RouterOutput,
+    TurnedAway,
+)
 from thbridge.roles.keeper.keeper import Keeper, ProgramRefusal
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.roles.robot_requests import GameRequest, Request
@@ -90,9 +98,10 @@ class Session:
         participant: the participant's role in this process, if any; its messages are inputs.
         vehicles: makes the robots MAVLink vehicles, given a sink of their requests to robots and game; these requests
             follow from frames, and so are no inputs. None: the robots are no vehicles.
-        log: of the game's events; None: they are not logged.
+        log: of the game's events, and of the keys by which programs take part; None: they are not logged.
 
     Attributes:
+        run: name of a game, by its number, unlike all others; it is logged with the keys.
         tick: the number of the next tick.
         perform: carries out the router's outputs. A server of outside connections replaces it, and must pass every
             `Forwarded` to `note_forwarded`; to that server this session is the router.
@@ -114,6 +123,7 @@ class Session:
         self.tick = 0
         self.perform: Callable[[Sequence[RouterOutput]], None] = self.note_all_forwarded
         self.transmit: Callable[[Sequence[OutgoingFrame]], None] = _drop_frames
+        self.run: Callable[[int], str] = str
         self._router = MessageRouter()
         self._keeper = keeper
         self._roles = tuple(roles)
@@ -122,6 +132,8 @@ class Session:
         self._participant = participant
         self._robots = next((role for role in roles if isinstance(role, RobotsRole)), None)
         self._inputs: list[Input] = []
+        self._joined: list[ClientJoined] = []
+        self._granted: list[tuple[str, str]] = []
         self._said: dict[ConnectionId, int] = {}
         self._said_by_all = 0
         self._forwarded: list[Forwarded] = []
@@ -141,6 +153,12 @@ class Session:
     def game(self) -> GameState | None:
         """State of the game; None before the first."""
         return self._keeper.state
+
+    @property
+    def game_in_progress(self) -> str | None:
+        """Name of the game that is being played, as `run` has it; None while none is."""
+        game = self.game
+        return None if game is None or game.ended is not None else self.run(game.started.game)
 
     def record_with(self, recorders: Sequence[TickRecorder], log: EventLog | None) -> None:
         """Have every tick recorded, and the game's events logged; to be called before the first tick."""
@@ -167,15 +185,19 @@ class Session:
         self._pass_on(request, sender)
         self._inputs.append(inputs.ClientRequest(sender, request))
 
+    def granted(self, key: str, request: str) -> None:
+        """Note that whoever has a key has asked for something, and got it, for the log."""
+        self._granted.append((key, request))
+
     def make_room(self, now: float) -> list[RouterOutput]:
         """See the router; a connection that follows is recorded, and makes room again in a replay."""
         return self._router.make_room(now)
 
-    def connect(self, now: float) -> ConnectionId | TurnedAway:
+    def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
         """See the router, for this and the next ones; only calls with an effect are recorded as inputs."""
-        connection = self._router.connect(now)
+        connection = self._router.connect(now, credentials)
         if not isinstance(connection, TurnedAway):
-            self._inputs.append(inputs.ConnectionOpened(connection, now))
+            self._inputs.append(inputs.ConnectionOpened(connection, now, credentials))
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
@@ -189,6 +211,7 @@ class Session:
             self._said_by_all += len(line) + _LINE
             self._inputs.append(inputs.BytesReceived(connection, sender, line, now))
             outputs += self._router.receive_data(connection, line, now)
+        self._joined += [each for each in outputs if isinstance(each, ClientJoined) and each.credentials.key]
         return outputs
 
     def admits(self, connection: ConnectionId) -> bool:
@@ -300,7 +323,7 @@ class Session:
         self._step_role(self._keeper)
         decisions = self._keeper.decisions
         if self._log is not None:
-            self._log.append(decisions.entries)
+            self._log.append([*decisions.entries, *self._keys_used(decisions.entries)])
         for role in self._roles:
             self._step_role(role)
         if self._participant is not None:
@@ -325,6 +348,20 @@ class Session:
         self.transmit(sent)
         self.tick += 1
         return record
+
+    def _keys_used(self, entries: Sequence[JournalEntry]) -> list[KeyUsed]:
+        """Return what was done by keys since the last tick; in the first of a game, who takes part by one."""
+        joined, self._joined = self._joined, []
+        granted, self._granted = self._granted, []
+        if self.game is None:
+            return []
+        if any(isinstance(entry, GameStarted) for entry in entries):
+            joined = self._router.keyed_programs()
+        run = self.run(self.game.started.game)
+        return [
+            *(KeyUsed(each.credentials.key, f"joined as {each.name}", run) for each in joined),
+            *(KeyUsed(key, f"asked: {request}", run) for key, request in granted),
+        ]
 
     def _pass_on(self, request: Request, researcher: str | None = None) -> None:
         """Pass a request on to its role; see `ask`."""

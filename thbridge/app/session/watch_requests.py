@@ -1,5 +1,6 @@
 """Requests of watchers (researchers' windows): to the robots, and about the session's pace."""
 
+import json
 import logging
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -103,11 +104,21 @@ class WatchRequestHandler:
         ask: takes granted requests, with the name of the sender.
         robots: the team.
         pacer: of the session.
+        granted: takes the names of keys by which requests were granted, each with the request; None: nobody.
         has_game: True when the game is this session's, so that a watcher can speak in a robot's place.
     """
 
-    def __init__(self, ask: Callable[[str, Request], None], robots: RobotTeam, pacer: Pacer, *, has_game: bool) -> None:
+    def __init__(
+        self,
+        ask: Callable[[str, Request], None],
+        robots: RobotTeam,
+        pacer: Pacer,
+        granted: Callable[[str, str], None] | None = None,
+        *,
+        has_game: bool,
+    ) -> None:
         self._ask = ask
+        self._note_granted = granted
         self._robots = robots
         self._pacer = pacer
         self._has_game = has_game
@@ -130,8 +141,22 @@ class WatchRequestHandler:
             self._ask(WATCH_SENDER, WizardMode(robot, on=False))
         self._puppets.clear()
 
-    def ask(self, watcher: str, request: Mapping[str, object]) -> str | None:
-        """Grant a request in JSON; return None, or the reason for a refusal."""
+    def ask(self, watcher: str, request: Mapping[str, object], key: str = "") -> str | None:
+        """Grant a request in JSON; return None, or the reason for a refusal.
+
+        Args:
+            watcher: name of the connection; a request may name another sender, unless a key speaks.
+            request: as `request_line` writes it.
+            key: name of the watcher's key; empty: it has none.
+        """
+        said = {**request, "sender": watcher} if key else {"sender": watcher, **request}
+        reason = self._ask_for(said)
+        if reason is None and key and self._note_granted is not None:
+            fields = json.dumps(said.get("fields", {}))
+            self._note_granted(key, f"{said.get('request')} {fields[:MOST_CHARACTERS]}")
+        return reason
+
+    def _ask_for(self, request: Mapping[str, object]) -> str | None:
         name = request.get("request")
         kind = PACE_REQUESTS.get(name) if isinstance(name, str) else None
         try:
@@ -139,7 +164,7 @@ class WatchRequestHandler:
                 return self._turn(decode_value(request.get("fields", {}), kind))
             if _lies_far(request.get("fields")):
                 return "no map is that large"
-            asked = decode_request({"sender": watcher, "fields": {}, **request})
+            asked = decode_request({"fields": {}, **request})
         except ValueError as error:
             return str(error)
         if not isinstance(asked.request, _GRANTED):

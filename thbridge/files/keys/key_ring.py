@@ -121,7 +121,7 @@ class KeyRing:
                     os.fsync(file.fileno())
                 sync_folder(self.folder)
             except FileExistsError:
-                problem = f"there is such a file, and no key {name} in the ring: its making was cut off, or it is another's"
+                problem = f"there is such a file, and no key {name}: its making was cut off, or it is another's"
                 raise BadFile(path, problem, "move it elsewhere, then try again") from None
             except OSError as error:
                 raise BadFile(path, f"it cannot be written ({reason_of(error)})", "choose another folder") from None

@@ -24,6 +24,7 @@ from thbridge.hunt.events import (
     Event,
     GameStarted,
     JournalEntry,
+    KeyUsed,
     TreasuresHidden,
 )
 from thbridge.hunt.game import GameState
@@ -142,7 +143,7 @@ class KeeperDecisions:
     @property
     def events(self) -> tuple[Event, ...]:
         """The events of the game, in order."""
-        return tuple(entry for entry in self.entries if not isinstance(entry, DialogueOpened | DialogueSaid))
+        return tuple(entry for entry in self.entries if not isinstance(entry, DialogueOpened | DialogueSaid | KeyUsed))
 
 
 class Keeper:

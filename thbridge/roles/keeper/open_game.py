@@ -17,6 +17,7 @@ from thbridge.hunt.events import (
     GameStarted,
     HandbackRequested,
     JournalEntry,
+    KeyUsed,
     MoveFailed,
     RobotArrived,
     RobotDeparted,
@@ -325,6 +326,8 @@ class OpenGame:
         return tuple(utterances)
 
     def _apply(self, event: JournalEntry, *, restored: bool = False) -> None:
+        if isinstance(event, KeyUsed):
+            return
         if isinstance(event, DialogueOpened | DialogueSaid):
             if self.state is not None:
                 self._talk(self.state, event, restored=restored)

@@ -57,7 +57,7 @@ class TcpPort:
     async def serve(self) -> None:
         """Accept connections of ground stations."""
         self._served = True
-        await self._door.accept(lambda: _Connection(self), self._socket)
+        self._door.accept(lambda: _Connection(self), self._socket)
 
     async def close(self) -> None:
         """Close the port and all connections."""

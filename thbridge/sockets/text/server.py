@@ -14,10 +14,12 @@ from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
+from thbridge.protocols.credentials import LOCAL, PLAIN, Credentials, KeyAnswer, secret_of
 from thbridge.protocols.text.router import (
     ClientJoined,
     ClientLeft,
     CloseConnection,
+    CloseReason,
     ConnectionId,
     Forwarded,
     LineSkipped,
@@ -25,12 +27,15 @@ from thbridge.protocols.text.router import (
     RouterOutput,
     SendToClient,
     TurnedAway,
+    farewell,
 )
 from thbridge.sockets.addresses import DEBIAN_HOST, LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
-from thbridge.sockets.admission import OWN_MACHINE, Admission
+from thbridge.sockets.admission import OWN_MACHINE, Admission, peer_of
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
+from thbridge.sockets.keys import RingKeys
 from thbridge.sockets.listening import ServerDoor
+from thbridge.sockets.tls import is_encrypted
 from thbridge.sockets.warn_once import WarnOnce
 
 _log = logging.getLogger(__name__)
@@ -45,7 +50,18 @@ _MOST_LINGERING = 64
 """Connections that may be read their last line at a time."""
 
 _CHECK_INTERVAL = 1.0
-"""Seconds between two checks for idle clients."""
+"""Seconds between two checks for idle clients, and for keys that are good for nothing any more."""
+
+_KEY_SECONDS = 10.0
+"""Seconds that an encrypted connection has to show its key."""
+
+_WRONG_KEY_SECONDS = 1.0
+"""Seconds until a client is told that its key is wrong, and may try again."""
+
+_LONGEST_KEY_LINE = 4096
+
+_MOST_WITHOUT_KEY = 64
+"""Encrypted connections that have shown no key, or a wrong one; one more takes the place of the oldest."""
 
 
 class RouterInterface(Protocol):
@@ -54,7 +70,7 @@ class RouterInterface(Protocol):
     def make_room(self, now: float) -> Sequence[RouterOutput]:
         """Make room for a connection, where the server is full."""
 
-    def connect(self, now: float) -> ConnectionId | TurnedAway:
+    def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
         """Accept a connection."""
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
@@ -81,13 +97,14 @@ def _ignore(forwarded: Forwarded) -> None:
 
 
 class TextServer:
-    """TCP server of one router.
+    """TCP server of one router, plain, and with keys in TLS, too.
 
     Args:
         router: makes the decisions; it may have local endpoints without a socket.
         tap: called with every message passed on, delivered or not, in order. It must not raise.
         clock: returns seconds; must not run backwards.
-        admission: of clients by their addresses.
+        admission: of clients that speak plain, by their addresses.
+        keys: by which clients are admitted from everywhere, in TLS; None: there are none.
     """
 
     def __init__(
@@ -96,8 +113,13 @@ class TextServer:
         tap: Callable[[Forwarded], None] = _ignore,
         clock: Callable[[], float] = time.monotonic,
         admission: Admission = OWN_MACHINE,
+        keys: RingKeys | None = None,
     ) -> None:
         self._admission = admission
+        self._keys = keys
+        self._with_key: dict[ConnectionId, Credentials] = {}
+        self._without_key: dict[_Connection, None] = {}
+        self._game: str | None = None
         self._router = router
         self._tap = tap
         self._clock = clock
@@ -109,7 +131,7 @@ class TextServer:
         self._all_closed = asyncio.Event()
         # Those turned away linger beside the router's.
         self._door = ServerDoor(RouterLimits().clients + _MOST_LINGERING)
-        self._named: set[ConnectionId] = set()
+        self._names: dict[ConnectionId, str] = {}
         self._watch: asyncio.Task[None] | None = None
 
     async def start(self, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT) -> ListeningAddress | CannotListen:
@@ -120,7 +142,8 @@ class TextServer:
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
         try:
-            address = await self._door.listen(lambda: _Connection(self), host, port)
+            tls = None if self._keys is None else self._keys.tls
+            address = await self._door.listen(lambda: _Connection(self), host, port, tls)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, port)
         self._watch = asyncio.get_running_loop().create_task(self._check_idle())
@@ -137,6 +160,8 @@ class TextServer:
             return
         self._door.close()
         self._watch.cancel()
+        for connection in tuple(self._without_key):
+            connection.abort()
         self._perform(self._router.stop())
         while self._open:
             self._all_closed.clear()
@@ -179,41 +204,77 @@ class TextServer:
                     _log.info("client %d sent a line of %d bytes", connection, length)
                 case ClientJoined(connection, name):
                     _log.info("client %d is %s", connection, name)
-                    self._named.add(connection)
+                    self._names[connection] = name
+                    self._enter_game(connection)
                 case ClientLeft(connection, name):
                     _log.info("client %d is %s no more", connection, name)
-                    self._named.discard(connection)
+                    self._names.pop(connection, None)
                 case Forwarded():
                     self._tap(output)
 
-    def connected(self, transport: Transport) -> ConnectionId | None:
-        """Accept a new connection, or turn it away; cut off one whose machine is not admitted."""
-        stranger = self._admission.refused(transport)
+    def note_game(self, name: str | None) -> None:
+        """Note which game is being played, by a name unlike all others; None: none is.
+
+        Participants with a key have entered it: their keys are good for no other.
+        """
+        if name != self._game:
+            self._game = name
+            for connection in tuple(self._with_key):
+                self._enter_game(connection)
+
+    # Connections
+
+    def arrived(self, connection: _Connection, transport: Transport) -> bool:
+        """Give a new connection a place; return False where there is none, or its machine is not admitted."""
+        encrypted = is_encrypted(transport)
+        stranger = None if encrypted else self._admission.refused(transport)
         if stranger is not None:
             self.complaints.warn(f"{stranger} is in none of the networks of open_to, and is cut off")
             transport.abort()
-            return None
+            return False
         if len(self._open) >= self._door.most:
             # Descriptors are short: the oldest who has not said a name goes, as if it had ended by itself.
             self.complaints.warn(f"more than {self._door.most} connections are more than there are descriptors for")
-            nameless = next((each for each in self._transports if each not in self._named), None)
+            nameless = next((each for each in self._transports if each not in self._names), None)
             if nameless is None:
                 transport.abort()
-                return None
+                return False
             self._transports[nameless].abort()
             self.ended(nameless)
         self._open.add(transport)
+        if encrypted:
+            if len(self._without_key) >= _MOST_WITHOUT_KEY:
+                oldest = next(iter(self._without_key))
+                del self._without_key[oldest]
+                oldest.abort()
+            self._without_key[connection] = None
+        return True
+
+    def identify(self, line: bytes) -> Credentials | str:
+        """Return the credentials of a connection that has shown a key; or why it is good for nothing, as a clause."""
+        secret = secret_of(line)
+        if secret is None or self._keys is None:
+            return "a key is wanted"
+        return self._keys.identify(secret)
+
+    def connected(
+        self, connection: _Connection, transport: Transport, shown: Credentials | None
+    ) -> ConnectionId | None:
+        """Accept a connection, with the credentials that it has shown, if any; or turn it away."""
+        self._without_key.pop(connection, None)
         now = self._clock()
         self._perform(self._router.make_room(now))
-        connection = self._router.connect(now)
-        if isinstance(connection, TurnedAway):
+        accepted = self._router.connect(now, shown or (LOCAL if peer_of(transport) is None else PLAIN))
+        if isinstance(accepted, TurnedAway):
             self.complaints.warn("a client is turned away: the server is full")
-            transport.write(connection.farewell)
+            transport.write(accepted.farewell)
             # Of those turned away few may linger: file descriptors are needed for what is recorded.
             _close(transport, flush=len(self._open) - len(self._transports) <= _MOST_LINGERING)
             return None
-        self._transports[connection] = transport
-        return connection
+        self._transports[accepted] = transport
+        if shown is not None:
+            self._with_key[accepted] = shown
+        return accepted
 
     def received(self, connection: ConnectionId, data: bytes) -> None:
         """Handle received bytes of a connection."""
@@ -221,11 +282,13 @@ class TextServer:
 
     def ended(self, connection: ConnectionId) -> None:
         """Handle the end of a client's bytes."""
+        self._with_key.pop(connection, None)
         self._perform(self._router.eof(connection))
         self._transports.pop(connection, None)
 
-    def lost(self, transport: Transport) -> None:
+    def lost(self, connection: _Connection, transport: Transport) -> None:
         """Remove a connection that is closed on both sides."""
+        self._without_key.pop(connection, None)
         self._open.discard(transport)
         self._all_closed.set()
 
@@ -233,6 +296,26 @@ class TextServer:
         while True:
             await asyncio.sleep(_CHECK_INTERVAL)
             self._perform(self._router.advance(self._clock()))
+            if self._keys is not None:
+                for connection, credentials in tuple(self._with_key.items()):
+                    self._turn_out(connection, self._keys.why_not(credentials))
+
+    def _enter_game(self, connection: ConnectionId) -> None:
+        """Have a participant with a key enter the game that is being played; else end the connection."""
+        credentials = self._with_key.get(connection)
+        if self._keys is None or self._game is None or credentials is None or not credentials.one_game:
+            return
+        if connection in self._names:
+            self._turn_out(connection, self._keys.enter(credentials.key, self._game))
+
+    def _turn_out(self, connection: ConnectionId, reason: str | None) -> None:
+        """End a connection whose key is good for nothing any more; None: it is good."""
+        if reason is None:
+            return
+        told = SendToClient(connection, farewell(self._names.get(connection, ""), reason))
+        self._with_key.pop(connection, None)
+        self._perform([told])
+        self._perform([*self._router.eof(connection), CloseConnection(connection, CloseReason.NOT_ENTITLED)])
 
 
 class _Connection(BufferedProtocol):
@@ -252,22 +335,63 @@ class _Connection(BufferedProtocol):
         self._transport: Transport | None = None
         self._begun = False
         self._waiting = b""
+        self._awaits_key = False
+        self._timer: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        if isinstance(transport, Transport):
-            self._transport = transport
-            self._id = self._server.connected(transport)
+        if not isinstance(transport, Transport) or not self._server.arrived(self, transport):
+            return
+        self._transport = transport
+        if is_encrypted(transport):
+            self._awaits_key = True
+            self._timer = asyncio.get_running_loop().call_later(_KEY_SECONDS, self._refuse, "a key is wanted")
+        else:
+            self._id = self._server.connected(self, transport, None)
 
     def get_buffer(self, sizehint: int) -> bytearray:
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
+        data = self._waiting + self._buffer[:nbytes]
+        if self._awaits_key:
+            self._take_key(data)
+            return
         begun, self._begun = self._begun, True
-        if not begun and self._transport is not None and begins_http(bytes(self._buffer[:nbytes])):
+        if not begun and self._transport is not None and begins_http(data):
             self._server.complaints.warn("a client speaks HTTP, as a page in a browser does, and is cut off")
             self._transport.abort()
             return
-        self._hear(self._waiting + self._buffer[:nbytes])
+        self._hear(data)
+
+    def abort(self) -> None:
+        """Cut the connection off."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    def _take_key(self, data: bytes) -> None:
+        """Wait for the first line, which has the key, and answer to it."""
+        line, newline, rest = data.partition(b"\n")
+        if self._transport is None or self._timer is None:
+            return
+        if not newline and len(line) <= _LONGEST_KEY_LINE:
+            self._waiting = data
+            return
+        self._timer.cancel()
+        found = self._server.identify(line)
+        if isinstance(found, str):
+            self._transport.pause_reading()
+            self._timer = asyncio.get_running_loop().call_later(_WRONG_KEY_SECONDS, self._refuse, found)
+            return
+        self._awaits_key, self._begun = False, True
+        self._transport.write(KeyAnswer(admitted=found.key).line())
+        self._id = self._server.connected(self, self._transport, found)
+        self._hear(rest)
+
+    def _refuse(self, reason: str) -> None:
+        """Tell a client why its key is good for nothing, and close the connection."""
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.write(KeyAnswer(refused=reason).line())
+            _close(self._transport, flush=True)
 
     def go_on(self) -> None:
         """Hear what waits, and what comes."""
@@ -299,17 +423,21 @@ class _Connection(BufferedProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         if self._id is not None:
             self._server.ended(self._id)
+        if self._timer is not None:
+            self._timer.cancel()
         if self._transport is not None:
-            self._server.lost(self._transport)
+            self._server.lost(self, self._transport)
 
 
 def _close(transport: Transport, flush: bool) -> None:
     """Close a connection: at once, or after the other side has had a moment to read what it was sent."""
-    if flush:
+    if flush and transport.can_write_eof():
         try:
             transport.write_eof()
         except OSError:  # the other side is gone already, though asyncio has not heard of it yet
             flush = False
+    elif flush:
+        transport.close()  # TLS ends both directions at once, after what was written.
     if flush:
         asyncio.get_running_loop().call_later(_LINGER, transport.abort)
     else:

@@ -16,10 +16,10 @@ from functools import partial
 from typing import Protocol
 
 from thbridge.files.ros.definitions import Definitions
+from thbridge.protocols.credentials import Right
 from thbridge.protocols.watching import (
     STATUS,
     WatcherAdmitted,
-    WatcherIdentity,
     WatcherRequest,
     WatcherSession,
     WatchRefusal,
@@ -30,10 +30,12 @@ from thbridge.recording.bag.writing.stream import BEGINNING, BagStream, ChunkMak
 from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.admission import OWN_MACHINE, Admission
+from thbridge.sockets.admission import peer_of
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.http_refusal import begins_http
+from thbridge.sockets.keys import KeyVerifier
 from thbridge.sockets.listening import ServerDoor
+from thbridge.sockets.tls import is_encrypted
 from thbridge.sockets.watching.backlog import Backlog
 from thbridge.sockets.watching.history import MessageHistory
 
@@ -70,8 +72,8 @@ class SessionPace:
 class WatchedSession(Protocol):
     """Session behind the server."""
 
-    def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
-        """Carry out a watcher's request; return None, or the reason of a refusal, for people."""
+    def ask(self, watcher: str, wish: Mapping[str, object], key: str = "") -> str | None:
+        """Carry out a watcher's request, by a key, if any; return None, or the reason of a refusal, for people."""
 
     def pace(self) -> SessionPace:
         """Return the session's pace."""
@@ -80,34 +82,21 @@ class WatchedSession(Protocol):
         """Note that the last watcher has left."""
 
 
-class WatchKeys(Protocol):
-    """Keys by which watchers are admitted."""
-
-    def identify(self, secret: str) -> WatcherIdentity | str:
-        """Return who has a secret, or why it is good for nothing, as a clause."""
-
-    def why_not(self, identity: WatcherIdentity) -> str | None:
-        """Return why somebody is not admitted any more; None where they are."""
-
-
 class WatchServer:
     """Sends a session's messages to all watchers, and passes on their requests.
 
     Args:
         session: carries out requests.
-        keys: keys of which watchers must send one; None admits every connection.
+        keys: keys of which watchers must show one, in TLS from other machines; None admits every program of this one.
         definitions: message definitions; None takes them from an installed ROS, where there is one.
-        admission: of watchers by their addresses.
     """
 
     def __init__(
         self,
         session: WatchedSession,
-        keys: WatchKeys | None = None,
+        keys: KeyVerifier | None = None,
         definitions: Definitions | None = None,
-        admission: Admission = OWN_MACHINE,
     ) -> None:
-        self.admission = admission
         self._session = session
         self._keys = keys
         self._stream = BagStream(definitions or Definitions())
@@ -124,7 +113,8 @@ class WatchServer:
     async def start(self, host: str, port: int) -> ListeningAddress | CannotListen:
         """Begin to serve; port 0 takes any that is free."""
         try:
-            address = await self._door.listen(self._watcher, host, port)
+            tls = None if self._keys is None else self._keys.tls
+            address = await self._door.listen(self._watcher, host, port, tls)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, port)
         self._heart = asyncio.get_running_loop().create_task(self._beat())
@@ -190,10 +180,10 @@ class WatchServer:
 
     def ask(self, watcher: _Watcher, wish: WatcherRequest) -> None:
         """Handle a watcher's request, and send the status to all."""
-        identity = watcher.decoder.identity
-        if identity.may_intervene:
-            name = f" ({identity.name})" if identity.name else ""
-            reason = self._session.ask(f"watcher {watcher.number}{name}", wish.value)
+        credentials = watcher.decoder.credentials
+        if credentials.may(Right.INTERVENE):
+            name = f" ({credentials.key})" if credentials.key else ""
+            reason = self._session.ask(f"watcher {watcher.number}{name}", wish.value, credentials.key)
         else:
             reason = "this key is good for watching only"
         if reason is None:
@@ -251,7 +241,7 @@ class WatchServer:
             await asyncio.sleep(_HEARTBEAT)
             if self._keys is not None:
                 for watcher in tuple(self._watchers):
-                    reason = self._keys.why_not(watcher.decoder.identity)
+                    reason = self._keys.why_not(watcher.decoder.credentials)
                     if reason is not None:
                         watcher.refuse(WatchRefusal("", reason))
                         self._tell_status(watcher)
@@ -287,9 +277,9 @@ class _Watcher(AsyncioProtocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
             return
-        stranger = self._server.admission.refused(transport)
+        stranger = None if is_encrypted(transport) else peer_of(transport)
         if stranger is not None:
-            _log.warning("%s is in none of the networks of open_to, and is cut off", stranger)
+            _log.warning("%s shows no key in TLS, as others than this machine's must, and is cut off", stranger)
             transport.abort()
             return
         self._transport = transport
@@ -330,8 +320,9 @@ class _Watcher(AsyncioProtocol):
 
     def eof_received(self) -> bool:
         self._input_ended = True
-        # A watcher without requests may end its input and still receive: `nc HOST PORT < /dev/null`.
-        return self.decoder.admitted and not self._closing
+        # A watcher without requests may end its input and still receive: `nc HOST PORT < /dev/null`; not so in TLS.
+        half_open = self._transport is not None and self._transport.can_write_eof()
+        return half_open and self.decoder.admitted and not self._closing
 
     def pause_writing(self) -> None:
         self._full = True
@@ -368,8 +359,9 @@ class _Watcher(AsyncioProtocol):
         self._closing = True
         self._server.left(self)
         transport = self._transport
-        if self._input_ended:
+        if self._input_ended or not transport.can_write_eof():
             transport.close()
+            asyncio.get_running_loop().call_later(_LINGER, transport.abort)
             return
         try:
             transport.write_eof()

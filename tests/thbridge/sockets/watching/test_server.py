@@ -17,11 +17,11 @@ from thbridge.ros.publisher import messages_of
 from thbridge.ros.topics import GAME_EVENTS, SEND_ROBOTS, SUCCESS, RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.keys import SingleKey
 from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.sockets.watching import server as watch_server
 from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.sockets.watching.history import MAX_BYTES, MAX_MESSAGES, MessageHistory
-from thbridge.sockets.watching.keys import SingleKey
 from thbridge.sockets.watching.server import MAX_CONNECTIONS, MAX_WATCHERS, SessionPace, WatchServer
 
 PATIENCE = 30

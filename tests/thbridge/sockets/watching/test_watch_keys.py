@@ -10,7 +10,7 @@ import pytest
 from thbridge.files.keys.key_ring import KeyRing, Right
 from thbridge.protocols.watching import BagStreamReader, SessionMessage, WatchStatus, parse_status
 from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.watching.keys import RingKeys
+from thbridge.sockets.keys import RingKeys
 from thbridge.sockets.watching.server import SessionPace, WatchServer
 
 PATIENCE = 20.0
