@@ -31,8 +31,9 @@ from functools import partial
 from pathlib import Path
 from typing import TypeAlias, cast
 
+from thbridge.protocols.credentials import key_line
 from thbridge.protocols.mavlink.dialect import mav
-from thbridge.protocols.watching import BagStreamReader, SessionMessage, key_line, parse_status
+from thbridge.protocols.watching import BagStreamReader, SessionMessage, parse_status
 
 HOST = "127.0.0.1"
 PATIENCE = 10.0

@@ -294,11 +294,11 @@ class WatcherSession:
         if self._identify is not None and not self.admitted:
             key = value.get("key")
             found = self._identify(key) if isinstance(key, str) else "the key is wrong"
+            if isinstance(found, Credentials) and not found.may(Right.WATCH):
+                found = f"the key {found} is not good for watching"
             self.admitted, self.rejected = not isinstance(found, str), isinstance(found, str)
             if isinstance(found, str):
                 yield WatchRefusal("", found if "key" in value else "a key is wanted")
-            elif not found.may(Right.WATCH):
-                yield WatchRefusal("", f"the key {found} is not good for watching")
             else:
                 self.credentials = found
                 yield WatcherAdmitted()

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from thbridge.protocols.credentials import key_line
 from thbridge.protocols.text.lines import LINE_LIMIT
 from thbridge.protocols.watching import (
     MISTAKES,
@@ -17,7 +18,6 @@ from thbridge.protocols.watching import (
     WatcherSession,
     WatchRefusal,
     WatchStatus,
-    key_line,
     parse_status,
 )
 from thbridge.recording.bag.options import Compression

@@ -116,7 +116,7 @@ def test_every_door_asks(monkeypatch: pytest.MonkeyPatch) -> None:
 class _Nobody:
     """A session that nobody asks for anything."""
 
-    def ask(self, watcher: str, wish: object) -> str | None:
+    def ask(self, watcher: str, wish: object, key: str = "") -> str | None:
         raise AssertionError
 
     def pace(self) -> SessionPace:

@@ -348,8 +348,9 @@ class _Connection(BufferedProtocol):
         else:
             self._id = self._server.connected(self, transport, None)
 
-    def get_buffer(self, sizehint: int) -> bytearray:
-        return self._buffer
+    def get_buffer(self, sizehint: int) -> memoryview:
+        # asyncio reads further records of TLS into slices of it, which of a bytearray would be copies.
+        return memoryview(self._buffer)
 
     def buffer_updated(self, nbytes: int) -> None:
         data = self._waiting + self._buffer[:nbytes]

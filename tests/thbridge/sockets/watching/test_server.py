@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
+from thbridge.files.keys.key_file import ClientKey
 from thbridge.files.ros.definitions import Definitions
 from thbridge.protocols.watching import MISTAKES, STATUS, BagStreamReader, SessionMessage, WatchStatus, parse_status
 from thbridge.ros.messages import pack, types, unpack
@@ -45,7 +46,7 @@ class House:
         self.paused = False
         self.left_alone = 0
 
-    def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
+    def ask(self, watcher: str, wish: Mapping[str, object], key: str = "") -> str | None:
         self.asked.append((watcher, wish))
         return "no" if str(wish.get("request", "N")).startswith("N") else None
 
@@ -76,7 +77,7 @@ class Door:
         self.server.take(self.tick, [said for record in records for said in messages_of(stamp, self.tick, record)])
 
     def enter(self, key: str | None = None) -> "Visitor":
-        visitor = Visitor(WatchClient(self.where.host, self.where.port, key, SOON))
+        visitor = Visitor(WatchClient(self.where.host, self.where.port, None if key is None else ClientKey(key), SOON))
         self.clients.append(asyncio.ensure_future(visitor.client.run()))
         return visitor
 

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_ring import KeyRing, Right
 from thbridge.protocols.watching import BagStreamReader, SessionMessage, WatchStatus, parse_status
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.keys import RingKeys
+from thbridge.sockets.tls import server_context
 from thbridge.sockets.watching.server import SessionPace, WatchServer
 
 PATIENCE = 20.0
@@ -22,7 +24,7 @@ class Session:
     def __init__(self) -> None:
         self.asked: list[tuple[str, object]] = []
 
-    def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
+    def ask(self, watcher: str, wish: Mapping[str, object], key: str = "") -> str | None:
         self.asked.append((watcher, wish["request"]))
         return None
 
@@ -63,9 +65,12 @@ class Window:
         self._writer.close()
 
 
+NOW = "2026-03-01T12:00:00Z"
+
+
 @pytest.fixture
 def ring(tmp_path: Path) -> KeyRing:
-    ring = KeyRing(tmp_path / "keys", lambda: "2026-03-01T12:00:00Z")
+    ring = KeyRing(tmp_path / "keys", lambda: NOW)
     ring.add("looks", [Right.WATCH], "secret of looks", None)
     ring.add("acts", [Right.WATCH, Right.INTERVENE], "secret of acts", None)
     ring.add("late", [Right.WATCH, Right.INTERVENE], "secret of late", "2026-03-01T11:00:00Z")
@@ -75,7 +80,7 @@ def ring(tmp_path: Path) -> KeyRing:
 def test_a_key_is_good_for_its_rights_alone_and_told_with_what_is_asked(ring: KeyRing) -> None:
     async def watch() -> None:
         session = Session()
-        server = WatchServer(session, RingKeys(ring))
+        server = WatchServer(session, RingKeys(ring, server_context(certificate_of(ring.folder, NOW))))
         where = await server.start("127.0.0.1", 0)
         assert isinstance(where, ListeningAddress)
 
