@@ -5,21 +5,17 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
-from thbridge.files.keys.certificate import certificate_of
-from thbridge.files.keys.key_file import ClientKey, read_key
-from thbridge.files.keys.key_ring import SHORTEST_KEY, KeyRing
 from thbridge.files.keys.signing_key import read_signing_key
 from thbridge.files.keys.signing_timestamps import TimestampFile
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.keys import KeyVerifier, RingKeys, SingleKey
+from thbridge.sockets.keys import RingKeys
 from thbridge.sockets.mavlink.server import MavlinkPorts
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, is_master_uri
-from thbridge.sockets.tls import server_context
 from thbridge.study.study_file import Study
-from thbridge.timing.wall_clock import utc_now
-from ui.terminal import BAD_INPUT, bad_input, command, fail, note
+from ui.keys import watch_keys
+from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 
 def graph_of(ros: bool, master: str | None, host: str | None, open_to: Sequence[str] = ()) -> GraphAddress | None:
@@ -30,16 +26,6 @@ def graph_of(ros: bool, master: str | None, host: str | None, open_to: Sequence[
     if not is_master_uri(uri):
         fail(BAD_INPUT, f"--ros-master: {uri!r} is not a master's address. Write {ROS_MASTER_URI}, for example.")
     return GraphAddress(uri, host or LOCALHOST, Admission.to(open_to))
-
-
-def keys_of(study: Study, file: Path | None, folder: Path | None) -> RingKeys | None:
-    """Return the keys of programs and windows on other machines, None for none; `folder` wins over the study's."""
-    beside = Path() if file is None else file.parent
-    path = folder or (None if study.keys is None else beside / study.keys)
-    if path is not None and not path.is_dir():
-        make = command("keys", "new", "NAME", "--keys", path)
-        fail(BAD_INPUT, f"keys: there is no folder {path}. Make a key, and the folder with it: {make}")
-    return None if path is None else _ring_keys("keys", path)
 
 
 def watch_of(
@@ -67,27 +53,7 @@ def watch_of(
         return None
     beside = Path() if file is None else file.parent
     path = key or (None if section.key is None else beside / section.key)
-    return WatchAddress(host, port, ring if path is None else _watch_keys(path))
-
-
-def _ring_keys(option: str, folder: Path) -> RingKeys:
-    with bad_input():
-        ring = KeyRing(folder, utc_now)
-        if not ring.entries:
-            make = command("keys", "new", "NAME", "--keys", folder)
-            fail(BAD_INPUT, f"{option}: there are no keys in {folder}. Make one: {make}")
-        return RingKeys(ring, server_context(certificate_of(folder, utc_now())))
-
-
-def _watch_keys(path: Path) -> KeyVerifier:
-    """Return the keys at a path: a folder of `thbridge keys`, or a file with one that is good for everything."""
-    if path.is_dir():
-        return _ring_keys("--watch-key", path)
-    key = key_of(path).secret
-    if len(key) < SHORTEST_KEY:
-        problem = f"{path}: this key can be guessed: it has {len(key)} characters"
-        fail(BAD_INPUT, f"{problem}. Write {SHORTEST_KEY} random ones or more, or make keys: {command('keys', 'new')}")
-    return SingleKey(key)
+    return WatchAddress(host, port, ring if path is None else watch_keys(path))
 
 
 def check_foxglove(port: int | None) -> None:
@@ -111,12 +77,6 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
     tcp = None if section.tcp is None else parse_address(section.tcp)
     store = None if path is None else TimestampFile(path)
     return MavlinkPorts(section.targets, tcp, secret, listens, Admission.to(study.open_to), store)
-
-
-def key_of(path: Path) -> ClientKey:
-    """Return the key in a file that is its owner's alone."""
-    with bad_input():
-        return read_key(path)
 
 
 def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallbacks:

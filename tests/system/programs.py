@@ -6,23 +6,37 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 THBRIDGE = [sys.executable, "-c", "from ui.cli import main; main()"]
 
 
 class Program:
-    """One `thbridge ...` process. Its output goes to a file, where a failing test can show it."""
+    """One `thbridge ...` process. Its output goes to a file, where a failing test can show it.
 
-    def __init__(self, folder: Path, *arguments: str, environment: Mapping[str, str] = os.environ) -> None:
+    Args:
+        folder: in which it runs.
+        arguments: behind `thbridge`.
+        environment: of the process.
+        by: command that runs it, such as one that runs it on another machine.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *arguments: str,
+        environment: Mapping[str, str] = os.environ,
+        by: Sequence[str] = (),
+    ) -> None:
         self.arguments = arguments
+        self.by = by
         self.environment = environment
         self.folder = folder
         self.output = folder / f"{arguments[0]}-{time.monotonic_ns()}.txt"
         self._file = self.output.open("wb")
         self.process = subprocess.Popen(
-            [*THBRIDGE, *arguments],
+            [*by, *THBRIDGE, *arguments],
             cwd=folder,
             stdout=self._file,
             stderr=subprocess.STDOUT,
@@ -44,7 +58,7 @@ class Program:
         return self.process.wait(90)
 
     def again(self) -> "Program":
-        return Program(self.folder, *self.arguments, environment=self.environment)
+        return Program(self.folder, *self.arguments, environment=self.environment, by=self.by)
 
     def close(self) -> None:
         if self.process.poll() is None:

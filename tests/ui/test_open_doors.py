@@ -33,11 +33,9 @@ def refusal(*arguments: str) -> str:
     ("arguments", "door"),
     [
         (("server", "--host", "0.0.0.0"), "the text server"),
-        (("play", "--headless", "--watch", "0.0.0.0:0", "--watch-key", "key.txt"), "researchers' windows"),
         (("play", "--headless", "--ros", "--ros-host", "10.0.0.1"), "ROS"),
         (("play", "--headless", "--mavlink", "--tcp", "0.0.0.0:5760"), "MAVLink by TCP"),
         (("play", "--headless", "--mavlink", "--udp-listen", "0.0.0.0:5760"), "MAVLink by UDP"),
-        (("simr", "--watch", "0.0.0.0:0", "--watch-key", "key.txt"), "researchers' windows"),
     ],
 )
 def test_a_door_to_other_machines_wants_their_networks_named(arguments: tuple[str, ...], door: str) -> None:
@@ -46,9 +44,30 @@ def test_a_door_to_other_machines_wants_their_networks_named(arguments: tuple[st
     assert "Add --open-to NETWORK" in told
 
 
-def test_researchers_windows_of_other_machines_want_a_key() -> None:
-    told = refusal("play", "--headless", "--watch", "0.0.0.0:0", "--open-to", "10.0.0.0/24")
-    assert "--watch-key FILE" in told
+@pytest.mark.parametrize("program", [("play", "--headless"), ("simr",)])
+@pytest.mark.parametrize("key", [(), ("--watch-key", "key.txt")])
+def test_researchers_windows_of_other_machines_want_keys_and_encryption(
+    program: tuple[str, ...], key: tuple[str, ...]
+) -> None:
+    told = refusal(*program, "--watch", "0.0.0.0:0", "--open-to", "10.0.0.0/24", *key)
+    assert told.startswith("researchers' windows: whoever reaches 0.0.0.0 would see the truth")
+    assert "keys new NAME" in told
+
+
+def test_a_folder_of_keys_that_is_none_or_empty_is_told() -> None:
+    assert refusal("server", "--host", "0.0.0.0", "--keys", "keys").startswith("keys: there is no folder keys.")
+    Path("keys").mkdir()
+    Path("study.yaml").write_text("server: {host: 0.0.0.0}\nkeys: keys\n")
+    assert refusal("play", "study.yaml", "--headless").startswith("keys: there are no keys in keys. Make one: ")
+
+
+def test_a_door_with_keys_is_encrypted_and_needs_no_network() -> None:
+    CliRunner().invoke(app, ["keys", "new", "maria"])
+    Path("study.yaml").write_text("server: {host: 0.0.0.0}\nkeys: keys\n")
+    arguments = ("--headless", "--rate", "0", "--max-seconds", "1", "--no-report", "--port", str(free_port()))
+    done = CliRunner().invoke(app, ["play", "study.yaml", *arguments, "--watch", "0.0.0.0:0", "--bag", "a.bag"])
+    assert "Open to whoever shows a key, encrypted: the text server, researchers' windows." in done.stderr
+    assert "without" not in done.stderr
 
 
 def test_networks_that_are_none_are_told() -> None:
@@ -61,6 +80,6 @@ def test_who_is_let_in_is_told_and_recorded() -> None:
     arguments = ("--headless", "--rate", "0", "--max-seconds", "1", "--no-report", "--port", str(free_port()))
     Path("study.yaml").write_text("server: {host: 0.0.0.0}\n")
     done = CliRunner().invoke(app, ["play", "study.yaml", *arguments, "--open-to", "10.0.0.0/24", "--bag", "a.bag"])
-    assert "Open to 10.0.0.0/24, without encryption: the text server." in done.stderr
+    assert "Open to 10.0.0.0/24, without key or encryption: the text server." in done.stderr
     (session,) = (data for publisher, _, data in recorded(Path("a.bag")) if publisher.msgtype == types.SESSION)
     assert read_study_text(Path("a.bag"), unpack.session(session).study).open_to == ("10.0.0.0/24",)

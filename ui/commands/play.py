@@ -120,7 +120,8 @@ def play(
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
     from ui.hosting.seats import seat_of_bot, seat_of_person
-    from ui.listening import check_foxglove, graph_of, hosts_of, keys_of, ports_of, watch_of
+    from ui.keys import keys_of
+    from ui.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
     from ui.open_doors import check_doors, with_open_to
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report

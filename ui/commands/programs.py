@@ -51,11 +51,12 @@ def server(
     new_game: Annotated[bool, typer.Option("--new-game", help="Do not go on with an unfinished game.")] = False,
 ) -> None:
     """Run the text server of 2016, and with it the keeper of the game, until stopped."""
+    import secrets
+
     from thbridge.app.server import serve
     from thbridge.recording.journal_folder import JournalStore
-    from ui.actions.programs import new_token
     from ui.event_loop import run
-    from ui.listening import keys_of
+    from ui.keys import keys_of
     from ui.open_doors import check_doors, with_open_to
     from ui.settings import setting_of, study_of, with_server
 
@@ -72,7 +73,7 @@ def server(
             fail(BAD_INPUT, str(where))
         print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
 
-    run(serve(setting, ledger, new_game, ready, ring, new_token()))
+    run(serve(setting, ledger, new_game, ready, ring, secrets.token_hex(8)))
 
 
 def simr(
@@ -106,7 +107,8 @@ def simr(
     from ui.actions.programs import address_of, new_token, settings_without_effect, tell_lost
     from ui.event_loop import run
     from ui.first_start import compile_ahead
-    from ui.listening import check_foxglove, graph_of, hosts_of, key_of, watch_of
+    from ui.keys import key_of
+    from ui.listening import check_foxglove, graph_of, hosts_of, watch_of
     from ui.open_doors import check_doors, with_open_to
     from ui.settings import setting_of, study_of
 
@@ -170,7 +172,7 @@ def hider(
     from thbridge.app.compose.game import build_hider
     from ui.actions.programs import address_of, new_token, read_templates, tell_lost
     from ui.event_loop import run
-    from ui.listening import key_of
+    from ui.keys import key_of
     from ui.settings import study_of
 
     study_file = the_study(study_file, study_option)
@@ -206,7 +208,7 @@ def tabui(
     from thbridge.app import programs
     from ui.actions.programs import ANOTHER_GAME, address_of, new_token, seat_of, show_nothing, tell_lost
     from ui.event_loop import run
-    from ui.listening import key_of
+    from ui.keys import key_of
     from ui.model.consent_words import THANKS
     from ui.settings import study_of
 

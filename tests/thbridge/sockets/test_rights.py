@@ -1,6 +1,7 @@
 """Each right at each door, over real TLS: who may do what, and what those are told who may not."""
 
 import asyncio
+import ssl
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -309,8 +310,6 @@ def test_those_who_show_no_key_in_tls_make_room_for_those_who_do(house: House) -
 
 
 async def _silent(port: int) -> asyncio.StreamWriter:
-    import ssl
-
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
     _, writer = await asyncio.open_connection("127.0.0.1", port, ssl=context)

@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from thbridge.files.errors import BadFile
+from thbridge.files.keys.certificate import certificate_of
+from thbridge.files.keys.key_file import ClientKey, read_key
 from thbridge.files.keys.key_ring import RING, KeyEntry, KeyRing, Right
 
 NOW = "2026-03-01T12:00:00Z"
@@ -19,7 +21,9 @@ def ring(tmp_path: Path) -> KeyRing:
 def test_whoever_has_a_key_is_known_by_it_and_nobody_else(ring: KeyRing) -> None:
     ring.add("maria", [Right.WATCH], "secret of maria", None)
     path = ring.add("jo", [Right.INTERVENE], "secret of jo", None)
-    assert path.read_text() == "secret of jo\n"
+    certificate = certificate_of(ring.folder, NOW)
+    assert path.read_text() == f"secret of jo\nsha256:{certificate.fingerprint}\n"
+    assert read_key(path) == ClientKey("secret of jo", certificate.fingerprint)
     found = ring.holder("secret of jo")
     assert isinstance(found, KeyEntry)
     assert (found.name, found.rights) == ("jo", (Right.INTERVENE,))
