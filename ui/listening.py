@@ -14,7 +14,7 @@ from thbridge.sockets.keys import RingKeys
 from thbridge.sockets.mavlink.server import MavlinkPorts
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, is_master_uri
 from thbridge.study.study_file import Study
-from ui.keys import watch_keys
+from ui.door_keys import watch_keys
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 

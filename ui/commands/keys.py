@@ -1,4 +1,4 @@
-"""`thbridge keys`: keys by which researchers' windows are admitted, each with its rights."""
+"""`thbridge keys`: keys by which programs and windows are admitted from other machines, each with its rights."""
 
 from pathlib import Path
 from typing import Annotated
@@ -11,11 +11,11 @@ from ui.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
 
 keys_app = typer.Typer(
     cls=CommandGroup,
-    help="Keys by which researchers' windows are admitted: made, listed, revoked.",
+    help="Keys by which programs and windows take part from other machines: made, listed, revoked.",
     no_args_is_help=True,
 )
 
-KeyFolder = Annotated[Path, typer.Option("--keys", help="Folder of the keys, which --watch-key names.")]
+KeyFolder = Annotated[Path, typer.Option("--keys", help="Folder of the keys, which --keys and --watch-key name.")]
 KeyName = Annotated[str, typer.Argument(help="Name of whoever has it; it is recorded with what they do.")]
 FOLDER = Path("keys")
 
@@ -41,7 +41,9 @@ def keys_new(
     with bad_input():
         path = KeyRing(folder, utc_now).add(name, rights or [Right.WATCH], secrets.token_urlsafe(32), expires)
     say(str(path))
-    note(f"Hand this file over, and delete it here. It is used by `{command('watch', 'HOST:PORT', '--key', path)}`.")
+    watches = Right.WATCH in (rights or [Right.WATCH]) or Right.INTERVENE in (rights or ())
+    uses = command("watch", "HOST:PORT", "--key", path) if watches else f"--key {path}"
+    note(f"Hand this file over, and delete it here. It is used by `{uses}`.")
 
 
 @keys_app.command("list")

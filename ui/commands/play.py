@@ -115,12 +115,12 @@ def play(
     from thbridge.roles.participant.bot_strategy import BotStrategy
     from thbridge.study.overrides import with_changes
     from ui.actions.programs import new_token
+    from ui.door_keys import keys_of
     from ui.event_loop import run
     from ui.first_start import compile_ahead
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
     from ui.hosting.seats import seat_of_bot, seat_of_person
-    from ui.keys import keys_of
     from ui.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
     from ui.open_doors import check_doors, with_open_to
     from ui.outcome import show_outcome, usual_bag

@@ -55,8 +55,8 @@ def server(
 
     from thbridge.app.server import serve
     from thbridge.recording.journal_folder import JournalStore
+    from ui.door_keys import keys_of
     from ui.event_loop import run
-    from ui.keys import keys_of
     from ui.open_doors import check_doors, with_open_to
     from ui.settings import setting_of, study_of, with_server
 
@@ -105,9 +105,9 @@ def simr(
     from thbridge.app.programs import SimrOptions
     from thbridge.app.real_robots import simr_with_real_robots
     from ui.actions.programs import address_of, new_token, settings_without_effect, tell_lost
+    from ui.door_keys import key_of
     from ui.event_loop import run
     from ui.first_start import compile_ahead
-    from ui.keys import key_of
     from ui.listening import check_foxglove, graph_of, hosts_of, watch_of
     from ui.open_doors import check_doors, with_open_to
     from ui.settings import setting_of, study_of
@@ -171,8 +171,8 @@ def hider(
     from thbridge.app import programs
     from thbridge.app.compose.game import build_hider
     from ui.actions.programs import address_of, new_token, read_templates, tell_lost
+    from ui.door_keys import key_of
     from ui.event_loop import run
-    from ui.keys import key_of
     from ui.settings import study_of
 
     study_file = the_study(study_file, study_option)
@@ -207,8 +207,8 @@ def tabui(
         raise typer.Exit(play_hosted(look.value))
     from thbridge.app import programs
     from ui.actions.programs import ANOTHER_GAME, address_of, new_token, seat_of, show_nothing, tell_lost
+    from ui.door_keys import key_of
     from ui.event_loop import run
-    from ui.keys import key_of
     from ui.model.consent_words import THANKS
     from ui.settings import study_of
 

@@ -31,7 +31,7 @@ def watch(
     At a session the window also sends robots, kidnaps and kills them, puts things in their way and speaks for them;
     whatever it asks is recorded. Keys are told by F1. See docs/watching.md.
     """
-    from ui.keys import key_of
+    from ui.door_keys import key_of
 
     address = ADDRESS.fullmatch(what)
     if address is not None and not Path(what).exists():

@@ -10,11 +10,16 @@ from pathlib import Path
 
 import pytest
 
+from thbridge.files.keys.certificate import certificate_of
+from thbridge.files.keys.key_ring import KeyRing
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage, parse_line
 from thbridge.protocols.text.router import MessageRouter
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.keys import RingKeys
 from thbridge.sockets.text.server import TextServer
+from thbridge.sockets.tls import server_context
+from thbridge.timing.wall_clock import utc_now
 
 SOURCES = sorted(Path(__file__).parent.glob("*.java"))
 PATIENCE = 120  # seconds until a hunt that hangs gives up
@@ -69,8 +74,9 @@ class Understood:
 
 
 async def hunt(classes: Path, simr: SimR, visits: list[str]) -> Understood:
-    """One game of the Java TabUI and Hider with the given SimR through our server."""
-    server = TextServer(MessageRouter())
+    """One game of the Java TabUI and Hider with the given SimR through our server, which takes keys besides."""
+    ring = KeyRing(classes / "keys", utc_now)
+    server = TextServer(MessageRouter(), keys=RingKeys(ring, server_context(certificate_of(ring.folder, utc_now()))))
     address = await server.start("127.0.0.1", 0)
     assert isinstance(address, ListeningAddress)
 
