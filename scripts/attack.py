@@ -17,6 +17,7 @@ import resource
 import selectors
 import signal
 import socket
+import ssl
 import struct
 import subprocess
 import sys
@@ -31,9 +32,11 @@ from functools import partial
 from pathlib import Path
 from typing import TypeAlias, cast
 
-from thbridge.protocols.credentials import key_line
+from thbridge.files.keys.key_ring import KeyRing
+from thbridge.protocols.credentials import Right, key_line
 from thbridge.protocols.mavlink.dialect import mav
 from thbridge.protocols.watching import BagStreamReader, SessionMessage, parse_status
+from thbridge.timing.wall_clock import utc_now
 
 HOST = "127.0.0.1"
 PATIENCE = 10.0
@@ -44,6 +47,7 @@ MEMORY_BOUND = 256
 _OUTSIDE = 8
 """Processes of attackers."""
 KEY = "attack-" + "0123456789abcdef"
+RING_KEY = "honest-" + "0123456789abcdef"
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +80,8 @@ class Doors:
 class Honest(threading.Thread):
     """Honest people beside an attack: programs that want answers, some of them on a new connection each time.
 
-    They are a participant's program, a researcher, a ground station, and ROS's tools at the master and a node.
+    They are a participant's program, one with a key, a researcher, a ground station, and ROS's tools at the master and
+    a node.
 
     Attributes:
         wait: longest time until one of them was served since it was last set, seconds.
@@ -99,6 +104,7 @@ class Honest(threading.Thread):
         """Ask all doors ten times a second, until stopped."""
         people: dict[str, Callable[[], None]] = {
             "text": self._ping,
+            "a key": self._show_key,
             "watch": self._watch,
             "MAVLink": self._beat,
             "master": lambda: self._call(self._doors.ros),
@@ -129,6 +135,13 @@ class Honest(threading.Thread):
         heard = b""
         while b"%%pong" not in heard:
             heard += received(self._client)
+
+    def _show_key(self) -> None:
+        client = socket.create_connection((HOST, self._doors.text), PATIENCE)
+        with client, unchecked_tls().wrap_socket(client) as encrypted:
+            encrypted.sendall(key_line(RING_KEY))
+            if b"admitted" not in received(encrypted):
+                raise ConnectionError
 
     def _beat(self) -> None:
         link = mav.MAVLink(None, srcSystem=249)
@@ -177,14 +190,23 @@ async def connections(port: int, count: int) -> list[asyncio.StreamWriter]:
     return writers
 
 
-async def say(port: int, data: bytes, times: int = 1, count: int = 1, seconds: float = 5.0) -> int:
+def unchecked_tls() -> ssl.SSLContext:
+    """Return the context of a client that trusts whoever answers: the attack is on this machine."""
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    return context
+
+
+async def say(
+    port: int, data: bytes, times: int = 1, count: int = 1, seconds: float = 5.0, *, encrypted: bool = False
+) -> int:
     """Say the same again and again on some connections, until it is said or the time is up; return how often."""
-    said = 0
+    said, tls = 0, unchecked_tls() if encrypted else None
 
     async def one() -> None:
         nonlocal said
         with contextlib.suppress(OSError, asyncio.CancelledError):
-            _, writer = await asyncio.open_connection(HOST, port)
+            _, writer = await asyncio.open_connection(HOST, port, ssl=tls)
             try:
                 for _ in range(times):
                     writer.write(data)
@@ -445,6 +467,9 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int) ->
         ("text: 300 silent connections", lambda: idle(doors.text, 300)),
         ("text: connections one after the other", lambda: turned_away(doors.text, 1000 * scale)),
         ("text: a page in a browser", lambda: say(doors.text, http("/", "\n%%goto TabUI SimR 0 3 3 45\n"), 1, 20)),
+        ("text: wrong keys", lambda: say(doors.text, key_line("a"), 1, 100 * scale, encrypted=True)),
+        ("text: handshakes that are left", lambda: say(doors.text, b"\x16\x03\x01\x02\x00\x01", 1, 1000 * scale)),
+        ("text: a key without end", lambda: say(doors.text, endless, 30 * scale, encrypted=True)),
         ("text: noise", lambda: noise(doors.text, draws)),
         ("watch: 40 without a key", lambda: idle(doors.watch, 40)),
         ("watch: wrong keys", lambda: wrong_keys(doors.watch, 100 * scale)),
@@ -595,11 +620,12 @@ def main() -> int:
         key = folder / "key.txt"
         key.write_text(KEY)
         key.chmod(0o600)
+        KeyRing(folder / "keys", utc_now).add("honest", [Right.ADMIN], RING_KEY, None)
         command = [sys.executable, "-c", "from ui.cli import main; main()", "play", "study.yaml", "--outside", "TabUI"]
         options = ["--port", str(doors.text), "--watch", str(doors.watch), "--watch-key", str(key), "--ros"]
         options += ["--ros-master", f"http://{HOST}:{doors.ros}", "--mavlink", "--tcp", f"{HOST}:{doors.tcp}"]
         options += ["--udp-listen", f"{HOST}:{doors.udp}", "--rate", "1", "--bag", "hunt.bag", "--no-report"]
-        options += ["--foxglove", str(doors.foxglove)]
+        options += ["--foxglove", str(doors.foxglove), "--keys", "keys"]
         # A part after each two seconds: there must always be a descriptor for the next.
         (folder / "study.yaml").write_text("recording: {split_duration: 2}\n")
         told = folder / "told.txt"

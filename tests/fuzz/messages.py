@@ -23,6 +23,7 @@ from thbridge.app.session.input_records import from_record
 from thbridge.app.session.watch_requests import WatchRequestHandler, request_line
 from thbridge.dialogue.portrait import DialoguePortrait, PortrayedBelief, PortrayedGame, read_portrait
 from thbridge.hunt.codec import from_json
+from thbridge.protocols.credentials import KeyAnswer, key_line, parse_answer, secret_of
 from thbridge.protocols.mavlink.dialect import decoded, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.framer import FrameParser, parse_datagram
@@ -158,6 +159,18 @@ def _stream() -> tuple[bytes, ...]:
 def _read_stream(data: bytes) -> None:
     BagStreamReader().feed(data)
     parse_status(SessionMessage("/watch/status", "std_msgs/String", 0, b"\0\0\0\0" + data))
+
+
+KEY_LINES = (
+    key_line("a secret of some length"),
+    KeyAnswer(admitted="maria").line(),
+    KeyAnswer(refused="it was revoked").line(),
+)
+
+
+def _read_key_line(data: bytes) -> None:
+    secret_of(data)
+    parse_answer(data)
 
 
 # ROS's
@@ -335,5 +348,6 @@ MESSAGES = {
     "portraits": MessageTarget(200, lambda: (PORTRAIT.json().encode(),), _read_portrait, (ValueError,)),
     "wizard": MessageTarget(200, lambda: (len(WIZARD).to_bytes(4, "little") + WIZARD,), decode_wizard, (ValueError,)),
     "addresses": MessageTarget(300, lambda: ADDRESSES, _read_address),
+    "key-line": MessageTarget(500, lambda: KEY_LINES, _read_key_line),
     "signing-key": MessageTarget(100, lambda: (b"a passphrase\n", b"0f" * 32, bytes(range(32))), parse_key),
 }

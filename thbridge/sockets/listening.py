@@ -35,8 +35,9 @@ _REFUSED_AT_ONCE = 64
 _AGAIN_SECONDS = 1.0
 """Seconds until the next attempt, where the system cannot accept."""
 
-_MOST_ARRIVING = 64
-"""Connections at a socket for TLS that have not shown yet what they speak; one more takes the oldest's place."""
+_MOST_ARRIVING = 256
+"""Connections at a socket for TLS before the end of their handshake; one more takes the oldest's place. They are many
+rounds' worth, for whoever means well needs some rounds."""
 
 BACKLOG = 4096
 """Connections that may wait until they are accepted; beyond, the system lets them try again after a second."""
@@ -186,10 +187,15 @@ class _Acceptor:
 
     def _welcome(self, accepted: socket.socket) -> None:
         if self._tls is not None and len(self._arriving) >= _MOST_ARRIVING:
-            next(iter(self._arriving)).cancel()
+            oldest = next(iter(self._arriving))
+            del self._arriving[oldest]
+            oldest.cancel()
         task = self._loop.create_task(begin_connection(self._connection, accepted, self._tls))
         self._arriving[task] = None
-        task.add_done_callback(self._arriving.pop)
+        task.add_done_callback(self._arrived)
+
+    def _arrived(self, task: asyncio.Task[None]) -> None:
+        self._arriving.pop(task, None)
 
 
 def raise_limit() -> None:

@@ -1,6 +1,7 @@
 """Each right at each door, over real TLS: who may do what, and what those are told who may not."""
 
 import asyncio
+import socket
 import ssl
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
@@ -314,3 +315,19 @@ async def _silent(port: int) -> asyncio.StreamWriter:
     context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
     _, writer = await asyncio.open_connection("127.0.0.1", port, ssl=context)
     return writer
+
+
+def test_handshakes_that_are_left_hold_few_descriptors(house: House) -> None:
+    async def crowd() -> int:
+        async with house.open():
+            before = len([*Path("/dev/fd").iterdir()])
+            clients = [socket.create_connection(("127.0.0.1", house.ports[0])) for _ in range(500)]
+            for client in clients:
+                client.sendall(b"\x16\x03\x01\x02\x00\x01")
+            assert isinstance(await house.joins("SimR", house.keys[Right.ROBOTS]), NameRegistered)
+            held = len([*Path("/dev/fd").iterdir()]) - before - len(clients)
+            for client in clients:
+                client.close()
+            return held
+
+    assert asyncio.run(crowd()) <= 260
