@@ -322,8 +322,9 @@ class Session:
         # The journal has the keeper's events before any message that follows from them is sent: a crash loses none.
         self._step_role(self._keeper)
         decisions = self._keeper.decisions
+        by_keys = self._keys_used(decisions.entries)
         if self._log is not None:
-            self._log.append([*decisions.entries, *self._keys_used(decisions.entries)])
+            self._log.append([*decisions.entries, *by_keys])
         for role in self._roles:
             self._step_role(role)
         if self._participant is not None:
