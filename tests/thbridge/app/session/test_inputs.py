@@ -30,6 +30,7 @@ from thbridge.app.session.inputs import (
     NameAccepted,
     ParticipantSent,
 )
+from thbridge.protocols.credentials import LOCAL, PLAIN, Credentials, Right
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.text.lines import TextMessage, tokens
 from thbridge.roles.robot_requests import Request
@@ -43,6 +44,7 @@ WORDS = st.text(min_size=1, max_size=20).filter(lambda text: tokens(text) == [te
 MESSAGES = st.builds(TextMessage, WORDS, WORDS, WORDS, st.lists(WORDS, max_size=4).map(tuple))
 NUMBERS = st.integers(1, 2**40)
 st.register_type_strategy(Pose2, st.builds(Pose2, FLOATS, FLOATS, FLOATS))
+CREDENTIALS = [LOCAL, PLAIN, Credentials("maria", (Right.PARTICIPANT, Right.WATCH))]
 THINGS = st.builds(
     Thing,
     st.text(),
@@ -72,7 +74,7 @@ REQUESTS = st.one_of(*(st.from_type(kind) for kind in get_args(Request)))
 BYTES = st.integers(0, 255)
 FRAMES = st.builds(Frame, BYTES, BYTES, BYTES, st.integers(0, 2**24 - 1), st.binary(min_size=1, max_size=255), BYTES)
 STRATEGIES = {
-    ConnectionOpened: st.builds(ConnectionOpened, NUMBERS, FLOATS),
+    ConnectionOpened: st.builds(ConnectionOpened, NUMBERS, FLOATS, st.sampled_from(CREDENTIALS)),
     BytesReceived: st.builds(BytesReceived, NUMBERS, WORDS, st.binary(max_size=100), FLOATS),
     ConnectionClosed: st.builds(ConnectionClosed, NUMBERS, WORDS),
     ConnectionBacklogged: st.builds(ConnectionBacklogged, NUMBERS, WORDS, NUMBERS),

@@ -97,12 +97,17 @@ class Visited:
     def __init__(self, team: Team, has_game: bool = True) -> None:
         self.asked: list[tuple[str, Request]] = []
         self.pacer = Pacer(1.0)
+        self.by_key: list[tuple[str, str]] = []
         self.desk = WatchRequestHandler(
-            lambda sender, request: self.asked.append((sender, request)), team, self.pacer, has_game=has_game
+            lambda sender, request: self.asked.append((sender, request)),
+            team,
+            self.pacer,
+            lambda key, request: self.by_key.append((key, request)),
+            has_game=has_game,
         )
 
-    def wish(self, request: Request | PaceRequest, sender: str = "window") -> str | None:
-        return self.desk.ask("watcher 1", json.loads(request_line(sender, request)))
+    def wish(self, request: Request | PaceRequest, sender: str = "window", key: str = "") -> str | None:
+        return self.desk.ask("watcher 1", json.loads(request_line(sender, request)), key)
 
 
 @pytest.fixture
@@ -112,6 +117,14 @@ def visited(team: Team) -> Visited:
 
 def same(one: object, other: object) -> bool:
     return repr(one) == repr(other)
+
+
+def test_whoever_shows_a_key_asks_by_it_and_in_no_other_name(visited: Visited) -> None:
+    assert visited.wish(ClearCostmaps(1), "Father Christmas", "maria") is None
+    assert visited.wish(ClearCostmaps(7), key="maria") is not None
+    assert visited.wish(SetRate(2.0), key="maria") is None
+    assert visited.asked == [("watcher 1", ClearCostmaps(1))]
+    assert visited.by_key == [("maria", 'ClearCostmaps {"robot": 1}'), ("maria", 'SetRate {"rate": 2.0}')]
 
 
 def test_every_kind_that_is_granted_is_tried_here() -> None:

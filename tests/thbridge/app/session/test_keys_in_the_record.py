@@ -1,0 +1,37 @@
+"""Who took part by which key, and what was asked by it, is in the journal of the game."""
+
+from tests.thbridge.roles.stage import Stage
+from thbridge.app.session.input_records import to_record
+from thbridge.app.session.inputs import ConnectionOpened
+from thbridge.hunt.events import KeyUsed
+from thbridge.protocols.credentials import Credentials, Right
+from thbridge.protocols.text.router import TurnedAway
+
+
+def test_a_game_has_the_keys_of_its_programs_and_what_was_asked_by_others() -> None:
+    stage = Stage()
+    stage.session.run = lambda game: f"run/{game}"
+    early = stage.session.connect(0.0, Credentials("maria", (Right.PARTICIPANT,)))
+    assert not isinstance(early, TurnedAway)
+    stage.session.receive_data(early, b"%%setid Anna extended\n", 0.0)
+    while stage.session.game is None:
+        stage.run(1)
+    late = stage.session.connect(1.0, Credentials("jo", (Right.ADMIN,)))
+    assert not isinstance(late, TurnedAway)
+    stage.session.receive_data(late, b"%%setid Bert\n", 1.0)
+    stage.session.granted("dora", 'ClearCostmaps {"robot": 0}')
+    nobody = stage.session.connect(1.0)
+    assert not isinstance(nobody, TurnedAway)
+    stage.session.receive_data(nobody, b"%%setid Local\n", 1.0)
+    stage.run(2)
+    assert [entry for entry in stage.log.entries if isinstance(entry, KeyUsed)] == [
+        KeyUsed("maria", "joined as Anna", "run/1"),
+        KeyUsed("jo", "joined as Bert", "run/1"),
+        KeyUsed("dora", 'asked: ClearCostmaps {"robot": 0}', "run/1"),
+    ]
+    opened = [item for tick in stage.tick_records for item in tick.inputs if isinstance(item, ConnectionOpened)]
+    assert [to_record(item).line for item in opened] == [
+        "a connection is opened by the key maria (participant)",
+        "a connection is opened by the key jo (admin)",
+        "a connection is opened",
+    ]
