@@ -73,7 +73,7 @@ class ConsentDesk:
             match output:
                 case ClientJoined(_, legacy.TABUI, extended=False):
                     self.status = ConsentStatus.NOT_ASKED
-                case Forwarded(message, _, sender_extended=True) if message.receiver == KEEPER:
+                case Forwarded(message, True, sender_extended=True) if _is_of_a_participant(message):
                     replies += [SendToClient(connection, encode_line(line.line())) for line in self._answer(message)]
         return [*outputs, *replies]
 
@@ -109,6 +109,10 @@ class ConsentDesk:
         elif decode_notice(notice, ParticipantReady) is not None:
             return self._introduction
         return ()
+
+
+def _is_of_a_participant(message: TextMessage) -> bool:
+    return message.receiver == KEEPER and message.sender not in (legacy.SIMR, legacy.HIDER)
 
 
 def introduction(setting: StudySetting) -> list[TextMessage]:

@@ -31,7 +31,7 @@ class WatchAddress:
     Attributes:
         host: address to listen on.
         port: TCP port; 0 takes any that is free.
-        keys: of which windows have to send one; None admits every connection.
+        keys: of which windows have to show one; None admits every program of this machine.
     """
 
     host: str

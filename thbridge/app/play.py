@@ -210,6 +210,7 @@ async def play(
             desk or session, session.note_forwarded, admission=Admission.to(setting.study.open_to), keys=options.keys
         )
         session.perform = server.perform
+        server.note_game(*session.game_name)
 
         async def listen() -> None:
             where = await server.start(setting.study.server.host, setting.study.server.port)
@@ -258,7 +259,7 @@ async def play(
             # A participant in this process is told by window or terminal.
             refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
             troubles.note(refusals, now.utterances)
-            server.note_game(session.game_in_progress)
+            server.note_game(*session.game_name)
             progress(now)
             return not ending.reached(session)
 

@@ -7,7 +7,7 @@ from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
 from thbridge.app.trouble_log import TroubleLog
-from thbridge.hunt.events import GameStarted, JournalEntry, KeyUsed
+from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.sockets.addresses import ListeningAddress
@@ -67,8 +67,7 @@ async def serve(
         new_game: True leaves an unfinished game as it is and begins the next.
         ready: takes the address of the server, or the reason why it cannot listen; then the function returns.
         keys: by which programs take part from other machines; None: there are none.
-        run: name of this run of the program, unlike all others, for what keys were used in; a game that goes on keeps
-            the name that its journal has.
+        run: name for the folder of the journals, unlike all others, where it has none yet: for what keys are used in.
 
     Raises:
         BadFile: the journal cannot be read or written.
@@ -84,12 +83,12 @@ async def serve(
         keeper = build_keeper(setting, history, last_game)
         for dialogue in keeper.dialogues_not_restored:
             _log.warning("dialogue %d cannot be taken up again; what was said in it is in the journal", dialogue)
-        used_in = [each.run for each in history if isinstance(each, KeyUsed)]
-        names = {last_game + 1: used_in[0]} if used_in else {}
         session = Session(keeper, [], log=ConsentedLog(journals, lambda: keeper.consent))
-        session.run = lambda game: names.setdefault(game, f"{run}/{game}")
+        name = "" if keys is None else journals.name_of_folder(run)
+        session.run = lambda game: f"{name}/{game}"
         server = TextServer(session, session.note_forwarded, admission=Admission.to(setting.study.open_to), keys=keys)
         session.perform = server.perform
+        server.note_game(*session.game_name)
         listening = await server.start(setting.study.server.host, setting.study.server.port)
         ready(listening)
         if isinstance(listening, CannotListen):
@@ -102,7 +101,7 @@ async def serve(
             nonlocal told
             now = session.step()
             troubles.note(now.refusals, now.utterances)
-            server.note_game(session.game_in_progress)
+            server.note_game(*session.game_name)
             before, told = told, keeper.consent
             if told is not before and told in CONSENT_SENTENCES:
                 _log.warning(CONSENT_SENTENCES[told])

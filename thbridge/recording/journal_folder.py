@@ -5,11 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.files.edited_file import write_whole
 from thbridge.files.errors import BadFile
+from thbridge.files.regular_files import content_of
 from thbridge.files.synced import make_folder
 from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal import Journal, journal_path, next_game
 
+_FOLDER_NAME = "folder-name"
 _log = logging.getLogger(__name__)
 
 
@@ -49,6 +52,21 @@ class JournalStore:
     def last_game(self) -> int:
         """The highest number of a game so far; 0 when there is none."""
         return next_game(self.folder) - 1
+
+    def name_of_folder(self, fresh: str) -> str:
+        """Return the name that the folder was given once, unlike all others; `fresh` where it has none yet.
+
+        Raises:
+            BadFile: it cannot be read or written.
+        """
+        path = self.folder / _FOLDER_NAME
+        try:
+            if not path.exists():
+                write_whole(path, fresh.encode())
+            return content_of(path, 1000).decode(errors="replace")
+        except OSError as error:
+            problem = f"cannot be read or written ({error.strerror})"
+            raise BadFile(path, problem, "choose a folder you may write to, with room on its disk") from None
 
     def resume(self) -> UnfinishedGame | None:
         """Continue the last game, if it did not end; None when there is no such game.

@@ -63,6 +63,8 @@ OWN_MACHINE = Admission()
 def peer_of(transport: BaseTransport) -> str | None:
     """Return the address of another machine's peer; None for a program of this machine."""
     peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
+    if peer is None:
+        return "somebody who has left"  # Whoever resets a connection at once has no address any more.
     # Sockets without addresses connect programs of one machine, and so do those whose addresses are the same.
     if not isinstance(peer, tuple) or peer[0] == own[0] or is_own(str(peer[0])):
         return None

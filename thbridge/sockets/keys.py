@@ -67,19 +67,19 @@ class RingKeys:
         return Credentials(found.name, found.rights) if isinstance(found, KeyEntry) else found
 
     def why_not(self, credentials: Credentials) -> str | None:
-        """Return why somebody is not admitted any more, or has other rights by now; None where all is as it was."""
+        """Return why somebody is not admitted any more; None where they are."""
         try:
             return self._ring.why_not(credentials.key)
         except BadFile as error:
             return self._unreadable(error)
 
-    def enter(self, key: str, game: str) -> str | None:
+    def enter(self, key: str, game: str, *, over: bool = False) -> str | None:
         """Use a participant's key for a game; return why it is not good for that one, None where it is."""
         try:
-            return self._ring.enter(key, game)
+            return self._ring.enter(key, game, over=over)
         except BadFile as error:
             return self._unreadable(error)
 
     def _unreadable(self, error: BadFile) -> str:
         self._complaints.warn(str(error))
-        return "the keys cannot be read"
+        return "the keys cannot be read or written"

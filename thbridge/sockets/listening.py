@@ -196,6 +196,10 @@ class _Acceptor:
 
     def _arrived(self, task: asyncio.Task[None]) -> None:
         self._arriving.pop(task, None)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            (_log.info if isinstance(error, OSError) else _log.warning)(
+                "a connection failed before it was one: %s", error
+            )
 
 
 def raise_limit() -> None:

@@ -12,7 +12,8 @@ from typing import NoReturn
 from thbridge.files.errors import reason_of
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.protocols.text.client import ServerCloseReason
-from thbridge.sockets.tls import UntrustedServer, check_server, client_context, needs_tls
+from thbridge.sockets.admission import is_own
+from thbridge.sockets.tls import UntrustedServer, check_server, client_context
 
 
 class LossReason(Enum):
@@ -58,15 +59,26 @@ class ReconnectingClient(ABC):
         backoff: delays between two attempts.
         segment: bytes that are read at a time.
         key: key that is shown to the server; None for none, which is for servers of this machine.
+        may_be_plain: a key without a fingerprint is shown to servers of this machine without encryption.
     """
 
-    def __init__(self, host: str, port: int, backoff: Backoff, segment: int, key: ClientKey | None = None) -> None:
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        backoff: Backoff,
+        segment: int,
+        key: ClientKey | None = None,
+        *,
+        may_be_plain: bool = False,
+    ) -> None:
         self._host = host
         self._port = port
         self._backoff = backoff
         self._segment = segment
         self._key = key
-        self._context = client_context(key) if key is not None and needs_tls(host, key) else None
+        plain = key is None or (may_be_plain and key.fingerprint is None and is_own(host))
+        self._context = None if key is None or plain else client_context(key)
         self._writer: asyncio.StreamWriter | None = None  # while the server has accepted us
         self._reason: LossReason | None = None
 

@@ -6,9 +6,9 @@ A port of ours takes both what is plain and what is encrypted: TLS begins with a
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import hashlib
 import hmac
-import logging
 import socket
 import ssl
 from asyncio import BaseProtocol, BaseTransport
@@ -16,9 +16,6 @@ from collections.abc import Callable
 
 from thbridge.files.keys.certificate import Certificate
 from thbridge.files.keys.key_file import ClientKey
-from thbridge.sockets.admission import is_own
-
-_log = logging.getLogger(__name__)
 
 _HANDSHAKE = b"\x16"
 """First byte of a TLS connection: the type of its first record (RFC 8446, 5.1)."""
@@ -36,13 +33,8 @@ def server_context(certificate: Certificate) -> ssl.SSLContext:
     """Return the context of a server with a certificate. Raises OSError where its files are gone."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_3
-    context.load_cert_chain(certificate.path, certificate.private_key)
+    context.load_cert_chain(certificate.path, certificate.private_key, password="")
     return context
-
-
-def needs_tls(host: str, key: ClientKey | None) -> bool:
-    """Return True where a client encrypts: with a key of a session, or any key that leaves this machine."""
-    return key is not None and (key.fingerprint is not None or not is_own(host))
 
 
 def client_context(key: ClientKey) -> ssl.SSLContext:
@@ -80,25 +72,26 @@ async def begin_connection(
         connection: makes the protocol.
         accepted: socket of the connection, not blocking.
         tls: context of the server; None: it speaks plain only.
+
+    Raises:
+        OSError: it was lost before; failed handshakes are of this kind.
     """
     loop = asyncio.get_running_loop()
     try:
-        if tls is not None and await _begins_tls(accepted):
-            await loop.connect_accepted_socket(
-                connection,
-                accepted,
-                ssl=tls,
-                ssl_handshake_timeout=_HANDSHAKE_SECONDS,
-                ssl_shutdown_timeout=_SHUTDOWN_SECONDS,
-            )
-        else:
-            await loop.connect_accepted_socket(connection, accepted)
-    except OSError as error:
-        _log.info("a connection failed before it was one: %s", error)
-        accepted.close()
-    except asyncio.CancelledError:
-        accepted.close()
+        encrypted = tls is not None and await _begins_tls(accepted)
+    except (OSError, asyncio.CancelledError):
+        accepted.close()  # Later it is its transport's to close.
         raise
+    if encrypted:
+        await loop.connect_accepted_socket(
+            connection,
+            accepted,
+            ssl=tls,
+            ssl_handshake_timeout=_HANDSHAKE_SECONDS,
+            ssl_shutdown_timeout=_SHUTDOWN_SECONDS,
+        )
+    else:
+        await loop.connect_accepted_socket(connection, accepted)
 
 
 async def _begins_tls(accepted: socket.socket) -> bool:
@@ -107,10 +100,12 @@ async def _begins_tls(accepted: socket.socket) -> bool:
     readable = asyncio.Event()
     loop.add_reader(accepted, readable.set)
     try:
-        async with asyncio.timeout(_FIRST_BYTE_SECONDS):
-            await readable.wait()
-    except TimeoutError:
-        return False
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_FIRST_BYTE_SECONDS):
+                await readable.wait()
     finally:
         loop.remove_reader(accepted)
-    return accepted.recv(1, socket.MSG_PEEK) == _HANDSHAKE
+    # After a timeout, too: it may be this loop that has stood still.
+    with contextlib.suppress(BlockingIOError):
+        return accepted.recv(1, socket.MSG_PEEK) == _HANDSHAKE
+    return False

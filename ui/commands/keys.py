@@ -59,6 +59,8 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
     table = Table("name", "rights", "made", "expires", "state")
     for entry in entries:
         state = "revoked" if entry.revoked else "expired" if entry.why_not(utc_now()) else "good"
+        if state == "good" and entry.game is not None:
+            state = "used for a game"
         table.add_row(entry.name, ", ".join(entry.rights), entry.created, entry.expires or "never", state)
     out.print(table)
 

@@ -105,7 +105,7 @@ def simr(
     from thbridge.app.programs import SimrOptions
     from thbridge.app.real_robots import simr_with_real_robots
     from ui.actions.programs import address_of, new_token, settings_without_effect, tell_lost
-    from ui.door_keys import key_of
+    from ui.door_keys import key_of, keys_of
     from ui.event_loop import run
     from ui.first_start import compile_ahead
     from ui.listening import check_foxglove, graph_of, hosts_of, watch_of
@@ -138,7 +138,9 @@ def simr(
     if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
         fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or take fewer robots.")
     graph = graph_of(ros or real, ros_master, ros_host, study.open_to)
-    door = None if real else watch_of(setting.study, study_file, watch, watch_key)
+    door = None
+    if not real:
+        door = watch_of(setting.study, study_file, watch, watch_key, keys_of(setting.study, study_file, None))
     check_doors(study, None, door, graph, serves_text=False)
     shown = None if key is None else key_of(key)
     if bag is not None:

@@ -88,7 +88,7 @@ class WindowGames:
 
         async def play(visit: GameVisit) -> None:
             make_ready(bag)
-            options = dataclasses.replace(self.options, bag=bag, left=visit.has_left)
+            options = dataclasses.replace(self.options, bag=bag, left=visit.has_left, run=secrets.token_hex(8))
             outcome = await self._played(setting, options, visit)
             if outcome is None:
                 return
@@ -105,7 +105,14 @@ class WindowGames:
 
         async def play(visit: GameVisit) -> None:
             options = dataclasses.replace(
-                self.options, bag=None, graph=None, watch=None, foxglove=None, mavlink=None, left=visit.has_left
+                self.options,
+                bag=None,
+                graph=None,
+                watch=None,
+                foxglove=None,
+                mavlink=None,
+                keys=None,
+                left=visit.has_left,
             )
             await self._played(setting, options, visit)
 

@@ -249,10 +249,10 @@ class ParticipantMainWindow(QMainWindow):
             case Thanks() if not isinstance(self._pages.currentWidget(), ThanksPage):
                 self._show_thanks()
 
-    def join(self, link: ParticipantLink, practice: bool = False) -> None:
-        """Show a game."""
+    def join(self, link: ParticipantLink, practice: bool = False, once: bool = False) -> None:
+        """Show a game; `once` where no other follows."""
         back = None if self._send_to_host is None else lambda: self._send(Back())
-        game = GamePage(link, self._appearance, practice, back, self._clock)
+        game = GamePage(link, self._appearance, practice, back, self._clock, once=once)
         game.window_of_game.declined.connect(self._decline)
         self._show(game)
         self.game = game
@@ -338,7 +338,8 @@ def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKe
     """Open the window at a server, with a key, if any; return the exit code when it is closed."""
     app = application()
     table = _table(app, choice, None)
-    table.join(ParticipantLink(host, port, token, key=key))
+    # A participant's key is good for one game: the window offers no other.
+    table.join(ParticipantLink(host, port, token, key=key), once=key is not None)
     table.show()
     code = app.exec()
     return DECLINED if table.declined else code

@@ -11,6 +11,7 @@ from thbridge.sockets.mavlink.tcp import TcpPort, tcp_port
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.text.server import TextServer
+from thbridge.sockets.watching import server as watch_server
 from thbridge.sockets.watching.server import SessionPace, WatchServer
 
 
@@ -75,6 +76,7 @@ def test_every_door_asks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Peers of the loopback are those of another machine here: none of the doors hears them."""
     monkeypatch.setattr(Admission, "admits", lambda self, host: False)
     monkeypatch.setattr(Admission, "refused", lambda self, transport: "10.0.0.6")
+    monkeypatch.setattr(watch_server, "peer_of", lambda transport: "10.0.0.6")
 
     async def hears(port: int, data: bytes) -> bytes:
         reader, writer = await asyncio.open_connection("127.0.0.1", port)

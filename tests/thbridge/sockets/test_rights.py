@@ -12,7 +12,7 @@ import pytest
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_file import ClientKey, read_key
 from thbridge.files.keys.key_ring import KeyRing
-from thbridge.protocols.credentials import Right
+from thbridge.protocols.credentials import Right, key_line
 from thbridge.protocols.text.client import NameRegistered
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import notice
@@ -256,19 +256,68 @@ def test_a_participants_key_is_good_for_one_game(house: House) -> None:
         async with house.open():
             async with house.program("TabUI", key) as tabui:
                 assert isinstance(await first(tabui), NameRegistered)
-                house.text.note_game("run/1")
-                house.text.note_game(None)
-                # Its end may be looked at, and looked at again.
+                house.text.note_game("run/1", over=False)
+                house.text.note_game("run/1", over=True)
+                # Its end may be looked at, and looked at again; whoever sees the end alone has not played.
                 assert isinstance(await house.joins("Anybody", key), NameRegistered)
-                house.text.note_game("run/2")
+                assert isinstance(await house.joins("Late", read_key(other)), NameRegistered)
+                house.text.note_game("run/2", over=False)
                 over = ConnectionLost(LossReason.REFUSED, "the key participant was for one game, which is over")
                 assert await first(tabui) == over
             assert await house.joins("TabUI", key) == over
-            house.text.note_game("run/1")
+            assert isinstance(await house.joins("Late", read_key(other)), NameRegistered)
+            house.text.note_game("run/1", over=False)
             assert isinstance(await house.joins("TabUI", key), NameRegistered)
 
+    other = house.ring.add("other", [Right.PARTICIPANT, Right.ROBOTS], "secret of other", None)
     asyncio.run(play())
-    assert [entry.game for entry in house.ring.entries if entry.game] == ["run/1"]
+    assert [(entry.name, entry.game) for entry in house.ring.entries if entry.game] == [
+        ("participant", "run/1"),
+        ("other", "run/2"),
+    ]
+
+
+def test_a_key_for_robots_too_is_not_a_participants_where_it_is_simr(house: House) -> None:
+    async def play() -> None:
+        async with house.open(), house.program("SimR", read_key(both)) as simr:
+            assert isinstance(await first(simr), NameRegistered)
+            house.text.note_game("run/1", over=False)
+            house.text.note_game("run/2", over=False)
+            assert isinstance(await house.joins("TabUI", read_key(both)), NameRegistered)
+            assert not [each for each in simr.take() if isinstance(each, ConnectionLost)]
+
+    both = house.ring.add("both", [Right.PARTICIPANT, Right.ROBOTS], "secret of both", None)
+    asyncio.run(play())
+
+
+def test_a_revoked_key_of_a_connection_without_a_name_does_not_save_others(house: House) -> None:
+    async def play() -> None:
+        async with house.open(), house.program("SimR", house.keys[Right.ROBOTS]) as simr:
+            assert isinstance(await first(simr), NameRegistered)
+            reader, writer = await _encrypted(house.ports[0])
+            writer.write(key_line("secret of hider"))
+            assert await reader.readline() == b'{"admitted":"hider"}\n'
+            house.ring.revoke("hider")
+            assert await reader.read() == b"%%sshhuuttddoowwnn \n"
+            writer.close()
+            house.ring.revoke("robots")
+            assert await first(simr) == ConnectionLost(LossReason.REFUSED, "the key robots was revoked")
+
+    asyncio.run(play())
+
+
+def test_a_name_is_its_holders_whoever_has_another_key_or_none(house: House) -> None:
+    async def play() -> None:
+        taken = ConnectionLost(LossReason.REFUSED, "")
+        async with house.open(), house.program("TabUI", house.keys[Right.PARTICIPANT]) as tabui:
+            assert isinstance(await first(tabui), NameRegistered)
+            # The same token, by which a program takes its own name back.
+            assert await house.joins("TabUI", house.keys[Right.ADMIN]) == taken
+            assert await house.joins("TabUI", None) == taken
+            assert await house.joins("Server", house.keys[Right.ADMIN]) == taken
+            assert isinstance(await house.joins("TabUI", house.keys[Right.PARTICIPANT]), NameRegistered)
+
+    asyncio.run(play())
 
 
 def test_programs_of_other_machines_show_a_key_or_speak_as_in_2016(
@@ -286,6 +335,10 @@ def test_programs_of_other_machines_show_a_key_or_speak_as_in_2016(
             reader, writer = await asyncio.open_connection("127.0.0.1", house.ports[0])
             writer.write(b"%%setid TabUI\n")
             assert await reader.readline() == b"%%ack \n"
+            ready = notice("TabUI", "Game", "ParticipantReady", run="x").line().encode()
+            writer.write(ready + b"\n%%goto TabUI Game 1 2\n")
+            await until(lambda: len(house.heard) > 0)
+            assert [each.message.command for each in house.heard] == ["%%goto"]
             writer.close()
             assert isinstance(await house.joins("Anybody", house.keys[Right.PARTICIPANT]), NameRegistered)
             # There is no plain way to watch.
@@ -310,11 +363,23 @@ def test_those_who_show_no_key_in_tls_make_room_for_those_who_do(house: House) -
     asyncio.run(crowd())
 
 
+def test_whoever_has_left_already_is_no_program_of_this_machine() -> None:
+    class Reset(asyncio.Transport):
+        def get_extra_info(self, name: str, default: object = None) -> object:
+            return ("10.0.0.5", 6009) if name == "sockname" else None
+
+    assert admission.peer_of(Reset()) is not None
+    assert admission.Admission.to(["10.0.0.0/24"]).refused(Reset()) is not None
+
+
 async def _silent(port: int) -> asyncio.StreamWriter:
+    return (await _encrypted(port))[1]
+
+
+async def _encrypted(port: int) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
-    _, writer = await asyncio.open_connection("127.0.0.1", port, ssl=context)
-    return writer
+    return await asyncio.open_connection("127.0.0.1", port, ssl=context)
 
 
 def test_handshakes_that_are_left_hold_few_descriptors(house: House) -> None:

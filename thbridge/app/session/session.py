@@ -42,6 +42,9 @@ _LINE = 256
 _FEW_LINES, _MOST_OF_ONE, _MOST_OF_ALL = 2 * 1024, 32 * 1024, 128 * 1024
 """Bytes between two ticks that are always heard of a connection, at most, and at most of all together."""
 
+_MOST_GRANTED = 200
+"""Requests by keys before a tick that are logged one by one: in a pause there may be many about its pace."""
+
 
 @dataclass(frozen=True, slots=True)
 class TickRecord:
@@ -155,10 +158,12 @@ class Session:
         return self._keeper.state
 
     @property
-    def game_in_progress(self) -> str | None:
-        """Name of the game that is being played, as `run` has it; None while none is."""
+    def game_name(self) -> tuple[str, bool]:
+        """Name, as `run` has it, of the present game, the last or else the coming one; True where it is over."""
         game = self.game
-        return None if game is None or game.ended is not None else self.run(game.started.game)
+        if game is None:
+            return self.run(self._keeper.last_game + 1), False
+        return self.run(game.started.game), game.ended is not None
 
     def record_with(self, recorders: Sequence[TickRecorder], log: EventLog | None) -> None:
         """Have every tick recorded, and the game's events logged; to be called before the first tick."""
@@ -187,7 +192,9 @@ class Session:
 
     def granted(self, key: str, request: str) -> None:
         """Note that whoever has a key has asked for something, and got it, for the log."""
-        self._granted.append((key, request))
+        if len(self._granted) <= _MOST_GRANTED:
+            more = len(self._granted) == _MOST_GRANTED
+            self._granted.append((key, f"more than {_MOST_GRANTED} times before the next tick" if more else request))
 
     def make_room(self, now: float) -> list[RouterOutput]:
         """See the router; a connection that follows is recorded, and makes room again in a replay."""

@@ -54,7 +54,7 @@ def certificate_of(folder: Path, now: str) -> Certificate:
     check_private(private_key)
     try:
         der = ssl.PEM_cert_to_DER_cert(_first(content_of(path, _LARGEST)))
-        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(path, private_key)
+        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(path, private_key, password="")
     except ssl.SSLError as error:
         problem = f"certificate and private key are of no use ({error.reason or error})"
         remedy = f"copy both again, the key as {private_key}; or remove both, and a new certificate is made"

@@ -1,9 +1,11 @@
 """Ring of keys by which people are admitted: names, rights and digests; only these people have the secrets."""
 
+import contextlib
 import fcntl
 import hashlib
 import os
 import re
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,6 +28,7 @@ KEY_SUFFIX = ".key"
 SHORTEST_KEY = 16
 """Characters of a secret that cannot be guessed by trying."""
 
+_LOCK_TRIES, _LOCK_SECONDS = 20, 0.01
 _NAME = re.compile(r"[a-z][a-z0-9_-]{0,31}")
 
 
@@ -137,12 +140,13 @@ class KeyRing:
                 raise BadFile(self._path, f"there is no key {name}", f"name one of these: {names}")
             self._replace(msgspec.structs.replace(entry, revoked=entry.revoked or self._clock()))
 
-    def enter(self, name: str, game: str) -> str | None:
+    def enter(self, name: str, game: str, *, over: bool = False) -> str | None:
         """Use a participant's key for a game, which it is good for from now on, and for no other.
 
         Args:
             name: of the key.
             game: its name, unlike all others.
+            over: the game is over, and a key that was used for none yet is kept for the next.
 
         Returns:
             The reason why it is not good for this game, as a clause; None where it is.
@@ -150,13 +154,15 @@ class KeyRing:
         Raises:
             BadFile: the ring cannot be read or written.
         """
-        with self._locked():
-            entry = next((entry for entry in self.entries if entry.name == name), None)
-            if entry is None:
-                return f"there is no key {name}"
-            if entry.game is None:
-                self._replace(msgspec.structs.replace(entry, game=game))
-            return None if entry.game in (None, game) else f"the key {name} was for one game, which is over"
+        entry = next((entry for entry in self.entries if entry.name == name), None)
+        if entry is None:
+            return f"there is no key {name}"
+        if entry.game is None and not over:
+            with self._locked():
+                entry = next(entry for entry in self.entries if entry.name == name)
+                if entry.game is None:
+                    self._replace(msgspec.structs.replace(entry, game=game))
+        return None if entry.game in (None, game) else f"the key {name} was for one game, which is over"
 
     @contextmanager
     def _locked(self) -> Iterator[None]:
@@ -165,12 +171,14 @@ class KeyRing:
         try:
             make_folder(self.folder)
             opened = os.open(self.folder, os.O_RDONLY | os.O_DIRECTORY)
+            locked = _lock(opened)
         except OSError as error:
             raise BadFile(self.folder, f"it cannot be opened ({reason_of(error)})", "choose another folder") from None
         finally:
             os.umask(before)
         try:
-            fcntl.flock(opened, fcntl.LOCK_EX)
+            if not locked:
+                raise BadFile(self.folder, "another program is changing these keys", "try again in a moment")
             yield
         finally:
             os.close(opened)
@@ -207,6 +215,16 @@ class KeyRing:
             problem = f"this is no ring of keys ({error})"
             raise BadFile(self._path, problem, "make a new one in another folder: thbridge keys new") from None
         self._state = state
+
+
+def _lock(opened: int) -> bool:
+    """Lock a folder, for which others need milliseconds; a session does not wait for one that does not end."""
+    for _ in range(_LOCK_TRIES):
+        with contextlib.suppress(BlockingIOError):
+            fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        time.sleep(_LOCK_SECONDS)
+    return False
 
 
 def _digest(secret: str) -> str:

@@ -27,8 +27,8 @@ Extended clients register with ``%%setid NAME extended [TOKEN]``. They alone
 * get a notice of kind ``undelivered`` about a failed delivery, before the ack (notices themselves are exempt: a
   stream that nobody receives must not echo);
 * receive the notices of other extended parties (one for a client of 2016 is withheld: it would misread it);
-* replace a dead holder of their name: one that has not answered a ping yet, or one that registered with the same
-  TOKEN, which is then this program's own connection from before a network failure.
+* replace a dead holder of their name with the same key, or none: one that has not answered a ping yet, or one that
+  registered with the same TOKEN, which is then this program's own connection from before a network failure.
 
 A connection from another machine has credentials. One with a key holds the names that the key's rights are for, and
 speaks in its own name alone; one without a key is never extended. Whoever may not is told why, and closed.
@@ -386,8 +386,10 @@ class MessageRouter:
                 outputs += self._register(client, name, extras)
             case [TextCommand.GETID, *_]:
                 name = self._fresh_number()
-                if _not_entitled(client.credentials, name, client.extended) is None:
-                    outputs += self._rename(client, name, client.extended)
+                reason = _not_entitled(client.credentials, name, client.extended)
+                if reason is not None:
+                    return self._turn_out(client, name, reason)
+                outputs += self._rename(client, name, client.extended)
                 outputs.append(SendToClient(client.id, encode_line(f"{TextCommand.SETID} {name}")))
             case [TextCommand.PING, *_]:
                 outputs.append(SendToClient(client.id, PONG_LINE))
@@ -407,15 +409,18 @@ class MessageRouter:
         outputs: list[RouterOutput] = []
         reason = _not_entitled(client.credentials, name, extended)
         if reason is not None:
-            told = SendToClient(client.id, farewell(name, reason))
-            return [told, *self._close(client, CloseReason.NOT_ENTITLED)]
+            return self._turn_out(client, name, reason)
         holder = self._holders.get(name)
-        if holder is not None and holder is not client:
-            if not (extended and isinstance(holder, _Connection) and _is_dead(holder, token)):
+        if name == SERVER or (holder is not None and holder is not client):
+            if not (extended and isinstance(holder, _Connection) and _is_dead(holder, client, token)):
                 return [SendToClient(client.id, SHUTDOWN_LINE), *self._close(client, CloseReason.NAME_TAKEN)]
             outputs += self._close(holder, CloseReason.REPLACED)
         client.token = token
         return outputs + self._rename(client, name, extended)
+
+    def _turn_out(self, client: _Connection, name: str, reason: str) -> list[RouterOutput]:
+        told = SendToClient(client.id, farewell(name, reason))
+        return [told, *self._close(client, CloseReason.NOT_ENTITLED)]
 
     def _forward(self, origin: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
         """Pass a message on; send an extended origin a notice when that cannot be done."""
@@ -481,7 +486,9 @@ class MessageRouter:
         return [*self.eof(client.id), CloseConnection(client.id, reason)]
 
 
-def _is_dead(holder: _Connection, token: str | None) -> bool:
+def _is_dead(holder: _Connection, newcomer: _Connection, token: str | None) -> bool:
+    if holder.credentials.key != newcomer.credentials.key:
+        return False
     return holder.pinged is not None or (token is not None and holder.token == token)
 
 
@@ -492,21 +499,29 @@ def farewell(name: str, reason: str) -> bytes:
 
 _RIGHTS = {legacy.SIMR: Right.ROBOTS, legacy.HIDER: Right.HIDER}
 """Rights for the names of programs; all other names are participants'."""
+_NEEDS_KEY = "from another machine programs of thbridge need a key"
 PLAY_AGAIN = "PlayAgain"
 """Kind of the notice by which a participant begins another game."""
+
+
+def right_of(name: str) -> Right:
+    """Return the right that holding a name takes."""
+    return _RIGHTS.get(name, Right.PARTICIPANT)
 
 
 def _not_entitled(credentials: Credentials, name: str, extended: bool) -> str | None:
     """Return why a connection may not hold a name, as a clause; None where it may."""
     if extended and not credentials.extended:
-        return "from another machine programs of thbridge need a key"
-    if credentials.may(_RIGHTS.get(name, Right.PARTICIPANT)):
+        return _NEEDS_KEY
+    if credentials.may(right_of(name)):
         return None
     return f"the key {credentials.key} is not good for being {name}, but for: {', '.join(credentials.rights)}"
 
 
 def _withheld(client: _Connection, message: TextMessage) -> str | None:
-    """Return why the message of a client with a key is not passed on; None where it is, or there is no key."""
+    """Return why a client's message goes nowhere: it speaks by a key, or as programs with keys do; None: it goes on."""
+    if not client.credentials.extended and is_notice(message):
+        return _NEEDS_KEY
     if not client.credentials.key:
         return None
     if message.sender != client.name:

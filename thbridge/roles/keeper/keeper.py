@@ -208,6 +208,11 @@ class Keeper:
         return self._game.state
 
     @property
+    def last_game(self) -> int:
+        """Number of the current game, or of the last one; before the first that before it."""
+        return self._game.last_game
+
+    @property
     def dialogues_not_restored(self) -> tuple[int, ...]:
         """Numbers of dialogues that were open when the game was cut off, and could not be taken up again."""
         return self._game.dialogues.not_restored
@@ -308,6 +313,8 @@ class Keeper:
     # Notices to the keeper
 
     def _handle_notice(self, notice: Notice) -> None:
+        if not _is_from_its_program(notice):
+            return
         if (robots := decode_notice(notice, RobotsReady)) is not None:
             self._robots(notice.sender, robots)
         elif (status := decode_notice(notice, TeamStatus)) is not None:
@@ -515,3 +522,17 @@ def _mismatch(state: GameState, robots: RobotsReady) -> str:
         f"robots on the map {robots.map} with {len(robots.costs) - 1} rooms. Start SimR as before, or end that game "
         "by starting the server with --new-game."
     )
+
+
+_PROGRAMS = {legacy.SIMR, legacy.HIDER}
+_SAID_BY = {
+    **{kind_of(each): legacy.SIMR for each in (RobotsReady, TeamStatus, MoveCosts, ConsentQuery)},
+    **{kind_of(each): legacy.HIDER for each in (HiderReady, HideTreasures)},
+}
+"""Kinds of notices that one program alone says; all others are participants'."""
+
+
+def _is_from_its_program(notice: Notice) -> bool:
+    """Return True for a notice of the program that such notices are for: a right is one of saying these alone."""
+    program = _SAID_BY.get(notice.kind)
+    return notice.sender not in _PROGRAMS if program is None else notice.sender == program

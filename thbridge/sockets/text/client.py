@@ -99,7 +99,7 @@ class TextClient(ReconnectingClient):
         await self._events.put(loss)
 
     async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
-        if self._key is not None and self._context is not None:
+        if self._key is not None:
             writer.write(key_line(self._key.secret))
             refused = await self._answer(reader)
             if refused is not None:

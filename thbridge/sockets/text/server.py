@@ -14,8 +14,9 @@ from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
-from thbridge.protocols.credentials import LOCAL, PLAIN, Credentials, KeyAnswer, secret_of
+from thbridge.protocols.credentials import LOCAL, PLAIN, Credentials, KeyAnswer, Right, secret_of
 from thbridge.protocols.text.router import (
+    SHUTDOWN_LINE,
     ClientJoined,
     ClientLeft,
     CloseConnection,
@@ -28,6 +29,7 @@ from thbridge.protocols.text.router import (
     SendToClient,
     TurnedAway,
     farewell,
+    right_of,
 )
 from thbridge.sockets.addresses import DEBIAN_HOST, LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
 from thbridge.sockets.admission import OWN_MACHINE, Admission, peer_of
@@ -120,6 +122,7 @@ class TextServer:
         self._with_key: dict[ConnectionId, Credentials] = {}
         self._without_key: dict[_Connection, None] = {}
         self._game: str | None = None
+        self._over = False
         self._router = router
         self._tap = tap
         self._clock = clock
@@ -130,7 +133,7 @@ class TextServer:
         """What clients do wrong."""
         self._all_closed = asyncio.Event()
         # Those turned away linger beside the router's.
-        self._door = ServerDoor(RouterLimits().clients + _MOST_LINGERING)
+        self._door = ServerDoor(RouterLimits().clients + _MOST_LINGERING + _MOST_WITHOUT_KEY)
         self._names: dict[ConnectionId, str] = {}
         self._watch: asyncio.Task[None] | None = None
 
@@ -141,15 +144,15 @@ class TextServer:
         """
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
+        tls = None if self._keys is None else self._keys.tls
         try:
-            tls = None if self._keys is None else self._keys.tls
             address = await self._door.listen(lambda: _Connection(self), host, port, tls)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, port)
         self._watch = asyncio.get_running_loop().create_task(self._check_idle())
         if host == LOCALHOST:
             try:
-                await self._door.listen(lambda: _Connection(self), DEBIAN_HOST, address.port)
+                await self._door.listen(lambda: _Connection(self), DEBIAN_HOST, address.port, tls)
             except OSError as error:
                 _log.info("programs that expect the server at %s do not find it: %s", DEBIAN_HOST, error)
         return address
@@ -212,13 +215,14 @@ class TextServer:
                 case Forwarded():
                     self._tap(output)
 
-    def note_game(self, name: str | None) -> None:
-        """Note which game is being played, by a name unlike all others; None: none is.
+    def note_game(self, name: str, over: bool) -> None:
+        """Note the game that is played or comes next, by a name unlike all others; or that it is over.
 
-        Participants with a key have entered it: their keys are good for no other.
+        Participants who show a key enter it, and their keys are good for no other. One that is over is entered by
+        nobody new.
         """
-        if name != self._game:
-            self._game = name
+        if (name, over) != (self._game, self._over):
+            self._game, self._over = name, over
             for connection in tuple(self._with_key):
                 self._enter_game(connection)
 
@@ -233,7 +237,7 @@ class TextServer:
             transport.abort()
             return False
         if len(self._open) >= self._door.most:
-            # Descriptors are short: the oldest who has not said a name goes, as if it had ended by itself.
+            # Descriptors are short: the oldest who has shown no key, or has not said a name, goes.
             self.complaints.warn(f"more than {self._door.most} connections are more than there are descriptors for")
             nameless = next((each for each in self._transports if each not in self._names), None)
             if nameless is None:
@@ -302,17 +306,18 @@ class TextServer:
 
     def _enter_game(self, connection: ConnectionId) -> None:
         """Have a participant with a key enter the game that is being played; else end the connection."""
-        credentials = self._with_key.get(connection)
-        if self._keys is None or self._game is None or credentials is None or not credentials.one_game:
+        credentials, name = self._with_key.get(connection), self._names.get(connection)
+        if self._keys is None or self._game is None or credentials is None or name is None:
             return
-        if connection in self._names:
-            self._turn_out(connection, self._keys.enter(credentials.key, self._game))
+        if credentials.one_game and right_of(name) is Right.PARTICIPANT:
+            self._turn_out(connection, self._keys.enter(credentials.key, self._game, over=self._over))
 
     def _turn_out(self, connection: ConnectionId, reason: str | None) -> None:
         """End a connection whose key is good for nothing any more; None: it is good."""
         if reason is None:
             return
-        told = SendToClient(connection, farewell(self._names.get(connection, ""), reason))
+        name = self._names.get(connection)
+        told = SendToClient(connection, SHUTDOWN_LINE if name is None else farewell(name, reason))
         self._with_key.pop(connection, None)
         self._perform([told])
         self._perform([*self._router.eof(connection), CloseConnection(connection, CloseReason.NOT_ENTITLED)])
@@ -428,6 +433,7 @@ class _Connection(BufferedProtocol):
             self._timer.cancel()
         if self._transport is not None:
             self._server.lost(self, self._transport)
+            self._transport = None  # In TLS it holds much memory, and holds this.
 
 
 def _close(transport: Transport, flush: bool) -> None:

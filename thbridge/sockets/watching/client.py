@@ -41,7 +41,7 @@ class WatchClient(ReconnectingClient):
     """
 
     def __init__(self, host: str, port: int, key: ClientKey | None = None, backoff: Backoff | None = None) -> None:
-        super().__init__(host, port, backoff or Backoff(timeout=_TIMEOUT), _SEGMENT, key)
+        super().__init__(host, port, backoff or Backoff(timeout=_TIMEOUT), _SEGMENT, key, may_be_plain=True)
         self._events: deque[WatchEvent] = deque()
         self._loop: asyncio.AbstractEventLoop | None = None
 

@@ -36,6 +36,7 @@ from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.keys import KeyVerifier
 from thbridge.sockets.listening import ServerDoor
 from thbridge.sockets.tls import is_encrypted
+from thbridge.sockets.warn_once import WarnOnce
 from thbridge.sockets.watching.backlog import Backlog
 from thbridge.sockets.watching.history import MessageHistory
 
@@ -97,6 +98,8 @@ class WatchServer:
         keys: KeyVerifier | None = None,
         definitions: Definitions | None = None,
     ) -> None:
+        self.complaints = WarnOnce(_log)
+        """What clients do wrong."""
         self._session = session
         self._keys = keys
         self._stream = BagStream(definitions or Definitions())
@@ -273,13 +276,14 @@ class _Watcher(AsyncioProtocol):
         self.deaf = False
         self._begun = False
         self._input_ended = False
+        self._timer: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
             return
         stranger = None if is_encrypted(transport) else peer_of(transport)
         if stranger is not None:
-            _log.warning("%s shows no key in TLS, as others than this machine's must, and is cut off", stranger)
+            self._server.complaints.warn(f"{stranger} does not speak TLS, as other machines must, and is cut off")
             transport.abort()
             return
         self._transport = transport
@@ -288,14 +292,14 @@ class _Watcher(AsyncioProtocol):
         if self.decoder.admitted:
             self._server.admit(self)
         else:
-            asyncio.get_running_loop().call_later(_KEY_SECONDS, self._key_timed_out)
+            self._timer = asyncio.get_running_loop().call_later(_KEY_SECONDS, self._key_timed_out)
 
     def data_received(self, data: bytes) -> None:
         if self.deaf:
             return
         begun, self._begun = self._begun, True
         if not begun and begins_http(data):
-            _log.warning("a client speaks HTTP, as a page in a browser does, and is cut off")
+            self._server.complaints.warn("a client speaks HTTP, as a page in a browser does, and is cut off")
             if self._transport is not None:
                 self._transport.abort()
             self._closing = True
@@ -333,6 +337,9 @@ class _Watcher(AsyncioProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._closing = True
+        if self._timer is not None:
+            self._timer.cancel()
+        self._transport = None  # In TLS it holds much memory, and holds this.
         self._server.lost(self)
 
     def refuse(self, why: WatchRefusal) -> None:
