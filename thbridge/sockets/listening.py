@@ -197,9 +197,8 @@ class _Acceptor:
     def _arrived(self, task: asyncio.Task[None]) -> None:
         self._arriving.pop(task, None)
         if not task.cancelled() and (error := task.exception()) is not None:
-            (_log.info if isinstance(error, OSError) else _log.warning)(
-                "a connection failed before it was one: %s", error
-            )
+            level = logging.INFO if isinstance(error, OSError) else logging.WARNING
+            _log.log(level, "a connection failed before it was one: %r", error)
 
 
 def raise_limit() -> None:

@@ -51,6 +51,7 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
     """List the keys, those that are good for nothing any more among them."""
     from rich.table import Table
 
+    from thbridge.files.keys.certificate import certificate_of
     from thbridge.files.keys.key_ring import KeyRing
     from thbridge.timing.wall_clock import utc_now
 
@@ -63,6 +64,9 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
             state = "used for a game"
         table.add_row(entry.name, ", ".join(entry.rights), entry.created, entry.expires or "never", state)
     out.print(table)
+    if entries:
+        with bad_input():
+            say(f"sha256:{certificate_of(folder, utc_now()).fingerprint}")
 
 
 @keys_app.command("revoke")

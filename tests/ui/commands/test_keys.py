@@ -20,6 +20,7 @@ def test_a_key_is_made_listed_and_revoked() -> None:
     assert (made.exit_code, made.stdout) == (0, "keys/maria.key\n")
     assert len(Path("keys/maria.key").read_text().strip()) >= 40
     listed = run("keys", "list").stdout
+    assert Path("keys/maria.key").read_text().splitlines()[1] in listed
     assert "maria" in listed
     assert "watch, intervene" in listed
     assert "good" in listed
