@@ -48,7 +48,7 @@ from ui.commands.sweep.run import sweep_run
 from ui.commands.sweep.sweep import sweep_app
 from ui.commands.talk import talk_app
 from ui.commands.watch import watch
-from ui.terminal import note
+from ui.terminal import forgive_standard_error, note, whole_standard_output
 
 app = typer.Typer(
     cls=CommandGroup,
@@ -136,5 +136,7 @@ def main() -> None:
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         # Begun by `&` in a script. Else Ctrl-C would stop a server or not, by the moment, and SIGTERM not stop a kiosk.
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    forgive_standard_error()
     logging.basicConfig(level=logging.WARNING, format="%(message)s", handlers=[NoteHandler()])
-    app()
+    with whole_standard_output():
+        app()

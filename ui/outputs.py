@@ -7,6 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from thbridge.files.errors import BadFile
+from thbridge.recording.claims import release
 from thbridge.recording.recordings import make_room, try_place
 from ui.terminal import BAD_INPUT, fail, note
 
@@ -22,6 +23,8 @@ def destination(path: Path, suffix: str = "") -> Iterator[Path]:
     with TemporaryDirectory(prefix="thbridge-") as folder:
         file = Path(folder) / f"output{suffix}"
         yield file
+        if sys.stdout is None:
+            fail(BAD_INPUT, "-: standard output is closed. Name a file.")
         sys.stdout.flush()
         sys.stdout.buffer.write(file.read_bytes())
         sys.stdout.buffer.flush()
@@ -43,6 +46,7 @@ def make_ready(bag: Path, option: str = "--bag") -> None:
     except BadFile as taken:
         fail(BAD_INPUT, f"{option}: {taken}")
     except OSError as error:
+        release(bag)
         fail(BAD_INPUT, f"{bag}: cannot record there ({error.strerror}). Choose another file by {option}.")
     if moved is not None:
         note(f"The older recording is now {moved}.")

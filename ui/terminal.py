@@ -1,17 +1,24 @@
 """Output, error messages and exit codes of all commands."""
 
 import errno
+import io
 import json
+import os
 import shlex
+import shutil
+import sys
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import NoReturn
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, NoReturn
 
 import typer
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 
 from thbridge.files.errors import BadFile, reason_of, visible
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer as Buffer
 
 FAILED = 1
 BAD_INPUT = 2
@@ -89,11 +96,60 @@ def faults_of_files() -> Iterator[None]:
     except MemoryError:
         fail(BAD_INPUT, "There is not enough memory for it. Name a smaller file, or end other programs.")
     except OSError as error:
-        if error.filename is None and error.errno not in _DISK_FAULTS:
+        if error.filename is None and error.errno not in _DISK_FAULTS and not isinstance(error, shutil.Error):
             raise
         name = "the disk" if error.filename is None else str(error.filename)
         shown = name if len(name) <= _LONGEST_NAME else f"{name[:_LONGEST_NAME]}..."
         fail(BAD_INPUT, f"{shown}: {reason_of(error).lower()}. Check the name, the folder and the disk.")
+
+
+class _ForgivingFile(io.FileIO):
+    """An open file on a disk that may be full, or a pipe that nobody reads: what cannot be written is dropped."""
+
+    def write(self, data: "Buffer", /) -> int:
+        """Write bytes, or drop them."""
+        try:
+            return super().write(data) or 0
+        except OSError:
+            return memoryview(data).nbytes
+
+
+def forgive_standard_error() -> None:
+    """Go on where messages cannot be written: no hunt ends, and no exit code changes, because its log has no room."""
+    usual = sys.stderr
+    if usual is not sys.__stderr__ or usual is None:
+        return
+    with suppress(OSError):
+        raw = _ForgivingFile(usual.fileno(), "w", closefd=False)
+        sys.stderr = io.TextIOWrapper(io.BufferedWriter(raw), usual.encoding, "backslashreplace", line_buffering=True)
+
+
+@contextmanager
+def whole_standard_output() -> Iterator[None]:
+    """See that all of the result is written before the program ends, or say why not; a pipe may end before.
+
+    Raises:
+        SystemExit: it cannot be written.
+    """
+    try:
+        with faults_of_files():
+            try:
+                yield
+            finally:
+                if sys.stdout is not None:
+                    sys.stdout.flush()
+    except BrokenPipeError:
+        code = FAILED
+    except typer.Exit as failed:
+        code = failed.exit_code
+    else:
+        return
+    # What is left would be tried again by Python, and told as a fault.
+    with suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+    sys.exit(code)
 
 
 def print_json(value: Mapping[str, object]) -> None:

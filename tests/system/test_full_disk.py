@@ -1,72 +1,62 @@
-"""A hunt on a disk that fills up ends loudly, with a bag that any tool reads."""
+"""Programs on a disk that fills up end loudly, with recordings that are whole and go on once there is room."""
 
-import os
-import shutil
-import subprocess
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 from tests.system import programs
-from tests.thbridge.analysis.planting import clean, write
+from tests.system.ports import free_port
+from tests.system.small_disk import SmallDisk, why_not
 from thbridge.recording.bag.reading.reader import info
-from ui.cli import app
-
-
-@pytest.mark.skipif(os.getuid() != 0 or shutil.which("mount") is None, reason="only root can mount a small disk")
-def test_a_hunt_on_a_full_disk_ends_with_a_bag_that_is_whole(tmp_path):
-    disk = tmp_path / "disk"
-    disk.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=1500k", "none", str(disk)]
-    if subprocess.run(mount, check=False).returncode:
-        pytest.skip("cannot mount a disk here")
-    try:
-        play = programs.Program(tmp_path, "play", "--port", "0", "--rate", "0", "--bag", "disk/a.bag", "--no-report")
-        try:
-            assert play.process.wait(200) == 1, play.text
-        finally:
-            play.close()
-        assert "no space left on device" in play.text
-        assert "Traceback" not in play.text
-        found = info(disk / "a.bag")
-        assert found.duration > 1.0
-        assert found.size > 1_000_000
-    finally:
-        subprocess.run(["umount", "--lazy", str(disk)], check=True)
+from thbridge.recording.journal import journal_path, read_journal
 
 
 @pytest.fixture
-def small_disk(tmp_path):
-    """A disk of 100 kB; `ro` beside it cannot be written to."""
-    for name, options in (("disk", "size=100k"), ("ro", "ro")):
-        (tmp_path / name).mkdir()
-        mount = ["mount", "-t", "tmpfs", "-o", options, "none", str(tmp_path / name)]
-        if os.getuid() != 0 or shutil.which("mount") is None or subprocess.run(mount, check=False).returncode:
-            pytest.skip("cannot mount a disk here")
-    yield tmp_path
-    for name in ("disk", "ro"):
-        subprocess.run(["umount", "--lazy", str(tmp_path / name)], check=True)
+def disk(tmp_path: Path) -> Iterator[SmallDisk]:
+    if (reason := why_not()) is not None:
+        pytest.skip(reason)
+    with SmallDisk(tmp_path / "disk", 1_500_000) as disk:
+        yield disk
 
 
-WRITING = [
-    ["bag", "cut", "BAG", "--to", "PLACE/new.bag"],
-    ["bag", "to-mcap", "BAG", "--compression", "none", "--to", "PLACE/new.mcap"],
-    ["bag", "export", "BAG", "--to", "PLACE/new"],
-    ["bag", "export", "BAG", "--format", "csv", "--to", "PLACE/new"],
-    ["bag", "plot", "BAG", "--what", "paths", "--to", "PLACE/new.svg"],
-    ["report", "BAG", "--to", "PLACE/new.html"],
-]
+def test_a_hunt_on_a_full_disk_ends_with_a_bag_that_is_whole(tmp_path: Path, disk: SmallDisk) -> None:
+    play = programs.Program(tmp_path, "play", "--port", "0", "--rate", "0", "--bag", "disk/a.bag", "--no-report")
+    try:
+        assert play.process.wait(200) == 1, play.text
+    finally:
+        play.close()
+    assert "no space left on device" in play.text
+    assert "Traceback" not in play.text
+    found = info(disk.folder / "a.bag")
+    assert found.duration > 1.0
+    assert found.size > 1_000_000
 
 
-@pytest.mark.parametrize("words", WRITING, ids=lambda words: " ".join(words[:2]))
-def test_what_a_disk_has_no_room_for_is_told_and_leaves_nothing_behind(small_disk, words):
-    bag = write(small_disk / "a.bag", clean())
-    (small_disk / "disk" / "fill").write_bytes(bytes(95_000))
-    before = {path.name for path in (small_disk / "disk").iterdir()}
-    for place, reason in (("disk", "no space left on device"), ("ro", "read-only file system")):
-        own = [word.replace("BAG", str(bag)).replace("PLACE", str(small_disk / place)) for word in words]
-        done = CliRunner().invoke(app, own)
-        assert done.exit_code == 2, done.output
-        assert reason in done.stderr.lower()
-        assert "--to" in done.stderr
-    assert {path.name for path in (small_disk / "disk").iterdir()} == before
+@pytest.mark.slow
+def test_a_server_whose_journal_has_no_room_ends_and_goes_on_with_the_game_later(
+    tmp_path: Path, disk: SmallDisk
+) -> None:
+    with disk.read_only():
+        refused = programs.Program(tmp_path, "server", "--port", "0", "--journal", "disk/journal")
+        assert refused.process.wait(200) == 2, refused.text
+        refused.close()
+    assert "there can be no journals here (Read-only file system)" in refused.text
+    port = str(free_port())
+    running = [programs.Program(tmp_path, "server", "--port", port, "--journal", "disk/journal")]
+    for role in (["simr", "--rate", "10"], ["hider"], ["tabui"]):
+        running.append(programs.Program(tmp_path, *role, "--server", f"127.0.0.1:{port}"))
+    path = journal_path(disk.folder / "journal", 1)
+    try:
+        with disk.full(4096):
+            assert running[0].process.wait(200) == 1, running[0].text
+        assert "cannot be written (No space left on device)" in running[0].text
+        assert "Traceback" not in running[0].text
+        told = read_journal(path)
+        assert told.torn is None
+        running.append(running[0].again())
+        programs.until("the game to go on", lambda: len(read_journal(path).events) > len(told.events) + 3, running)
+        assert read_journal(path).events[: len(told.events)] == told.events
+    finally:
+        for program in running:
+            program.close()

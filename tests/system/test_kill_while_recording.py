@@ -92,7 +92,7 @@ def kill_and_recover(folder: Path, whole: dict[int, Said], case: int) -> tuple[s
     process.send_signal(signal.SIGKILL)
     killed = time.monotonic()
     process.wait()
-    recorded = {tick: at for at, tick in struct.iter_unpack("<dq", _whole_entries(ticks.read_bytes()))}
+    recorded = recorded_ticks(ticks)
     active = [*folder.glob(f"a*{ACTIVE}")]
     theirs = folder / "theirs"
     theirs.mkdir()
@@ -101,7 +101,7 @@ def kill_and_recover(folder: Path, whole: dict[int, Said], case: int) -> tuple[s
             shutil.copy(path, theirs / path.name.removesuffix(ACTIVE))
     for path in active:
         reindex(path)
-    lost = _lost(folder / "a.bag", whole, recorded, killed)
+    lost = lost_seconds(folder / "a.bag", whole, recorded, killed)
     lost_to_ros = 0.0
     if shutil.which("rosbag"):
         for path in active:
@@ -109,19 +109,21 @@ def kill_and_recover(folder: Path, whole: dict[int, Said], case: int) -> tuple[s
             environment.pop("PYTHONPATH", None)
             broken = theirs / path.name.removesuffix(ACTIVE)
             subprocess.run(["rosbag", "reindex", "-q", str(broken)], check=True, env=environment)
-        lost_to_ros = _lost(theirs / "a.bag", whole, recorded, killed)
+        lost_to_ros = lost_seconds(theirs / "a.bag", whole, recorded, killed)
     return f"{compression}{', split' if split else ''}, rate {rate}", lost, lost_to_ros
 
 
-def _whole_entries(data: bytes) -> bytes:
-    return data[: len(data) // 16 * 16]
+def recorded_ticks(log: Path) -> dict[int, float]:
+    """The times at which ticks were recorded."""
+    data = log.read_bytes()
+    return {tick: at for at, tick in struct.iter_unpack("<dq", data[: len(data) // 16 * 16])}
 
 
-def _lost(path: Path, whole: dict[int, Said], recorded: dict[int, float], killed: float) -> float:
+def lost_seconds(path: Path, whole: dict[int, Said], recorded: dict[int, float], killed: float) -> float:
     """Seconds from the first thing that is lost to the kill; everything before it must be there."""
-    saved = by_stamp(path)
+    saved = by_stamp(path) if any(part.exists() for part in parts_of(path)) else {}
     if not saved:
-        return killed - min(recorded.values())
+        return killed - min(recorded.values(), default=killed)
     last = max(saved)
     assert {stamp: saved[stamp] for stamp in saved if stamp < last} == {
         stamp: whole[stamp] for stamp in whole if stamp < last

@@ -18,15 +18,14 @@ from tests.thbridge.analysis.planting import clean, write
 from tests.thbridge.experiment.test_event_log import NOON, answer
 from tests.thbridge.recording.test_journal import EVENTS, STARTED
 from thbridge.analysis.cut import CutRange, cut
-from thbridge.batch.whole_files import whole_file
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent
-from thbridge.files.edited_file import write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.key_ring import KeyRing, Right
 from thbridge.files.keys.signing_timestamps import TimestampFile
+from thbridge.files.whole import write_whole
 from thbridge.protocols.mavlink.frames.signing import KnownTimestamps
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
@@ -83,13 +82,7 @@ def a_file(write_one: Callable[[Path, bytes], None], name: str) -> None:
     WRITERS[name] = Writer(act, check, lambda folder: write_one(folder / "file", versions[0]))
 
 
-def by_whole_file(path: Path, data: bytes) -> None:
-    with whole_file(path) as file:
-        file.write(data)
-
-
-a_file(write_whole, "edited file")
-a_file(by_whole_file, "whole file")
+a_file(write_whole, "whole file")
 
 
 def keys(folder: Path) -> KeyRing:

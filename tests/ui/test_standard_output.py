@@ -1,5 +1,6 @@
 """`-` means standard output: the file alone is there, and it is the file that would have been written."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -60,3 +61,32 @@ def test_standard_output_is_not_shared_with_json(tmp_path: Path, bag: Path) -> N
     assert done.returncode == 2
     assert "--json: standard output is for the file already." in done.stderr
     assert done.stdout == ""
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+@pytest.mark.parametrize("words", [("study", "init", "-"), ("maps", "check", "arena8")])
+def test_a_result_that_has_no_room_is_told(tmp_path: Path, words: tuple[str, ...]) -> None:
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-c", PROGRAM, *words]
+        done = subprocess.run(command, cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, check=False, text=True)
+    assert done.returncode == 2
+    assert done.stderr == "the disk: no space left on device. Check the name, the folder and the disk.\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+def test_messages_that_have_no_room_change_nothing(tmp_path: Path) -> None:
+    for words, code in ((("study", "init", "a.yaml"), 0), (("study", "init", "a.yaml"), 2)):
+        with Path("/dev/full").open("w") as full:
+            command = [sys.executable, "-c", PROGRAM, *words]
+            done = subprocess.run(command, cwd=tmp_path, stderr=full, check=False)
+        assert done.returncode == code
+    assert yaml.safe_load((tmp_path / "a.yaml").read_text())["map"] == "arena8"
+
+
+def test_whoever_reads_the_beginning_alone_is_no_fault(tmp_path: Path) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-c", PROGRAM, "study", "init", "-"]
+    done = subprocess.run(command, cwd=tmp_path, stdout=writing, stderr=subprocess.PIPE, check=False, text=True)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (1, "")

@@ -1,5 +1,7 @@
 """Tasks of a batch: work that any process can do which sees the batch's folder."""
 
+import os
+import socket
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -34,3 +36,8 @@ class BatchTask(Protocol):
         Raises:
             BadFile: the folder cannot be written.
         """
+
+
+def worker_name() -> str:
+    """Return the name of this process among all that write into a folder."""
+    return f"{socket.gethostname()}:{os.getpid()}"

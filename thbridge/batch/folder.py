@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
@@ -10,9 +11,9 @@ from typing import cast
 from thbridge.app.compose.machine import machine, versions
 from thbridge.batch.chunks import GameChunk, chunks_of
 from thbridge.batch.design import SweepDesign
-from thbridge.batch.whole_files import PART, whole_file
 from thbridge.files.errors import BadFile
 from thbridge.files.resources import shipped
+from thbridge.files.whole import PART, whole_file
 from thbridge.files.yaml.tree import read_text
 from thbridge.json_text import json_of
 from thbridge.study.study_file import Study
@@ -102,7 +103,7 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
     folder, here = SweepFolder(root), _described(design)
     if not folder.manifest.exists():
         for condition in design.conditions:
-            with whole_file(folder.study(condition.number)) as file:
+            with whole_file(folder.study(condition.number), folders=True) as file:
                 file.write(resolved(condition.study).encode())
         told = {
             "layout": LAYOUT,
@@ -111,7 +112,8 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
             "machine": machine(),
             "design": here,
         }
-        with whole_file(folder.manifest, exclusive=True) as file:
+        # Of several that begin at once, one wins.
+        with suppress(FileExistsError), whole_file(folder.manifest, folders=True, exclusive=True) as file:
             file.write((json.dumps(told, indent=1) + "\n").encode())
     there = _read(folder)["design"]
     if there != here:

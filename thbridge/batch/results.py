@@ -17,9 +17,9 @@ from pyarrow import parquet
 
 from thbridge.app.compose.machine import versions
 from thbridge.batch.measures import MEASURES, GameMeasures
-from thbridge.batch.whole_files import whole_file
 from thbridge.files.errors import BadFile
 from thbridge.files.regular_files import content_of
+from thbridge.files.whole import whole_file
 
 MOST_GAMES, LARGEST_TABLE = 1_000_000, 1 << 30
 """Games of a chunk that are read, and bytes that they unpack to: some kilobytes of Parquet can stand for gigabytes."""
@@ -163,7 +163,7 @@ def _write(path: Path, columns: Mapping[str, pa.Array]) -> None:
     written = io.BytesIO()
     parquet.write_table(table, written, compression="zstd")
     content = written.getvalue()
-    with whole_file(path) as file:
+    with whole_file(path, "make room, then go on", folders=True) as file:
         file.write(content.replace(_NO_SUM.encode(), hashlib.sha256(content).hexdigest().encode()))
 
 

@@ -9,10 +9,10 @@ from pyarrow import compute, csv, parquet
 from thbridge.batch.chunks import GameChunk
 from thbridge.batch.folder import SweepFolder, read_manifest
 from thbridge.batch.results import read_table
-from thbridge.batch.whole_files import whole_file
 from thbridge.files.csv_cells import text_cells
 from thbridge.files.errors import BadFile
 from thbridge.files.table_files import TableFormat
+from thbridge.files.whole import whole_file
 
 VARYING = ("worker", "cpu_seconds")
 """Columns that differ from run to run."""
@@ -48,7 +48,7 @@ def _games(folder: SweepFolder, chunk: GameChunk) -> pa.Table | None:
 
 def write_collected(table: pa.Table, path: Path, kind: TableFormat) -> None:
     """Write a table; CSV has lists as words with blanks between, and no figures of each robot. Raises BadFile."""
-    with whole_file(path) as file:
+    with whole_file(path, folders=True) as file:
         if kind is TableFormat.PARQUET:
             parquet.write_table(table, file, compression="zstd")
         else:

@@ -10,7 +10,7 @@ from pathlib import Path
 from threading import Lock
 
 from thbridge.app.compose.recording import build_writer
-from thbridge.batch.batch_task import TaskOutcome
+from thbridge.batch.batch_task import TaskOutcome, worker_name
 from thbridge.batch.chunks import GameChunk, is_drawn
 from thbridge.batch.folder import SweepFolder
 from thbridge.batch.hunt import RecordedDigest, play_hunt
@@ -26,7 +26,6 @@ from thbridge.batch.results import (
     write_verified,
 )
 from thbridge.batch.settings import SettingCache
-from thbridge.batch.whole_files import worker_name
 from thbridge.files.errors import BadFile
 from thbridge.recording.recordings import active_of
 from thbridge.study.study_file import Study

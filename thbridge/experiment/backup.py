@@ -13,7 +13,8 @@ from thbridge.experiment.progress import EventKind
 from thbridge.experiment.store.event_log import copy_log, read_log
 from thbridge.experiment.store.events import LogEntry, LoggedEvent
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.synced import make_folder, put_in_place
+from thbridge.files.new_file import new_file
+from thbridge.files.synced import make_folder
 from thbridge.recording.recordings import digest_of
 
 
@@ -45,7 +46,7 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
         for path in _files(study.root, {(study.root / STORE).resolve(), *exports}):
             _copy(path, to / path.relative_to(study.root))
         for folder in copy.recordings.iterdir() if copy.recordings.is_dir() else ():
-            if folder.name not in people:
+            if folder.is_dir() and folder.name not in people:
                 shutil.rmtree(folder)
     except OSError as error:
         raise BadFile(
@@ -85,9 +86,8 @@ def _copy(path: Path, to: Path) -> None:
     if to.exists() and (to.stat().st_size, to.stat().st_mtime_ns) == (now.st_size, now.st_mtime_ns):
         return
     make_folder(to.parent)
-    part = to.with_name(f".{to.name}.part")
-    shutil.copy2(path, part)
-    put_in_place(part, to)
+    with new_file(to, path, overwrite=True) as part:
+        shutil.copy2(path, part)
 
 
 def _missing(copy: ExperimentFolder) -> Iterator[str]:

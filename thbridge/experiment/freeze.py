@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from thbridge.batch.whole_files import whole_file
 from thbridge.experiment.folder import EXPORTS, FREEZE, RECORDINGS, STORE, ExperimentFolder
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.whole import write_whole
 from thbridge.json_text import json_of
 
 _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
@@ -67,8 +67,7 @@ def freeze(folder: ExperimentFolder, versions: Mapping[str, str], wall: str) -> 
         raise BadFile(folder.freeze, "the experiment is frozen already", remedy)
     found = fingerprint_of(folder, versions)
     told = {"when": wall, "digest": found.digest, "files": dict(found.files), "versions": dict(found.versions)}
-    with whole_file(folder.freeze) as file:
-        file.write((json.dumps(told, indent=1) + "\n").encode())
+    write_whole(folder.freeze, (json.dumps(told, indent=1) + "\n").encode())
     return found
 
 

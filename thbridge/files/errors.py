@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -106,4 +107,7 @@ def reason_of(error: OSError) -> str:
     # Failed look-ups of host names have negative numbers and their own texts.
     if error.errno is not None and error.errno > 0:
         return os.strerror(error.errno)
+    if isinstance(error, shutil.Error) and (number := re.search(r"\[Errno (\d+)\]", str(error))):
+        # Of a copied folder: one for each file, and most are the same.
+        return os.strerror(int(number[1]))
     return error.strerror or str(error)

@@ -24,6 +24,7 @@ from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.image_files import read_image
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.regular_files import is_regular
+from thbridge.files.whole import write_whole
 from thbridge.files.yaml.load import Loaded, load
 from thbridge.hunt.rooms import Room, RoomNames
 
@@ -213,6 +214,8 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
 
     Raises:
         ValueError: there are cells other than free, occupied and unknown, which these files cannot store.
+        OSError: the folder cannot be made.
+        BadFile: a file cannot be written.
     """
     shades = np.full(256, 1, dtype=np.uint8)
     for cell, grey in GREY_OF_CELL.items():
@@ -222,21 +225,21 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
         raise ValueError("only cells 0, 100 and -1 can be written")
     folder.mkdir(parents=True, exist_ok=True)
     header = f"P5\n{grid.cols} {grid.rows}\n255\n".encode("ascii")
-    (folder / "map.pgm").write_bytes(header + pixels.tobytes())
-    (folder / "map.yaml").write_text(
+    write_whole(folder / "map.pgm", header + pixels.tobytes())
+    text = (
         "image: map.pgm\n"
         f"resolution: {grid.resolution!r}\n"
         f"origin: [{grid.origin.x!r}, {grid.origin.y!r}, {grid.origin.theta!r}]\n"
         "negate: 0\n"
         f"occupied_thresh: {OCCUPIED_THRESH}\n"
-        f"free_thresh: {FREE_THRESH}\n",
-        encoding="utf-8",
+        f"free_thresh: {FREE_THRESH}\n"
     )
+    write_whole(folder / "map.yaml", text.encode())
 
 
 def write_rooms(folder: Path, rooms: Sequence[MapRoom], starts: Sequence[Pose2]) -> None:
-    """Write `rooms.yaml`, also over an older one."""
-    (folder / "rooms.yaml").write_text(rooms_text(rooms, starts), encoding="utf-8")
+    """Write `rooms.yaml`, also over an older one. Raises BadFile: it cannot be written; an older one is unchanged."""
+    write_whole(folder / "rooms.yaml", rooms_text(rooms, starts).encode())
 
 
 def rooms_text(rooms: Sequence[MapRoom], starts: Sequence[Pose2]) -> str:

@@ -46,10 +46,14 @@ def claim(bag: Path) -> None:
             break
         file.close()
     since = datetime.datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
+    _claims[path] = file
     file.truncate(0)
     file.write(f"process {os.getpid()} ({Path(sys.argv[0]).name}), since {since},\n")
-    file.flush()
-    _claims[path] = file
+    try:
+        file.flush()
+    except OSError:
+        release(bag)
+        raise
 
 
 def release(bag: Path) -> None:

@@ -11,6 +11,10 @@ ACTIVE = ".active"
 """Suffix of a bag that is being written, as with rosbag."""
 
 
+_LEAST = 1 << 16
+"""Bytes without which no recording is begun."""
+
+
 def active_of(bag: Path) -> Path:
     """Path of a bag while it is being written."""
     return bag.with_name(bag.name + ACTIVE)
@@ -86,15 +90,18 @@ def make_room(bag: Path) -> Path | None:
 
 
 def try_place(bag: Path) -> None:
-    """Check that a bag can be written at this path, before anything that takes time is done.
+    """Check that a bag can be begun at this path, before anything that takes time is done.
 
     Raises:
         OSError: it cannot.
     """
     active = active_of(bag)
     make_folder(bag.parent)
-    with active.open("xb"):
-        active.unlink()
+    with active.open("xb", buffering=0) as file:
+        try:
+            file.write(bytes(_LEAST))
+        finally:
+            active.unlink()
 
 
 def _numbered(bag: Path, ending: str) -> list[tuple[int, Path]]:

@@ -102,6 +102,7 @@ def _write_view(
 ) -> None:
     """Write the view of a study's team that a function makes of the robots' parameters and the map."""
     from sim.common.robot_numbers import robot_numbers
+    from thbridge.files.whole import write_whole
     from ui.settings import map_of, study_of
 
     study = study_of(study_file, {"robots": robots, "map": map_name})
@@ -110,8 +111,6 @@ def _write_view(
     if to is None or to == STANDARD_OUTPUT:
         print(text, end="")  # noqa: T201 - this is what was asked for
         return
-    try:
-        to.write_text(text, encoding="utf-8")
-    except OSError as error:
-        fail(BAD_INPUT, f"--to: {to} cannot be written ({error.strerror}). Choose another file.")
+    with bad_input():
+        write_whole(to, text.encode(), "choose another file by --to")
     note(f"Wrote {to}. {use.format(to=to)}")

@@ -74,14 +74,10 @@ def templates_new(
     """Make a template set of your own: a copy of another one, to be changed."""
     import shutil
 
+    from thbridge.files.whole import new_folder
     from ui.actions.templates import folder_of
 
     source = folder_of(like)
-    with bad_input():
-        try:
-            shutil.copytree(source, folder)
-        except FileExistsError:
-            fail(BAD_INPUT, f"{folder}: there is such a folder already. Choose another name.")
-        except OSError as error:
-            fail(BAD_INPUT, f"{folder}: it cannot be written ({error.strerror or error}). Choose another folder.")
+    with bad_input(), new_folder(folder) as new:
+        shutil.copytree(source, new, dirs_exist_ok=True)
     note(f"Wrote {folder}, a copy of {like}. Change its files, then run `{command('templates', 'check', folder)}`.")

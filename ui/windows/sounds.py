@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QProcess, QTemporaryDir
 
+from thbridge.files.errors import BadFile
+from thbridge.files.whole import write_whole
 from ui.model.screen import GameSound
 
 RATE = 44_100
@@ -100,7 +102,10 @@ class SoundPlayer(QObject):
             return
         file = Path(self._folder.filePath(f"{sound.name.lower()}.wav"))
         if not file.exists():
-            file.write_bytes(wav_of(sound))
+            try:
+                write_whole(file, wav_of(sound))
+            except BadFile:
+                return
         program, *arguments = self._command
         self._process.start(program, [*arguments, str(file)])
 

@@ -12,6 +12,7 @@ from tests.damaging import SOME_BITS, cuts, flips
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.export import folder as export_folder
 from thbridge.experiment.export.folder import export_experiment
 from thbridge.experiment.export.manifest import MANIFEST, _may_hold, exports_with, last_event_of, missing_exports
 from thbridge.experiment.folder import ExperimentFolder
@@ -122,6 +123,24 @@ def test_checksums_are_those_of_the_files(export: Path) -> None:
         digest, name = line.split("  ")
         assert hashlib.sha256((export / name).read_bytes()).hexdigest() == digest
     assert len(lines) == sum(path.is_file() for path in export.rglob("*")) - 1
+
+
+def test_an_export_under_way_may_hold_somebody(
+    experiment: ExperimentFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(experiment.root, tmp_path / "study")
+    study, to = ExperimentFolder(tmp_path / "study"), tmp_path / "tables"
+    found: list[tuple[Path, ...]] = []
+
+    def look(*_: object) -> str:
+        found.append(exports_with(study, "P-ANY"))
+        assert [path.name for path in tmp_path.iterdir() if path != study.root] == ["tables"]
+        return ""
+
+    monkeypatch.setattr(export_folder, "methods_text", look)
+    export_experiment(study, study.read(), read_log(study.log), to, VERSIONS, ())
+    assert found == [(to,)]
+    assert exports_with(study, "P-ANY") == ()
 
 
 def test_an_export_goes_into_an_empty_folder_only(experiment: ExperimentFolder, export: Path) -> None:

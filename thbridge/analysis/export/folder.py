@@ -1,15 +1,14 @@
 """Export of a bag to a folder of tables."""
 
 from collections.abc import Collection
-from contextlib import suppress
 from pathlib import Path
 
 from thbridge.analysis.export.bag_rows import rows_of_bag
 from thbridge.analysis.export.dictionary import dictionary_csv, readme, session_json
 from thbridge.analysis.export.exporting import ExportSummary
-from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.progress import Tell, untold
 from thbridge.files.table_files import TableFiles, TableFormat
+from thbridge.files.whole import new_folder
 from thbridge.recording.bag.reading.reader import info
 
 
@@ -41,12 +40,8 @@ def export_bag(
     found, exported = info(bag), ExportSummary()
     first_ns = found.start_ns or 0
 
-    new = not folder.exists()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if next(folder.iterdir(), None) is not None:
-            raise BadFile(folder, "there is something in this folder", "choose a new or an empty one by --to")
-        files = TableFiles(folder, formats)
+    with new_folder(folder, "choose another folder by --to", empty=True) as new:
+        files = TableFiles(new, formats)
         try:
             for piece in rows_of_bag(bag, exported, topics, start, until, tables, tell):
                 files.write(piece.table.name, piece.table.columns, piece.values)
@@ -57,17 +52,5 @@ def export_bag(
             ("session.json", session_json(exported, bag.name, first_ns, found.duration)),
             ("README.md", readme(exported, bag.name, first_ns, found.duration)),
         ):
-            (folder / name).write_text(text, encoding="utf-8")
-    except OSError as error:
-        _remove(folder, new)
-        raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "choose another folder by --to") from None
+            (new / name).write_text(text, encoding="utf-8")
     return exported
-
-
-def _remove(folder: Path, whole: bool) -> None:
-    """Remove what was written of an export that a disk has no room for: half a table looks like a whole one."""
-    with suppress(OSError):
-        for file in folder.iterdir():
-            file.unlink()
-        if whole:
-            folder.rmdir()

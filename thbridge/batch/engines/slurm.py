@@ -7,9 +7,8 @@ from typing import Generic, TypeAlias
 
 import submitit
 
-from thbridge.batch.batch_task import BatchTask, TaskOutcome
+from thbridge.batch.batch_task import BatchTask, TaskOutcome, worker_name
 from thbridge.batch.engines.engine import FinishedTask, TaskT
-from thbridge.batch.whole_files import worker_name
 
 POLL_SECONDS = 1.0
 """Time between two looks at the jobs."""

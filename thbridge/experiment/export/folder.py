@@ -7,7 +7,7 @@ import io
 import json
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,7 +22,9 @@ from thbridge.experiment.recordings import told_leftovers
 from thbridge.experiment.store.events import LogEntry
 from thbridge.files.csv_cells import SENTENCE, text_cell
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.synced import make_folder
 from thbridge.files.table_files import TableFiles, TableFormat
+from thbridge.files.whole import new_folder
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
@@ -63,11 +65,11 @@ def export_experiment(
     """
     records = records_of(design, entries, study.root)
     with _writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        if any(path.is_file() for path in folder.rglob("*")):
-            raise BadFile(folder, "there is something in this folder", "Choose a new or an empty one by --to")
+        make_folder(folder)
+    # Within it: should this be killed, whoever withdraws is looked for there.
+    with new_folder(folder, "choose another folder by --to", empty=True) as new:
         register_export(study, folder)
-        return _write_export(study, records, folder, versions, changed)
+        return _write_export(study, records, new, versions, changed)
 
 
 def remake_export(
@@ -94,9 +96,10 @@ def remake_export(
         raise BadFile(folder, f"its {MANIFEST} is missing or damaged", "Delete what is in it of this study yourself")
     records = records_of(design, [entry for entry in entries if entry.sequence <= last], study.root)
     new = folder.with_name(f".{folder.name}-new")
-    with _writing(folder):
+    with _writing(folder), ExitStack() as written:
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir()
+        written.callback(shutil.rmtree, new, ignore_errors=True)
         _write_export(study, records, new, versions, changed, scripts=folder)
         kept = {path.name for path in new.iterdir()}
         for name in ("results", "data", "tables"):
@@ -104,7 +107,6 @@ def remake_export(
         # The manifest last: as long as it is the old one, this can be done once more.
         for path in sorted(new.iterdir(), key=lambda path: path.name == MANIFEST):
             path.replace(folder / path.name)
-        new.rmdir()
         return tuple(sorted(path for path in folder.iterdir() if path.name not in kept))
 
 

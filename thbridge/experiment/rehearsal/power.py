@@ -20,7 +20,6 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.matrices import covariance_of, solution
 from thbridge.batch.batch_task import TaskOutcome
 from thbridge.batch.engines.engine import Engine, EngineFailed
-from thbridge.batch.whole_files import whole_file
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import EventKind, Progress, Run, RunState
@@ -29,6 +28,7 @@ from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.rehearsal.rehearsal import rehearse
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import LoggedEvent
+from thbridge.files.whole import whole_file
 
 LEVEL = 0.05
 """Probability of an error of the first kind that tests are held to."""
@@ -90,7 +90,7 @@ class PowerTask:
             if not self.effects:
                 kept = tuple(effect for effect in kept if effect.score != self.question.score)
             found = _rehearsed(replace(self.simulated, effects=kept), self)
-            with whole_file(self.result) as file:
+            with whole_file(self.result, "make room, then go on", folders=True) as file:
                 file.write(json.dumps(found).encode())
         return TaskOutcome(1, 0, (), 0.0)
 

@@ -13,6 +13,7 @@ nobody has to answer again, is written by the batch instead.
 """
 
 import contextlib
+import errno
 import fcntl
 import hashlib
 import json
@@ -31,8 +32,9 @@ from thbridge.experiment.store.events import (
     NewEvent,
     Tombstone,
 )
-from thbridge.files.errors import BadFile
+from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.synced import sync_folder
+from thbridge.files.whole import write_whole
 from thbridge.json_text import json_of
 
 WITHDRAWN = "withdrawn"
@@ -104,7 +106,9 @@ class ExperimentLog:
                 # The program that deleted them may have died before it was done.
                 self._wipe()
         except (sqlite3.Error, OSError) as error:
-            raise BadFile(path, f"cannot be opened ({error})", "look at the disk and at the folder's rights") from None
+            raise BadFile(
+                path, f"cannot be opened ({_reason(error)})", "look at the disk and at the folder's rights"
+            ) from None
 
     def __enter__(self) -> Self:
         return self
@@ -166,7 +170,7 @@ class ExperimentLog:
             with self._transaction():
                 self._database.executemany("INSERT INTO events VALUES (?, ?, ?, ?, ?)", rows)
         except sqlite3.Error as error:
-            raise BadFile(self.path, f"cannot be written ({error})", "make room on the disk") from None
+            raise BadFile(self.path, f"cannot be written ({_reason(error)})", "make room on the disk") from None
 
     def read(self) -> list[LogEntry]:
         """Read all of it, as `read_log` does."""
@@ -196,7 +200,7 @@ class ExperimentLog:
             self._write_head()
             self._wipe()
         except sqlite3.Error as error:
-            raise BadFile(self.path, f"cannot be written ({error})", "make room on the disk") from None
+            raise BadFile(self.path, f"cannot be written ({_reason(error)})", "make room on the disk") from None
 
     def _wipe(self) -> None:
         """Write the file anew, without what pages still hold of deleted rows."""
@@ -218,7 +222,7 @@ class ExperimentLog:
         self._database.execute("COMMIT")
 
     def _write_head(self) -> None:
-        _write_whole(_head_path(self.path), _head(self._length, self._chain), synced=self._synced)
+        write_whole(_head_path(self.path), _head(self._length, self._chain), synced=self._synced)
 
 
 def read_log(path: Path) -> list[LogEntry]:
@@ -231,7 +235,7 @@ def read_log(path: Path) -> list[LogEntry]:
         with contextlib.closing(_opened(path, "ro")) as database:
             return _verified(path, database)
     except (sqlite3.Error, OSError, UnicodeDecodeError) as error:
-        raise BadFile(path, f"is damaged, or no log of an experiment ({error})", _REMEDY) from None
+        raise BadFile(path, f"is damaged, or no log of an experiment ({_reason(error)})", _REMEDY) from None
 
 
 def copy_log(path: Path, to: Path) -> None:
@@ -245,8 +249,7 @@ def copy_log(path: Path, to: Path) -> None:
     read_log(path)
     new = to.with_name(to.name + "-new")
     try:
-        for left in (new, _head_path(new)):
-            left.unlink(missing_ok=True)
+        _remove(new)
         with contextlib.closing(_opened(path, "ro")) as database, contextlib.closing(sqlite3.connect(new)) as copy:
             if to.exists():
                 read_log(to)
@@ -256,7 +259,7 @@ def copy_log(path: Path, to: Path) -> None:
                     raise BadFile(to, "is no earlier copy of this study's log, or somebody ran the study there", remedy)
             database.backup(copy)
             copy.execute("PRAGMA journal_mode=DELETE")
-            _write_whole(_head_path(new), _head(_length(copy), _last_chain(copy)))
+            write_whole(_head_path(new), _head(_length(copy), _last_chain(copy)))
         read_log(new)
         # In this order: a head may be behind its log, never before it. Of a first copy it comes first, so that a log
         # without a head is always damaged.
@@ -265,7 +268,23 @@ def copy_log(path: Path, to: Path) -> None:
             one.replace(other)
             sync_folder(to.parent)
     except (sqlite3.Error, OSError) as error:
-        raise BadFile(to, f"cannot be written ({error})", "make room on the disk") from None
+        raise BadFile(to, f"cannot be written ({_reason(error)})", "make room on the disk") from None
+    finally:
+        with contextlib.suppress(OSError):
+            _remove(new)
+
+
+def _remove(path: Path) -> None:
+    for each in (path, path.with_name(path.name + "-journal"), _head_path(path)):
+        each.unlink(missing_ok=True)
+
+
+def _reason(error: Exception) -> str:
+    """The system's text for what SQLite calls otherwise."""
+    if isinstance(error, OSError):
+        return reason_of(error)
+    is_full = isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
+    return os.strerror(errno.ENOSPC) if is_full else str(error)
 
 
 class LogFollower:
@@ -391,7 +410,7 @@ def _make(path: Path) -> None:
         for statement in (f"PRAGMA application_id={APPLICATION}", f"PRAGMA user_version={VERSION}", _TABLE):
             database.execute(statement)
         database.commit()
-        _write_whole(path, database.serialize())
+        write_whole(path, database.serialize())
 
 
 def _recover(path: Path) -> None:
@@ -417,7 +436,7 @@ def _locked(path: Path) -> IO[bytes]:
     try:
         file = path.with_name(path.name + "-lock").open("ab")
     except OSError as error:
-        raise BadFile(path, f"cannot be opened ({error})", "look at the folder's rights") from None
+        raise BadFile(path, f"cannot be opened ({_reason(error)})", "look at the folder's rights") from None
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
@@ -507,16 +526,3 @@ def _read_head(path: Path) -> tuple[int, bytes]:
     except (OSError, ValueError):
         raise BadFile(head, "is missing or damaged", _REMEDY) from None
     return int(length), bytes.fromhex(chain)
-
-
-def _write_whole(path: Path, content: bytes, *, synced: bool = True) -> None:
-    """Write a file completely or leave it as it was; it is on the disk when this returns."""
-    new = path.with_name(path.name + ".new")
-    with new.open("wb") as file:
-        file.write(content)
-        file.flush()
-        if synced:
-            os.fsync(file.fileno())
-    new.replace(path)
-    if synced:
-        sync_folder(path.parent)

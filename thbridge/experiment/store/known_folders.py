@@ -4,8 +4,8 @@ import json
 import os
 from pathlib import Path
 
-from thbridge.batch.whole_files import whole_file
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.whole import write_whole
 from thbridge.json_text import json_of
 
 _REMEDY = "Bring it back from a backup, or find the folders yourself and move this file away"
@@ -33,8 +33,7 @@ class KnownFolders:
         """
         known, path = self._noted(), self._told(folder)
         if path not in known:
-            with whole_file(self._list) as file:
-                file.write((json.dumps([*known, path], indent=1, ensure_ascii=False) + "\n").encode())
+            write_whole(self._list, (json.dumps([*known, path], indent=1, ensure_ascii=False) + "\n").encode())
 
     def paths(self) -> list[Path]:
         """Return all of them, whether they are still there or not.

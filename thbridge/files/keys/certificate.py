@@ -2,7 +2,6 @@
 
 import datetime
 import hashlib
-import os
 import ssl
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.private_file import check_private
 from thbridge.files.regular_files import content_of
-from thbridge.files.synced import sync_folder
+from thbridge.files.whole import whole_file
 
 CERTIFICATE = "certificate.pem"
 """File of the certificate in the folder of keys; a lab's own may be followed by those of its authorities."""
@@ -100,17 +99,11 @@ def _make(path: Path, private_key: Path, now: str) -> None:
     secret = key.private_bytes(
         serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
     )
+    remedy = "choose another folder"
     try:
-        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        _write(private_key, secret)
-        _write(path, certificate.public_bytes(serialization.Encoding.PEM))
-        sync_folder(path.parent)
-    except OSError as error:
-        raise BadFile(path, f"no certificate can be made ({reason_of(error)})", "choose another folder") from None
-
-
-def _write(path: Path, content: bytes) -> None:
-    with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
+        with whole_file(private_key, remedy, exclusive=True, folders=True, mode=0o600) as file:
+            file.write(secret)
+        with whole_file(path, remedy, exclusive=True, mode=0o600) as file:
+            file.write(certificate.public_bytes(serialization.Encoding.PEM))
+    except FileExistsError:
+        raise BadFile(path, "another program is making one just now", "try again in a moment") from None

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import msgspec
 
-from thbridge.files.edited_file import write_whole
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_file import key_text
 from thbridge.files.keys.private_file import check_private
 from thbridge.files.regular_files import content_of
-from thbridge.files.synced import make_folder, sync_folder
+from thbridge.files.synced import make_folder
+from thbridge.files.whole import whole_file, write_whole
 from thbridge.protocols.credentials import Right
 
 RING = "ring.json"
@@ -118,17 +118,16 @@ class KeyRing:
                 raise BadFile(self._path, f"there is a key {name} already", remedy)
             certificate = certificate_of(self.folder, self._clock())
             try:
-                with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-                    file.write(key_text(secret, certificate.fingerprint))
-                    file.flush()
-                    os.fsync(file.fileno())
-                sync_folder(self.folder)
+                with whole_file(path, "choose another folder", exclusive=True, mode=0o600) as file:
+                    file.write(key_text(secret, certificate.fingerprint).encode())
             except FileExistsError:
                 problem = f"there is such a file, and no key {name}: its making was cut off, or it is another's"
                 raise BadFile(path, problem, "move it elsewhere, then try again") from None
-            except OSError as error:
-                raise BadFile(path, f"it cannot be written ({reason_of(error)})", "choose another folder") from None
-            self._write((*self._entries, KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires)))
+            try:
+                self._write((*self._entries, KeyEntry(name, tuple(rights), _digest(secret), self._clock(), expires)))
+            except BadFile:
+                path.unlink()
+                raise
         return path
 
     def revoke(self, name: str) -> None:
@@ -188,11 +187,7 @@ class KeyRing:
 
     def _write(self, entries: tuple[KeyEntry, ...]) -> None:
         text = msgspec.json.format(msgspec.json.encode(entries), indent=2)
-        before = os.umask(0o077)
-        try:
-            write_whole(self._path, text + b"\n")
-        finally:
-            os.umask(before)
+        write_whole(self._path, text + b"\n", mode=0o600)
         self._read()
 
     def _read(self) -> None:

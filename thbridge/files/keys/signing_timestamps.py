@@ -2,10 +2,10 @@
 
 import json
 import logging
-import os
 from pathlib import Path
 
-from thbridge.files.synced import put_in_place
+from thbridge.files.errors import BadFile
+from thbridge.files.whole import write_whole
 from thbridge.protocols.mavlink.frames.signing import MAX_STREAMS, KnownTimestamps
 
 SUFFIX = ".timestamps"
@@ -44,15 +44,11 @@ class TimestampFile:
         """Replace the file, readable by its owner alone; a failure is told once."""
         streams = [[*stream, timestamp] for stream, timestamp in sorted(known.streams.items())]
         text = json.dumps({"format": _FORMAT, "latest": known.latest, "streams": streams})
-        part = self._path.with_name(self._path.name + ".part")
         try:
-            part.unlink(missing_ok=True)  # Left over; its mode would stay.
-            with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-                file.write(text)
-            put_in_place(part, self._path)
-        except OSError as error:
+            write_whole(self._path, text.encode(), "make room: after a restart stations may be refused", mode=0o600)
+        except BadFile as fault:
             if not self._has_failed:
-                _log.warning("%s cannot be written (%s): after a restart stations may be refused", self._path, error)
+                _log.warning("%s", fault)
             self._has_failed = True
 
 

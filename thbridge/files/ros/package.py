@@ -4,8 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from thbridge.files.errors import BadFile
+from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.ros.definitions import ROS_SHARES
+from thbridge.files.synced import make_folder
+from thbridge.files.whole import new_folder, write_whole
 from thbridge.ros.messages.definition_texts import ROS_TEXTS
 from thbridge.ros.messages.types import MAVROS_TYPES, OWN_TEXTS
 
@@ -69,11 +71,19 @@ def _written(package: _Package, parent: Path) -> Path:
         "CMakeLists.txt": _CMAKE.format(name=package.name),
         **{f"msg/{msgtype.partition('/')[2]}.msg": text for msgtype, text in package.texts.items()},
     }
-    try:
-        (folder / "msg").mkdir(parents=True, exist_ok=True)
-        for name, text in files.items():
-            (folder / name).write_text(text, encoding="utf-8")
-    except OSError as error:
-        problem = f"it cannot be written ({error.strerror})"
-        raise BadFile(folder, problem, "name a folder that may be written to") from error
+    remedy = "name a folder that may be written to"
+    if folder.exists():
+        _fill(folder, files, remedy)
+    else:
+        with new_folder(folder, remedy) as new:
+            _fill(new, files, remedy)
     return folder
+
+
+def _fill(folder: Path, files: Mapping[str, str], remedy: str) -> None:
+    try:
+        make_folder(folder / "msg")
+    except OSError as error:
+        raise BadFile(folder, f"it cannot be written ({reason_of(error)})", remedy) from None
+    for name, text in files.items():
+        write_whole(folder / name, text.encode(), remedy)

@@ -10,7 +10,7 @@ from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, interpret_image
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import radii
-from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.errors import BadFile
 from thbridge.files.image_files import read_image
 from thbridge.files.map_files import (
     FOOTPRINT,
@@ -23,6 +23,7 @@ from thbridge.files.map_files import (
     write_rooms,
 )
 from thbridge.files.map_times import MAP_TIMES, map_times
+from thbridge.files.whole import new_folder, write_whole
 from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, arena_of
 from thbridge.offline.measure import MeasurementSetup, TripTimes
@@ -97,11 +98,13 @@ def write_map(folder: Path, grid: OccupancyGrid, arena: Arena) -> None:
     Raises:
         BadFile: it cannot be written.
     """
-    try:
-        write_grid(folder, grid)
+    if folder.exists():
+        # The window saves again.
         write_rooms(folder, arena.rooms, arena.starts)
-    except OSError as error:
-        raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "choose another place by --to") from None
+    else:
+        with new_folder(folder, "choose another place by --to") as new:
+            write_grid(new, grid)
+            write_rooms(new, arena.rooms, arena.starts)
     say(f"Wrote {folder}: map.yaml, map.pgm, rooms.yaml")
 
 
@@ -127,10 +130,7 @@ def measure_map(folder: Path, place: Map, runs: int, jobs: int) -> bool:
     course = MeasurementSetup(place, WorldParameters(), RobotParameters(), SEED)
     times = measure_trips(course, runs, jobs)
     with bad_input():
-        try:
-            (folder / MAP_TIMES).write_text(map_times(times_matrix(times, count)), encoding="ascii")
-        except OSError as error:
-            raise BadFile(folder / MAP_TIMES, f"it cannot be written ({reason_of(error)})", "make room") from None
+        write_whole(folder / MAP_TIMES, map_times(times_matrix(times, count)).encode("ascii"), "make room")
     means = [pair.mean for pair in times if pair.mean is not None]
     span = f"{min(means):.0f} s to {max(means):.0f} s a trip" if means else "no trip arrived"
     say(f"Measured: {len(means)} of {len(times)} ways, {span}; wrote {folder / MAP_TIMES}")

@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, TextIO
+from typing import Annotated
 
 import typer
 
@@ -78,7 +78,7 @@ def _next_step(to: Path | None, folder: Path) -> str:
 
 
 @contextmanager
-def _file(path: Path | None) -> Iterator[Callable[[str], None]]:
+def _file(path: Path | None) -> Iterator[Callable[[str], object]]:
     """See that the file can be written before hours of driving, and leave no empty one behind when they are cut off."""
     if path is None:
         yield lambda text: None
@@ -86,20 +86,9 @@ def _file(path: Path | None) -> Iterator[Callable[[str], None]]:
     if path == STANDARD_OUTPUT:
         yield lambda text: print(text, end="")  # noqa: T201 - this is what was asked for
         return
-    try:
-        file = path.open("x", encoding="ascii")
-    except FileExistsError:
+    from thbridge.files.whole import whole_file
+
+    if path.exists():
         fail(BAD_INPUT, f"--out: there is a file {path} already. Choose another name.")
-    except OSError as error:
-        fail(BAD_INPUT, f"--out: {path} cannot be written ({error.strerror}). Choose another file.")
-    with file:
-        try:
-            yield lambda text: _write(file, text)
-        finally:
-            if path.stat().st_size == 0:
-                path.unlink()
-
-
-def _write(file: TextIO, text: str) -> None:
-    file.write(text)
-    file.flush()
+    with bad_input(), whole_file(path, "choose another file by --out") as file:
+        yield lambda text: file.write(text.encode("ascii"))

@@ -37,14 +37,10 @@ def study_new(
 ) -> None:
     """Begin a study with people: a folder with an example to change."""
     from thbridge.experiment.folder import EXAMPLE
-    from thbridge.files.errors import reason_of
+    from thbridge.files.whole import new_folder
 
-    try:
-        shutil.copytree(EXAMPLE, folder)
-    except FileExistsError:
-        fail(BAD_INPUT, f"{folder}: there is such a folder already. Choose another name.")
-    except OSError as error:
-        fail(BAD_INPUT, f"{folder}: it cannot be written ({reason_of(error)}). Choose another folder.")
+    with bad_input(), new_folder(folder) as new:
+        shutil.copytree(EXAMPLE, new, dirs_exist_ok=True)
     note(
         f"Wrote {folder}. Change its experiment.yaml and texts, in an editor or by "
         f"`{command('study', 'edit', folder)}`; then check it: `{command('study', 'check', folder)}`."
@@ -234,6 +230,7 @@ def study_rehearse(
     from thbridge.experiment.freeze import data_of
     from thbridge.experiment.rehearsal.people import read_people
     from thbridge.experiment.rehearsal.rehearsal import rehearse
+    from thbridge.files.whole import new_folder
     from ui.progress import bar_of_progress
 
     with bad_input():
@@ -242,9 +239,9 @@ def study_rehearse(
         people = read_people(place.people, design)
         if to.exists():
             fail(BAD_INPUT, f"{to}: there is such a folder already. Choose another by --to.")
-        shutil.copytree(folder, to, ignore=data_of)
-        with bar_of_progress() as tell:
-            rehearse(ExperimentFolder(to), design, replace(people, plays=people.plays and games), seed, tell)
+        with new_folder(to, "choose another by --to, or make room") as new, bar_of_progress() as tell:
+            shutil.copytree(folder, new, ignore=data_of, dirs_exist_ok=True)
+            rehearse(ExperimentFolder(new), design, replace(people, plays=people.plays and games), seed, tell)
     study_status(to)
     note(f"Export it with `{command('study', 'export', to, '--to', to / 'exports' / 'first')}`.")
 

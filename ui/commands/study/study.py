@@ -1,6 +1,5 @@
 """`thbridge study init` and `study check`."""
 
-from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -22,20 +21,16 @@ def study_init(
     file: Annotated[Path, typer.Argument(help="The file to write; must not exist. `-` is standard output.")],
 ) -> None:
     """Write a study file with every key at its default, commented."""
+    from thbridge.files.whole import write_whole
     from thbridge.study.text import commented_study
 
     if file == STANDARD_OUTPUT:
         print(commented_study(), end="")  # noqa: T201 - this is what was asked for
         return
-    try:
-        with file.open("x", encoding="utf-8") as opened:
-            opened.write(commented_study())
-    except FileExistsError:
+    if file.exists():
         fail(BAD_INPUT, f"{file}: there is such a file already. Choose another name.")
-    except OSError as error:
-        with suppress(OSError):
-            file.unlink()  # a half written one
-        fail(BAD_INPUT, f"{file}: it cannot be written ({error.strerror}). Choose another folder.")
+    with bad_input():
+        write_whole(file, commented_study().encode(), "choose another folder")
     note(f"Wrote {file}. Run it with `{command('play', file)}`.")
 
 

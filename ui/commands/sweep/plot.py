@@ -42,7 +42,7 @@ def sweep_plot(
     from thbridge.batch.figures import BandKind, FigureAxes, curves_of, draw_curves
     from thbridge.batch.folder import read_manifest
     from thbridge.batch.tables import collect, numbers_of
-    from thbridge.batch.whole_files import whole_file
+    from thbridge.files.whole import whole_file
 
     kind = "svg" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(FigureFormat):
@@ -67,7 +67,7 @@ def sweep_plot(
     axes = FigureAxes(measure, wanted["--x"] or "", lines, panels, BandKind(band), is_log)
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
     figure = draw_curves(curves_of(table, axes), axes, look)
-    with bad_input(), destination(to) as file, whole_file(file) as out:
+    with bad_input(), destination(to) as file, whole_file(file, folders=True) as out:
         out.write(look.rendered(figure, FigureFormat(kind)))
     left = [factor for factor in manifest.factors if factor not in wanted.values()]
     if left:

@@ -9,7 +9,6 @@ KNOWN = KnownTimestamps(700, {(0, 255, 190): 700, (3, 254, 190): 5})
 
 
 def test_what_is_written_is_read_and_nobody_else_reads_it(tmp_path):
-    (tmp_path / "my.key.timestamps.part").write_text("left over")
     file = TimestampFile(tmp_path / "my.key")
     assert file.read() is None
     file.write(KnownTimestamps(1, {}))

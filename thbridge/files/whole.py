@@ -1,0 +1,133 @@
+"""Files and folders that are written completely or not at all, and outlive a power cut once they are."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO
+
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.synced import make_folder, put_in_free_place, put_in_place, sync_file, sync_folder
+
+PART = ".part"
+"""Suffix of a file while it is being written; its name begins with a dot, so that readers of folders pass it over."""
+
+REMEDY = "check the folder and the disk"
+
+
+@contextmanager
+def whole_file(
+    path: Path,
+    remedy: str = REMEDY,
+    *,
+    exclusive: bool = False,
+    folders: bool = False,
+    mode: int | None = None,
+    synced: bool = True,
+) -> Iterator[IO[bytes]]:
+    """Yield a file to write; when the block is left without an error, it is on the disk under its name.
+
+    A file of that name is replaced in one step; links and permissions are kept. Devices and pipes are written to.
+
+    Args:
+        path: its name.
+        remedy: what to do where it cannot be written, as a clause.
+        exclusive: True to leave a file of that name as it is, and raise.
+        folders: True to make the folders above it where they are missing.
+        mode: its permissions; None: as before, or usual ones.
+        synced: False to leave it to the system when it reaches the disk.
+
+    Raises:
+        FileExistsError: there is such a file, and `exclusive`.
+        BadFile: it cannot be written; then the file is unchanged.
+    """
+    target, part = path.resolve(), None
+    try:
+        if folders:
+            make_folder(target.parent)
+        if target.exists() and not target.is_file():
+            with target.open("wb") as file:
+                yield file
+            return
+        if mode is None and target.exists():
+            mode = target.stat().st_mode & 0o7777
+        part = _part_of(target)
+        with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode or 0o666), "wb") as file:
+            if mode is not None:
+                part.chmod(mode)  # whatever is kept from new files
+            yield file
+        if exclusive:
+            put_in_free_place(part, target)
+        elif synced:
+            put_in_place(part, target)
+        else:
+            part.replace(target)
+    except FileExistsError:
+        raise
+    except OSError as error:
+        raise BadFile(path, f"it cannot be written ({reason_of(error)})", remedy) from error
+    finally:
+        if part is not None:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, data: bytes, remedy: str = REMEDY, *, mode: int | None = None, synced: bool = True) -> None:
+    """Replace the file, or make it, in one step; see `whole_file`.
+
+    Raises:
+        BadFile: it cannot be written; then the file is unchanged.
+    """
+    with whole_file(path, remedy, mode=mode, synced=synced) as file:
+        file.write(data)
+
+
+@contextmanager
+def new_folder(folder: Path, remedy: str = "choose another folder", *, empty: bool = False) -> Iterator[Path]:
+    """Yield a folder to fill; when the block is left without an error, all that is in it is in the folder of this name.
+
+    Args:
+        folder: its final path; folders above it are made.
+        remedy: what to do where it is there already or cannot be written, as a clause.
+        empty: True to fill a folder of this name, too, if there is nothing in it.
+
+    Raises:
+        BadFile: there is such a folder or file already, or it cannot be written; then there is nothing of it.
+    """
+    there = folder.is_dir() and empty
+    if there and next(folder.iterdir(), None) is not None:
+        raise BadFile(folder, "there is something in this folder", remedy)
+    if not there and (folder.exists() or folder.is_symlink()):
+        raise BadFile(folder, "there is such a folder already", remedy)
+    part = None
+    try:
+        make_folder(folder.absolute().parent)
+        # Nobody has promised that the folder above a given one can be written to, or is on the same disk.
+        part = _part_of(folder / "all" if there else folder)
+        part.mkdir()
+        yield part
+        for path in part.rglob("*"):
+            (sync_folder if path.is_dir() else sync_file)(path)
+        sync_folder(part)
+        if there:
+            for path in part.iterdir():
+                path.rename(folder / path.name)
+        else:
+            part.rename(folder)
+        sync_folder(folder if there else folder.absolute().parent)
+    except BadFile as fault:
+        if part is None or not fault.path.is_relative_to(part):
+            raise
+        named = folder / fault.path.relative_to(part)
+        raise BadFile(named, fault.problem, fault.remedy, fault.line, fault.key) from None
+    except OSError as error:
+        raise BadFile(folder, f"it cannot be written ({reason_of(error)})", remedy) from error
+    finally:
+        if part is not None:
+            shutil.rmtree(part, ignore_errors=True)
+
+
+def _part_of(path: Path) -> Path:
+    """Return a path beside another, which no other program or thread takes."""
+    return path.with_name(f".{path.name}.{os.urandom(4).hex()}{PART}")
