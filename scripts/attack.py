@@ -46,8 +46,7 @@ MEMORY_BOUND = 256
 """Megabytes that one attack may cost."""
 _OUTSIDE = 8
 """Processes of attackers."""
-KEY = "attack-" + "0123456789abcdef"
-RING_KEY = "honest-" + "0123456789abcdef"
+KEY = "honest-" + "0123456789abcdef"
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +138,7 @@ class Honest(threading.Thread):
     def _show_key(self) -> None:
         client = socket.create_connection((HOST, self._doors.text), PATIENCE)
         with client, unchecked_tls().wrap_socket(client) as encrypted:
-            encrypted.sendall(key_line(RING_KEY))
+            encrypted.sendall(key_line(KEY))
             if b"admitted" not in received(encrypted):
                 raise ConnectionError
 
@@ -161,7 +160,8 @@ class Honest(threading.Thread):
 
     def _watch(self) -> None:
         stream = BagStreamReader()
-        with socket.create_connection((HOST, self._doors.watch), PATIENCE) as client:
+        plain = socket.create_connection((HOST, self._doors.watch), PATIENCE)
+        with plain, unchecked_tls().wrap_socket(plain) as client:
             client.sendall(key_line(KEY))
             while True:
                 for message in stream.feed(received(client)):
@@ -388,10 +388,8 @@ async def datagrams(port: int, count: int) -> int:
     return count
 
 
-async def wrong_keys(port: int, count: int) -> int:
-    """Try keys, each on a connection of its own."""
-    return await say(port, b'{"key": "a"}\n', 1, count)
-
+LEFT = b"\x16\x03\x01\x02\x00\x01"
+"""Beginning of a TLS handshake."""
 
 Attack: TypeAlias = tuple[str, Callable[[], Coroutine[None, None, int]]]
 
@@ -468,11 +466,14 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int) ->
         ("text: connections one after the other", lambda: turned_away(doors.text, 1000 * scale)),
         ("text: a page in a browser", lambda: say(doors.text, http("/", "\n%%goto TabUI SimR 0 3 3 45\n"), 1, 20)),
         ("text: wrong keys", lambda: say(doors.text, key_line("a"), 1, 100 * scale, encrypted=True)),
-        ("text: handshakes that are left", lambda: say(doors.text, b"\x16\x03\x01\x02\x00\x01", 1, 1000 * scale)),
+        ("text: handshakes that are left", lambda: say(doors.text, LEFT, 1, 1000 * scale)),
         ("text: a key without end", lambda: say(doors.text, endless, 30 * scale, encrypted=True)),
         ("text: noise", lambda: noise(doors.text, draws)),
         ("watch: 40 without a key", lambda: idle(doors.watch, 40)),
-        ("watch: wrong keys", lambda: wrong_keys(doors.watch, 100 * scale)),
+        ("watch: wrong keys", lambda: say(doors.watch, key_line("a"), 1, 100 * scale)),
+        ("watch: wrong keys, encrypted", lambda: say(doors.watch, key_line("a"), 1, 100 * scale, encrypted=True)),
+        ("watch: handshakes that are left", lambda: say(doors.watch, LEFT, 1, 1000 * scale)),
+        ("watch: a key without end", lambda: say(doors.watch, endless, 30 * scale, encrypted=True)),
         ("watch: a line without end", lambda: say(doors.watch, endless, 30 * scale)),
         ("watch: noise", lambda: noise(doors.watch, draws)),
         ("ROS: invented subscribers", lambda: subscribers(doors.ros, 300 * scale)),
@@ -617,15 +618,12 @@ def main() -> int:
     doors = Doors(*free_ports(6))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        key = folder / "key.txt"
-        key.write_text(KEY)
-        key.chmod(0o600)
-        KeyRing(folder / "keys", utc_now).add("honest", [Right.ADMIN], RING_KEY, None)
+        KeyRing(folder / "keys", utc_now).add("honest", [Right.ADMIN], KEY, None)
         command = [sys.executable, "-c", "from ui.cli import main; main()", "play", "study.yaml", "--outside", "TabUI"]
-        options = ["--port", str(doors.text), "--watch", str(doors.watch), "--watch-key", str(key), "--ros"]
+        options = ["--port", str(doors.text), "--watch", str(doors.watch), "--keys", "keys", "--ros"]
         options += ["--ros-master", f"http://{HOST}:{doors.ros}", "--mavlink", "--tcp", f"{HOST}:{doors.tcp}"]
         options += ["--udp-listen", f"{HOST}:{doors.udp}", "--rate", "1", "--bag", "hunt.bag", "--no-report"]
-        options += ["--foxglove", str(doors.foxglove), "--keys", "keys"]
+        options += ["--foxglove", str(doors.foxglove)]
         # A part after each two seconds: there must always be a descriptor for the next.
         (folder / "study.yaml").write_text("recording: {split_duration: 2}\n")
         told = folder / "told.txt"
