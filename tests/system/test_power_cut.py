@@ -25,7 +25,7 @@ from thbridge.experiment.store.events import LoggedEvent
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.key_ring import KeyRing, Right
 from thbridge.files.keys.signing_timestamps import TimestampFile
-from thbridge.files.whole import write_whole
+from thbridge.files.whole import new_folder, write_whole
 from thbridge.protocols.mavlink.frames.signing import KnownTimestamps
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
@@ -83,6 +83,24 @@ def a_file(write_one: Callable[[Path, bytes], None], name: str) -> None:
 
 
 a_file(write_whole, "whole file")
+
+
+def fill_folder(folder: Path, say: Say) -> None:
+    with new_folder(folder / "above" / "new") as new:
+        (new / "inside").mkdir()
+        for path in (new / "inside" / "one", new / "two"):
+            path.write_bytes(bytes(5000))
+    say(1)
+
+
+def check_folder(folder: Path, said: Sequence[object]) -> None:
+    new = folder / "above" / "new"
+    assert new.exists() or not said
+    if new.exists():
+        assert [(new / name).read_bytes() for name in ("inside/one", "two")] == [bytes(5000)] * 2
+
+
+WRITERS["new folder"] = Writer(fill_folder, check_folder)
 
 
 def keys(folder: Path) -> KeyRing:
