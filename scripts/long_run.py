@@ -1,13 +1,13 @@
 """Run a session or a text server for a simulated day, with everybody connected, and tell what has grown.
 
-Run it from the project's folder: `.venv/bin/python scripts/long_run.py session` (`make long-run`) starts `thbridge play`
+Run it from the project's folder. `.venv/bin/python scripts/long_run.py session` (`make long-run`) starts `thbridge play`
 on an X server without a screen, with a participant's window, and connects a simulated participant who plays again and
-again, a researcher's watcher, a ROS node and a MAVLink station, each a program of its own; besides, programs come and go
-at all doors. `server` starts `thbridge server`, `simr` and `hider`, where the same participant plays games one after the other.
+again, a researcher's watcher, a ROS node and a MAVLink station, each a program of its own; other programs come and go.
+`server` starts `thbridge server`, `simr` and `hider`, where the same participant plays short games one after the other.
 
-Samples of memory, descriptors, threads, processor time, files and waits go into FOLDER/samples.csv. `plot FOLDER/samples.csv
---to PICTURE` draws them. All three print the growth after a warm-up, and end with 1 where it is beyond its bound.
-The window is begun by a key, through `xdotool`; `make peers` installs it and Xvfb.
+Samples of memory, descriptors, threads, processor time, files and waits go into FOLDER/samples.csv; `plot SAMPLES --to
+PICTURE` draws them. All three print the growth after a warm-up, and end with 1 where it is beyond its bound. The window's
+game is begun by a key, through `xdotool`; `make peers` installs it and Xvfb.
 """
 
 import argparse
@@ -31,10 +31,12 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from scipy import stats
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK
 from sim.inputs import ClearCostmaps
+from sim.numerics.float_array import FloatArray
 from thbridge.app.compose.game import build_bot
 from thbridge.app.programs import exchange
 from thbridge.app.session.watch_requests import request_line
@@ -60,6 +62,7 @@ from thbridge.sockets.text.client import TextClient
 from thbridge.sockets.watching.client import WatchClient, WatchConnected
 
 mpl.use("Agg")
+from matplotlib import pyplot as plt
 
 HOST = "127.0.0.1"
 THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")
@@ -243,7 +246,8 @@ async def command(report: Report, given: argparse.Namespace) -> None:
             if trip is not None:
                 trip.advance(events, now)
                 if trip.outcome is not None:
-                    report.counts[f"trip {type(trip.outcome).__name__}"] += 1
+                    report.counts["trips"] += 1
+                    report.counts["failed trips"] += bool(trip.outcome.problem)
                     trip, began = None, now
             elif len(station.robots) == given.robots and now - began > 3 * PASSES:
                 robot = 1 + trips % given.robots
@@ -295,9 +299,7 @@ def load_of(pid: int) -> Load:
     pages = int((process / "statm").read_text().split()[1])
     fields = (process / "stat").read_text().rpartition(")")[2].split()
     used = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    return Load(
-        pages * os.sysconf("SC_PAGESIZE") / 2**20, len(list((process / "fd").iterdir())), int(fields[17]), used
-    )
+    return Load(pages * os.sysconf("SC_PAGESIZE") / 2**20, len(list((process / "fd").iterdir())), int(fields[17]), used)
 
 
 def children(pid: int) -> list[int]:
@@ -416,7 +418,7 @@ class Sampler:
             "ros_nodes_passed": self.told("node").get("passed", 0),
             "mavlink_frames": self.told("station").get("frames", 0),
             "mavlink_parameters": self.told("station").get("parameters", 0),
-            "mavlink_trips": sum(n for name, n in self.told("station").items() if name.startswith("trip")),  # of integers
+            "mavlink_trips": self.told("station").get("trips", 0),
         }
         for name, pid in self._processes.items():
             load = load_of(pid)
@@ -447,6 +449,8 @@ mavlink:
   lost_after: 600
 participant:
   sound: false
+game:
+  energy: {energy}
 """
 """A finished piece of 200 MB is removed; ground stations go by wall time, a day here takes an hour or two."""
 
@@ -544,7 +548,7 @@ def run_session(given: argparse.Namespace, opened: ExitStack, environment: dict[
     environment["DISPLAY"] = opened.enter_context(x_server())
     running = Running(given.folder, opened, environment)
     text, door, tcp, ros = free_ports(4)
-    (given.folder / "study.yaml").write_text(STUDY.format(robots=given.robots, map=given.map))
+    (given.folder / "study.yaml").write_text(STUDY.format(robots=given.robots, map=given.map, energy=given.energy))
     words = ["play", "study.yaml", "--rate", "0", "--bag", "hunt.bag", "--no-report", "--port", str(text)]
     words += ["--watch", str(door), "--ros", "--ros-master", f"http://{HOST}:{ros}"]
     words += ["--mavlink", "--tcp", f"{HOST}:{tcp}", "--max-seconds", str(DAY * 10)]
@@ -571,7 +575,7 @@ def run_server(given: argparse.Namespace, opened: ExitStack, environment: dict[s
     """Run `thbridge server` with robots and treasures, and games one after the other."""
     running = Running(given.folder, opened, environment)
     text, door = free_ports(2)
-    (given.folder / "study.yaml").write_text(STUDY.format(robots=given.robots, map=given.map))
+    (given.folder / "study.yaml").write_text(STUDY.format(robots=given.robots, map=given.map, energy=given.energy))
     server = running.thbridge("server", "server", "study.yaml", "--port", str(text), "--journal", "journal")
     running.wait("server", "listening on", server)
     at = ["--server", f"{HOST}:{text}"]
@@ -603,18 +607,188 @@ def sample_until(
             print(json.dumps(row), flush=True)
 
 
+# What has grown
+
+
+WARM_UP = 0.2
+"""Share of a run after which growth is looked for: by then caches are full, and allocators have their arenas."""
+TREND = 5
+"""Fewest samples of which a trend is made."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """Most that a figure may grow within a simulated hour, after the warm-up; `slack`: within the whole run besides."""
+
+    growth: float
+    slack: float
+
+
+BOUNDS: Mapping[str, Bound] = {
+    "MB": Bound(1.0, 4.0),
+    "descriptors": Bound(0.0, 4.0),
+    "threads": Bound(0.0, 1.0),
+}
+"""By the ends of columns' names. A day may cost a process some megabytes: the outcomes of games are kept for its end."""
+SLOWER = 1.25
+"""Most that a tick's processor time may be in the second half of what follows the warm-up, as a share of the first."""
+RECORDED = ("journals", "bags")
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """Growth of a column: units a simulated hour, with a 95 % interval; the most of it that is allowed in this run."""
+
+    column: str
+    begun: float
+    ended: float
+    hourly: float
+    low: float
+    high: float
+    allowed: float
+
+    @property
+    def is_beyond(self) -> bool:
+        """True where even the lower end of the interval is beyond the bound."""
+        return self.low > self.allowed
+
+
+class Samples:
+    """The samples of a run.
+
+    Args:
+        path: of its CSV file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+        self.hours = self.columns["sim_s"] / 3600.0
+        self.warm = self.hours >= WARM_UP * self.hours[-1]
+
+    @property
+    def processes(self) -> list[str]:
+        """Names of the processes."""
+        return [name.removesuffix("_threads") for name in self.columns if name.endswith("_threads")]
+
+    def growth(self, column: str, bound: Bound) -> Growth:
+        """Return the growth of a column, by Theil and Sen's median of slopes, which single samples do not move."""
+        hours, values = self.hours[self.warm], self.columns[column][self.warm]
+        hourly, _, low, high = stats.theilslopes(values, hours)
+        allowed = bound.growth + bound.slack / max(hours[-1] - hours[0], 1e-9)
+        return Growth(column, values[0], values[-1], hourly, low, high, allowed)
+
+    def all_growth(self) -> list[Growth]:
+        """Return the growth of all that must not grow."""
+        return [self.growth(f"{process}_{end}", bound) for process in self.processes for end, bound in BOUNDS.items()]
+
+    def tick_milliseconds(self, process: str) -> FloatArray:
+        """Return the processor time of a tick between each two samples."""
+        used, passed = np.diff(self.columns[f"{process}_cpu_s"]), np.diff(self.columns["sim_s"])
+        return 1000.0 * used * TICK / np.where(passed > 0.0, passed, np.nan)
+
+    def slowdown(self, process: str) -> float:
+        """Return the processor time of a tick in the second half after the warm-up, of that in the first."""
+        times = self.tick_milliseconds(process)[self.warm[1:]]
+        half = len(times) // 2
+        return float(np.nanmedian(times[half:]) / np.nanmedian(times[:half]))
+
+
+def judge(samples: Samples) -> bool:
+    """Print what has grown; return True where nothing is beyond its bound."""
+    columns, main = samples.columns, samples.processes[0]
+    if np.count_nonzero(samples.warm) < TREND:
+        print("The run was too short for a trend.")
+        return False
+    last = {name: values[-1] for name, values in columns.items()}
+    print(
+        f"{samples.hours[-1]:.2f} simulated hours and {last['games']:.0f} games in {last['wall_s'] / 60:.0f} minutes; "
+        f"{last['visits']:.0f} visits at the doors, {last['failed_visits']:.0f} in vain, {last['lost']:.0f} "
+        f"connections lost, {last['dropped']:.0f} messages dropped for the watcher; {last['ros_messages']:.0f} messages by ROS, "
+        f"{last['mavlink_frames']:.0f} frames by MAVLink, {last['mavlink_trips']:.0f} trips of the station."
+    )
+    print(f"{'':<24} {'first':>9} {'last':>9} {'an hour':>9}  {'95 % interval':<20} {'allowed':>9}")
+    grown = samples.all_growth()
+    for each in grown:
+        interval = f"{each.low:.3f} to {each.high:.3f}"
+        verdict = "GROWS" if each.is_beyond else ""
+        print(
+            f"{each.column:<24} {each.begun:>9.1f} {each.ended:>9.1f} {each.hourly:>9.3f}  {interval:<20} "
+            f"{each.allowed:>9.3f}  {verdict}"
+        )
+    for name in RECORDED:
+        each = samples.growth(f"{name}_MB", Bound(0.0, 0.0))
+        print(f"{each.column:<24} {each.begun:>9.1f} {each.ended:>9.1f} {each.hourly:>9.3f}  (recorded)")
+    slower = samples.slowdown(main)
+    times = samples.tick_milliseconds(main)[samples.warm[1:]]
+    verdict = "SLOWER" if slower > SLOWER else ""
+    print(
+        f"A tick takes {main} {np.nanmedian(times):.2f} ms of processor time; {slower:.2f} times as much in the second "
+        f"half as in the first, {SLOWER} are allowed.  {verdict}"
+    )
+    return slower <= SLOWER and not any(each.is_beyond for each in grown) and not last["failed_visits"]
+
+
+def draw(samples: Samples, path: Path) -> None:
+    """Draw the curves, with the trends of what must not grow."""
+    figure, axes = plt.subplots(3, 2, figsize=(10.0, 10.5), sharex=True, layout="constrained")
+    hours, main = samples.hours, samples.processes[0]
+    for panel, (end, title) in zip(
+        axes.flat,
+        (("MB", "resident memory, MB"), ("descriptors", "open descriptors"), ("threads", "threads")),
+        strict=False,
+    ):
+        for number, process in enumerate(samples.processes):
+            column, colour = f"{process}_{end}", f"C{number}"
+            trend = samples.growth(column, BOUNDS[end])
+            panel.plot(hours, samples.columns[column], colour, lw=1.2, label=f"{process}: {trend.hourly:+.2f} an hour")
+            values, warm = samples.columns[column][samples.warm], hours[samples.warm]
+            middle = np.median(values) - trend.hourly * np.median(warm)
+            panel.plot(warm, middle + trend.hourly * warm, colour, ls=":", lw=1.2)
+        panel.set_title(title, loc="left", fontsize=10)
+        panel.set_ylim(bottom=0.0)
+        panel.legend(fontsize=7)
+    panel = axes.flat[3]
+    panel.plot(hours[1:], samples.tick_milliseconds(main), "C0", lw=1.2)
+    panel.set_title(f"processor time of {main} for a tick, ms", loc="left", fontsize=10)
+    panel.set_ylim(bottom=0.0)
+    panel = axes.flat[4]
+    panel.plot(hours[1:], samples.columns["longest_wait_ms"][1:], "C0", lw=1.2)
+    panel.set_title("longest wait of a visitor for %%pong since the sample before, ms", loc="left", fontsize=10)
+    panel.set_ylim(bottom=0.0)
+    panel = axes.flat[5]
+    panel.plot(hours, samples.columns["games"], "C0", lw=1.2, label="games")
+    panel.plot(hours, samples.columns["journals_MB"], "C1", lw=1.2, label="journals, MB")
+    panel.plot(hours, samples.columns["bags_MB"] / 1024.0, "C2", lw=1.2, label="bag, GB")
+    panel.set_title("games, and what is recorded of them", loc="left", fontsize=10)
+    panel.set_ylim(bottom=0.0)
+    panel.legend(fontsize=7)
+    for panel in axes[-1]:
+        panel.set_xlabel("simulated hours")
+    for panel in axes.flat:
+        panel.axvspan(0.0, WARM_UP * hours[-1], color="0.93", lw=0.0)
+        panel.grid(color="0.9")
+    figure.savefig(path, dpi=100)
+
+
 def main() -> int:
     """Run what the command line says."""
     parser = argparse.ArgumentParser(description=__doc__)
     kinds = parser.add_subparsers(dest="kind", required=True)
-    for kind, robots in (("session", 6), ("server", 2)):
-        run = kinds.add_parser(kind)
-        run.add_argument("--robots", type=int, default=robots)
-        run.add_argument("--map", default="arena8")
-        run.add_argument("--hours", type=float, default=24.0, help="simulated")
-        run.add_argument("--minutes", type=float, default=600.0, help="of wall time, at most")
-        run.add_argument("--every", type=float, default=60.0, help="seconds of wall time between two samples")
-        run.add_argument("--folder", type=Path, default=Path("long-run"))
+    for kind, robots, energy in (("session", 6, 100), ("server", 2, 30)):
+        runs = kinds.add_parser(kind)
+        runs.add_argument("--robots", type=int, default=robots)
+        runs.add_argument("--energy", type=float, default=energy, help="of a robot; with less, games are shorter")
+        runs.add_argument("--map", default="arena8")
+        runs.add_argument("--hours", type=float, default=24.0, help="simulated")
+        runs.add_argument("--minutes", type=float, default=600.0, help="of wall time, at most")
+        runs.add_argument("--every", type=float, default=60.0, help="seconds of wall time between two samples")
+        runs.add_argument("--folder", type=Path, default=Path("long-run"))
+        runs.add_argument("--to", type=Path, help="picture of the curves")
+    drawn = kinds.add_parser("plot")
+    drawn.add_argument("samples", type=Path)
+    drawn.add_argument("--to", type=Path, help="picture of the curves")
     companion = kinds.add_parser("companion")
     companion.add_argument("companion", choices=list(COMPANIONS))
     companion.add_argument("--folder", type=Path)
@@ -625,6 +799,16 @@ def main() -> int:
     if given.kind == "companion":
         asyncio.run(accompany(given))
         return 0
+    if given.kind != "plot":
+        run(given)
+    samples = Samples(given.samples if given.kind == "plot" else given.folder / "samples.csv")
+    if given.to is not None:
+        draw(samples, given.to)
+    return 0 if judge(samples) else 1
+
+
+def run(given: argparse.Namespace) -> None:
+    """Run what is to be sampled."""
     given.folder = given.folder.resolve()
     shutil.rmtree(given.folder, ignore_errors=True)
     given.folder.mkdir(parents=True)
@@ -633,7 +817,6 @@ def main() -> int:
     environment.pop("QT_QPA_PLATFORM", None)
     with ExitStack() as opened:
         (run_session if given.kind == "session" else run_server)(given, opened, environment)
-    return 0
 
 
 if __name__ == "__main__":
