@@ -350,7 +350,7 @@ class _Watcher(AsyncioProtocol):
 
     def flush(self) -> None:
         """Write queued messages to the socket, as far as it takes them."""
-        # A socket that has failed is heard of only when the loop turns, and asyncio complains of what is written until then.
+        # A socket that has failed is told when the loop turns; asyncio complains of what is written until then.
         while not (self._full or self._closing) and self._transport is not None and not self._transport.is_closing():
             taken = self.backlog.take(_SEGMENT)
             if not taken:
