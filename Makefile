@@ -1,6 +1,6 @@
 # `make play` and `make test` are all that most people need; both set up what is missing first.
 .NOTPARALLEL:
-.PHONY: help play test check test-slow bench setup peers maps pictures stress attack fuzz lock audit
+.PHONY: help play test check test-slow bench setup peers maps pictures stress attack long-run fuzz lock audit
 
 BIN := .venv/bin
 # Where the environment forbids Python to keep what it compiles, each program that tests start would compile all of it.
@@ -38,6 +38,9 @@ stress: setup ## Play hundreds of random hunts on all cores; more with ARGS="--h
 
 attack: setup ## Attack a session on this machine at all its doors, and tell how it held; more with ARGS="--help".
 	$(BIN)/python scripts/attack.py $(ARGS)
+
+long-run: setup ## Run a session for a simulated day with everybody connected, and tell what grows; hours; ARGS="session --help".
+	$(BIN)/python scripts/long_run.py $(or $(ARGS),session)
 
 fuzz: setup ## Read thousands of damaged files with every parser; more with ARGS="--help".
 	$(BIN)/python -m tests.fuzz $(ARGS)

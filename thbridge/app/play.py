@@ -353,15 +353,23 @@ class EndCondition:
     def __init__(self, max_seconds: float, left: Callable[[], bool] | None = None) -> None:
         self._last_tick = max_seconds * TICKS_PER_SECOND
         self._left = left
-        self.games: dict[int, GameState] = {}
-        """Last state of each game, by its number."""
+        self._outcomes: dict[int, GameOutcome] = {}
+        self._game: GameState | None = None
         self.tick: int | None = None
         """Tick in which the game ended; None before, and again once another game has begun."""
 
+    @property
+    def games(self) -> tuple[GameOutcome, ...]:
+        """The games so far, in their order."""
+        return tuple(self._outcomes.values())
+
     def reached(self, session: Session) -> bool:
         """Return True when the session is over."""
-        if session.game is not None:
-            self.games[session.game.started.game] = session.game
+        game = session.game
+        if game is not None and game is not self._game:
+            # Of games that are over only the outcome is kept: people may play hundreds of them.
+            self._outcomes[game.started.game] = _game_outcome(game)
+            self._game = game
         over = session.game is not None and session.game.ended is not None
         if not over:
             self.tick = None
@@ -386,7 +394,7 @@ def outcome_of(
     """Return the outcome of a session, over or not."""
     snapshot = next(role.snapshot for role in roles if isinstance(role, SimR))
     ticks = session.tick if ending.tick is None else ending.tick
-    games = tuple(_game_outcome(game) for game in ending.games.values())
+    games = ending.games
     last = games[-1] if games else None
     return HuntOutcome(
         seed=setting.study.seed,

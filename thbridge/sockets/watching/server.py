@@ -348,7 +348,8 @@ class _Watcher(AsyncioProtocol):
 
     def flush(self) -> None:
         """Write queued messages to the socket, as far as it takes them."""
-        while not (self._full or self._closing) and self._transport is not None:
+        # A socket that has failed is told when the loop turns; asyncio complains of what is written until then.
+        while not (self._full or self._closing) and self._transport is not None and not self._transport.is_closing():
             taken = self.backlog.take(_SEGMENT)
             if not taken:
                 return

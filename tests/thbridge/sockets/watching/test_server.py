@@ -3,6 +3,8 @@
 import asyncio
 import contextlib
 import json
+import socket
+import struct
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 
@@ -342,6 +344,23 @@ async def test_who_does_not_read_loses_of_the_heaviest_topic_and_nobody_else_doe
         assert set(heavy) == {"x" * 2**20}
         assert sum(topic == "/heavy" for topic, _ in quick.texts) == 40
         assert {status.dropped for status in quick.statuses} == {0}
+
+
+def test_to_a_connection_that_has_failed_nothing_more_is_written(caplog: pytest.LogCaptureFixture) -> None:
+    async def whole() -> None:
+        async with serving() as door:
+            door.say((LEVEL, "level"))
+            reader, writer = await asyncio.open_connection(door.where.host, door.where.port)
+            async with asyncio.timeout(PATIENCE):
+                await reader.readuntil(b"level")
+            writer.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            writer.transport.abort()
+            await asyncio.sleep(0)  # the client's connection is reset, and the server has not heard of it yet
+            for _ in range(20):
+                door.say((EVENT, "x"))
+
+    asyncio.run(whole())
+    assert [record.getMessage() for record in caplog.records if record.name == "asyncio"] == []
 
 
 @run

@@ -1,0 +1,136 @@
+"""Growth of what programs of a long run hold, and of what a tick costs them, by the samples taken of them."""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy import stats
+
+from sim.common.observations import TICK
+from sim.numerics.float_array import FloatArray
+
+WARM_UP = 0.2
+"""Share of a run after which growth is looked for: by then caches are full, and allocators have their arenas."""
+TREND = 10
+"""Fewest samples of which a trend is made."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """Most that a figure may grow within a simulated hour, after the warm-up; `slack`: within the whole run besides."""
+
+    growth: float
+    slack: float
+
+
+BOUNDS: Mapping[str, Bound] = {
+    "MB": Bound(1.0, 4.0),
+    "descriptors": Bound(0.0, 4.0),
+    "threads": Bound(0.0, 1.0),
+}
+"""By the ends of columns' names."""
+SLOWER = 1.25
+"""Most that a tick's processor time may be in the second half of what follows the warm-up, as a share of the first."""
+COUNTED = {
+    "games": "games",
+    "visits": "visits at the doors",
+    "failed_visits": "in vain",
+    "lost": "connections lost",
+    "dropped": "messages dropped for the watcher",
+    "ros_messages": "messages by ROS to the node",
+    "ros_nodes_passed": "nodes that came and went",
+    "mavlink_frames": "frames by MAVLink",
+    "mavlink_trips": "trips of the station",
+    "journals_MB": "MB of journals",
+    "bags_MB": "MB of bags",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """Growth of a figure: units a simulated hour, with a 95 % interval; the most of it that is allowed in this run."""
+
+    begun: float
+    ended: float
+    hourly: float
+    low: float
+    high: float
+    allowed: float
+
+    @property
+    def is_beyond(self) -> bool:
+        """True where even the lower end of the interval is beyond the bound."""
+        return self.low > self.allowed
+
+
+def growth_of(hours: FloatArray, values: FloatArray, bound: Bound) -> Growth:
+    """Return the growth of a figure, by Theil and Sen's median of slopes, which single samples do not move."""
+    hourly, _, low, high = stats.theilslopes(values, hours)
+    allowed = bound.growth + bound.slack / max(hours[-1] - hours[0], 1e-9)
+    return Growth(values[0], values[-1], hourly, low, high, allowed)
+
+
+def slowdown_of(times: FloatArray) -> float:
+    """Return the median of the second half of times as a share of that of the first."""
+    half = len(times) // 2
+    return float(np.nanmedian(times[half:]) / np.nanmedian(times[:half]))
+
+
+class Samples:
+    """The samples of a run.
+
+    Args:
+        path: of its CSV file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+        self.hours = self.columns["sim_s"] / 3600.0
+        self.warm = self.hours >= WARM_UP * self.hours[-1]
+        self.processes = [name.removesuffix("_threads") for name in self.columns if name.endswith("_threads")]
+
+    def growth(self, process: str, what: str) -> Growth:
+        """Return the growth of what a process holds, after the warm-up."""
+        return growth_of(self.hours[self.warm], self.columns[f"{process}_{what}"][self.warm], BOUNDS[what])
+
+    def tick_milliseconds(self, process: str) -> FloatArray:
+        """Return the processor time that a process takes for a tick, between each two samples."""
+        used, passed = np.diff(self.columns[f"{process}_cpu_s"]), np.diff(self.columns["sim_s"])
+        return 1000.0 * used * TICK / np.where(passed > 0.0, passed, np.nan)
+
+    def warm_ticks(self, process: str) -> FloatArray:
+        """Return the same after the warm-up."""
+        return self.tick_milliseconds(process)[self.warm[1:]]
+
+
+def judge(samples: Samples) -> bool:
+    """Print what has grown; return True where nothing is beyond its bound, and nobody was turned away."""
+    if np.count_nonzero(samples.warm) < TREND:
+        print("The run was too short for a trend.")
+        return False
+    last = {name: values[-1] for name, values in samples.columns.items()}
+    print(f"{samples.hours[-1]:.2f} simulated hours in {last['wall_s'] / 60:.0f} minutes:")
+    print(", ".join(f"{last[column]:.0f} {words}" for column, words in COUNTED.items()))
+    held = not last["failed_visits"]
+    print(f"{'':<24} {'first':>9} {'last':>9} {'an hour':>9}  {'95 % interval':<20} {'allowed':>9}")
+    for process in samples.processes:
+        for what in BOUNDS:
+            each = samples.growth(process, what)
+            interval, verdict = f"{each.low:.3f} to {each.high:.3f}", "GROWS" if each.is_beyond else ""
+            held &= not each.is_beyond
+            print(
+                f"{process + ' ' + what:<24} {each.begun:>9.1f} {each.ended:>9.1f} {each.hourly:>9.3f}  {interval:<20} "
+                f"{each.allowed:>9.3f}  {verdict}"
+            )
+    main = samples.processes[0]
+    slower, times = slowdown_of(samples.warm_ticks(main)), samples.warm_ticks(main)
+    held &= slower <= SLOWER
+    print(
+        f"A tick takes {main} {np.nanmedian(times):.2f} ms of processor time; {slower:.2f} times as much in the second "
+        f"half as in the first, {SLOWER} are allowed.  {'SLOWER' if slower > SLOWER else ''}"
+    )
+    return held
