@@ -23,6 +23,8 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent
 from thbridge.files.errors import BadFile
+from thbridge.files.keys.certificate import certificate_of
+from thbridge.files.keys.key_file import ClientKey, read_key
 from thbridge.files.keys.key_ring import KeyRing, Right
 from thbridge.files.keys.signing_timestamps import TimestampFile
 from thbridge.files.whole import new_folder, write_whole
@@ -121,7 +123,8 @@ def check_keys(folder: Path, said: Sequence[object]) -> None:
     for name in ("ada", "bob"):
         if f"new {name}" in said or name in entries:
             assert isinstance(ring.holder(f"secret of {name}"), str) == (entries[name].revoked is not None)
-            assert (folder / "keys" / f"{name}.key").read_text() == f"secret of {name}\n"
+            fingerprint = certificate_of(folder / "keys", "2026-01-03T12:00:00Z").fingerprint
+            assert read_key(folder / "keys" / f"{name}.key") == ClientKey(f"secret of {name}", fingerprint)
     if "revoked ada" in said:
         assert entries["ada"].revoked
     # A name whose making was cut off can be taken again; a file that is left over is never overwritten.

@@ -53,7 +53,7 @@ def ring(tmp_path: Path) -> tuple[Path, str]:
     )
     assert made.process.wait(60) == 0, made.text
     made.close()
-    secret = (folder / "maria.key").read_text().strip()
+    secret = (folder / "maria.key").read_text().split()[0]
     assert len(secret) > 20
     return folder, secret
 
@@ -101,6 +101,7 @@ def said_by(port: int, *lines: str) -> None:
 def test_keys_are_nowhere_but_in_their_files(tmp_path: Path, keys: Path) -> None:
     folder, secret = ring(tmp_path)
     secrets = forms_of(secret, PASSPHRASE)
+    secrets |= set((folder / "certificate.pem").read_bytes().splitlines()[1:3])  # of the private key
     port = free_port()
     options = ("--headless", "--rate", "5", "--max-seconds", "25", "--bag", "a.bag", "--port", "0", "--report")
     # Packed, a key would not be found.
@@ -127,7 +128,7 @@ def test_keys_are_nowhere_but_in_their_files(tmp_path: Path, keys: Path) -> None
     to_mcap(bag, tmp_path / "a.mcap", "none")
     to_ros2(bag, tmp_path / "ros2", packed=False)
     export_bag(bag, tmp_path / "tables", (TableFormat.CSV,))
-    files = written(tmp_path, keys, folder / "maria.key")
+    files = written(tmp_path, keys, folder / "maria.key", folder / "certificate.pem")
     assert {path.suffix for path, _ in files} >= {".bag", ".tlog", ".html", ".jsonl", ".txt", ".mcap", ".csv", ".json"}
     assert b"maria" in bag.read_bytes(), "whoever intervened is named in the record"
     assert holding(secrets, *files, *seen) == []

@@ -78,7 +78,7 @@ def secret_of(line: bytes) -> str | None:
     """Return the key in a client's first line; None where there is none."""
     try:
         value: object = msgspec.json.decode(line)
-    except (msgspec.DecodeError, RecursionError):
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
         return None
     key = value.get("key") if isinstance(value, dict) else None
     return key if isinstance(key, str) else None
@@ -88,5 +88,5 @@ def parse_answer(line: bytes) -> KeyAnswer | None:
     """Return the server's answer in a line; None where it is none."""
     try:
         return msgspec.json.decode(line, type=KeyAnswer)
-    except (msgspec.DecodeError, RecursionError):
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
         return None

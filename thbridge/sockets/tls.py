@@ -33,7 +33,7 @@ def server_context(certificate: Certificate) -> ssl.SSLContext:
     """Return the context of a server with a certificate. Raises OSError where its files are gone."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_3
-    context.load_cert_chain(certificate.path, certificate.private_key, password="")
+    context.load_cert_chain(certificate.path, password="")
     return context
 
 

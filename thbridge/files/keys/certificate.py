@@ -3,6 +3,7 @@
 import datetime
 import hashlib
 import ssl
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,9 +13,8 @@ from thbridge.files.regular_files import content_of
 from thbridge.files.whole import whole_file
 
 CERTIFICATE = "certificate.pem"
-"""File of the certificate in the folder of keys; a lab's own may be followed by those of its authorities."""
-PRIVATE_KEY = "private.pem"
-"""File of the certificate's private key."""
+"""File of the certificate and of its private key, in the folder of keys; a lab's own may have those of its authorities,
+too."""
 
 _YEARS = 20
 """Years that a certificate of ours is valid. Nobody looks: clients know it by its fingerprint."""
@@ -24,16 +24,14 @@ _LARGEST = 1 << 20
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """A certificate and its private key.
+    """A certificate with its private key.
 
     Attributes:
-        path: of the certificate.
-        private_key: path of its private key.
+        path: of both.
         fingerprint: SHA-256 of the certificate, hexadecimal.
     """
 
     path: Path
-    private_key: Path
     fingerprint: str
 
 
@@ -47,24 +45,22 @@ def certificate_of(folder: Path, now: str) -> Certificate:
     Raises:
         BadFile: it cannot be read or written, it is damaged, or others may read its private key.
     """
-    path, private_key = folder / CERTIFICATE, folder / PRIVATE_KEY
-    if not path.exists() and not private_key.exists():
-        _make(path, private_key, now)
-    check_private(private_key)
+    path = folder / CERTIFICATE
+    if not path.exists():
+        _make(path, now)
+    check_private(path)
     try:
         der = ssl.PEM_cert_to_DER_cert(_first(content_of(path, _LARGEST)))
-        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(path, private_key, password="")
+        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(path, password="")
     except ssl.SSLError as error:
         problem = f"certificate and private key are of no use ({error.reason or error})"
-        remedy = f"copy both again, the key as {private_key}; or remove both, and a new certificate is made"
-        raise BadFile(path, problem, remedy) from None
+        raise BadFile(path, problem, "copy both into it again; or remove it, and a new one is made") from None
     except ValueError:
-        problem = "this is no certificate in PEM"
-        raise BadFile(path, problem, "copy it again; or remove it with its private key") from None
+        raise BadFile(path, "there is no certificate in PEM in it", "copy it again, with its private key") from None
     except OSError as error:
-        remedy = f"put a certificate there, and its private key as {private_key}; or remove both"
-        raise BadFile(path, f"it cannot be read, or its private key ({reason_of(error)})", remedy) from None
-    return Certificate(path, private_key, hashlib.sha256(der).hexdigest())
+        remedy = "put a certificate there, with its private key; or remove it, and a new one is made"
+        raise BadFile(path, f"it cannot be read ({reason_of(error)})", remedy) from None
+    return Certificate(path, hashlib.sha256(der).hexdigest())
 
 
 def _first(content: bytes) -> str:
@@ -76,7 +72,7 @@ def _first(content: bytes) -> str:
     return (before[begin:] + end + b"\n").decode("ascii")
 
 
-def _make(path: Path, private_key: Path, now: str) -> None:
+def _make(path: Path, now: str) -> None:
     # It takes a moment to load, and is needed once.
     from cryptography import x509  # noqa: PLC0415
     from cryptography.hazmat.primitives import hashes, serialization  # noqa: PLC0415
@@ -99,11 +95,9 @@ def _make(path: Path, private_key: Path, now: str) -> None:
     secret = key.private_bytes(
         serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
     )
-    remedy = "choose another folder"
-    try:
-        with whole_file(private_key, remedy, exclusive=True, folders=True, mode=0o600) as file:
-            file.write(secret)
-        with whole_file(path, remedy, exclusive=True, mode=0o600) as file:
-            file.write(certificate.public_bytes(serialization.Encoding.PEM))
-    except FileExistsError:
-        raise BadFile(path, "another program is making one just now", "try again in a moment") from None
+    # Another program that makes one just now is not overruled: keys may have its fingerprint already.
+    with (
+        suppress(FileExistsError),
+        whole_file(path, "choose another folder", exclusive=True, folders=True, mode=0o600) as file,
+    ):
+        file.write(secret + certificate.public_bytes(serialization.Encoding.PEM))
