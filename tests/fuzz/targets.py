@@ -306,11 +306,11 @@ def _design() -> ExperimentDesign:
 
 
 TARGETS = {
-    "bag": Target(60, _bags, _read_bag, writes=True),
-    "other-recordings": Target(40, _others, _read_other, writes=True),
-    "packed-recordings": Target(12, _packed, _read_other, writes=True),
+    "bag": Target(20, _bags, _read_bag, writes=True),
+    "other-recordings": Target(15, _others, _read_other, writes=True),
+    "packed-recordings": Target(5, _packed, _read_other, writes=True),
     "study": Target(60, _studies, lambda folder, name: _taken(load_study(folder / name))),
-    "experiment": Target(20, _experiments, lambda folder, name: _taken(read_experiment(folder / "experiment.yaml"))),
+    "experiment": Target(10, _experiments, lambda folder, name: _taken(read_experiment(folder / "experiment.yaml"))),
     "experiment-log": Target(60, _logs, lambda folder, name: _taken(read_log(folder / "log")), writes=True),
     "people": Target(
         40,
@@ -324,7 +324,7 @@ TARGETS = {
     ),
     "sweep": Target(15, _sweeps, lambda folder, name: _taken(read_design(folder / "sweep.yaml"))),
     "templates": Target(150, _templates, lambda folder, name: _taken(read_template_set(folder))),
-    "languages": Target(8, _languages, lambda folder, name: _taken(read_language((folder,), "ours"))),
+    "languages": Target(4, _languages, lambda folder, name: _taken(read_language((folder,), "ours"))),
     "dialogue-games": Target(20, _games, lambda folder, name: _taken(read_rulebook((folder,)))),
     "frameworks": Target(
         150,

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from sim.numerics.signatures import RECORDED
 from tests.compiling import ROOT
 
@@ -38,6 +40,7 @@ def test_what_is_recorded_is_compiled_ahead_once(tmp_path: Path) -> None:
     assert start(tmp_path, calls) == (0, "")
 
 
+@pytest.mark.slow
 def test_a_call_that_cannot_be_compiled_holds_nobody_up(tmp_path: Path) -> None:
     calls = RECORDED.read_text().splitlines()[-1:]
     wrong = json.dumps(json.loads(calls[0]) | {"arguments": ["float64"] * 12})

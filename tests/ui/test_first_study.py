@@ -93,6 +93,7 @@ def assert_said(command: str, shown: str, said: str) -> None:
     assert re.fullmatch(rf"\s*{pattern}\s*", said, re.DOTALL), f"$ {command}\n{said}"
 
 
+@pytest.mark.slow
 def test_every_command_of_the_page_does_what_stands_there(at_the_lab: Path) -> None:
     said, run = "", []
     for kind, block in blocks():

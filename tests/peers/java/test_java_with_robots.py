@@ -70,6 +70,7 @@ def test_old_participant_and_old_hider(classes, robots, tmp_path):
     assert "hidden" not in events
 
 
+@pytest.mark.slow
 def test_old_participant_and_our_hider(classes, robots, tmp_path):
     port, running = robots
     running.append(Program(tmp_path, "hider", "--server", f"127.0.0.1:{port}"))
@@ -103,6 +104,7 @@ def test_our_participant_and_old_hider(classes, robots, tmp_path):
     assert told["score"] == 80
 
 
+@pytest.mark.slow
 def test_old_participant_joins_play_which_is_then_stopped(classes, tmp_path):
     play = Program(
         tmp_path, "play", "--outside", "TabUI", "--port", "0", "--rate", "20", "--bag", "a.bag", "--no-report"

@@ -25,6 +25,8 @@ from thbridge.app.replay.mavlink_replay import hunt_result_of
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.study.study_file import load_study
 
+pytestmark = pytest.mark.slow
+
 STUDY = """\
 map: arena8
 templates: original-2016

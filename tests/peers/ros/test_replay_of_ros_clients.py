@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from tests.peers.ros import live
 from tests.peers.ros.beside import NEEDS_ROS, session
 from tests.thbridge.app.replay.test_replay import again
@@ -11,6 +13,7 @@ from thbridge.app.session.inputs import ClientRequest
 pytestmark = NEEDS_ROS
 
 
+@pytest.mark.slow
 def test_robots_do_again_what_they_did_for_ros_clients(tmp_path: Path) -> None:
     with session(tmp_path, "--bag", "live.bag") as (ros, robots):
         assert ros.script(live.ASKING)

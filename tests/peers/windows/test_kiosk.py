@@ -250,6 +250,7 @@ def spoken(screen: Desktop) -> list[str]:
     return [one.name or one.text for one in screen.look() if one.name or one.text]
 
 
+@pytest.mark.slow
 def test_a_screen_reader_reads_every_item_of_every_page_and_sigterm_is_told(screen: Desktop, tmp_path: Path) -> None:
     for name, content in {**FILES, **PAGES}.items():
         (tmp_path / name).write_text(content)

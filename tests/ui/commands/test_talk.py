@@ -196,6 +196,7 @@ class Silent(First):
 """
 
 
+@pytest.mark.slow
 def test_a_strategy_that_is_installed_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "lab_of_talk-1.0.dist-info"
     folder.mkdir()
@@ -229,6 +230,7 @@ def fickle(request, times=[0]):
 """
 
 
+@pytest.mark.slow
 def test_an_author_that_is_installed_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "lab_of_words-1.0.dist-info"
     folder.mkdir()

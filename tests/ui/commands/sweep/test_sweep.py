@@ -134,6 +134,7 @@ def test_figures_that_cannot_be(played: Path, options: tuple[str, ...], told: st
     assert told in refusal("sweep", "plot", played, *options)
 
 
+@pytest.mark.slow
 def test_games_that_are_not_the_same_again_end_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
     number = iter(range(1000))
     monkeypatch.setattr(tasks.RecordedDigest, "hexdigest", lambda _self: str(next(number)))
