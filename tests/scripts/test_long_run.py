@@ -77,6 +77,11 @@ def test_a_run_is_judged_badly_for_one_fault(
     assert told in capsys.readouterr().out
 
 
+def test_a_machine_that_becomes_slower_is_no_fault_of_the_ticks(tmp_path: Path) -> None:
+    slower = {"session_cpu_s": 15.0 * HOURS**2, "yardstick_ms": 1.0 + HOURS}
+    assert judge(written(tmp_path, slower))
+
+
 def test_a_run_without_enough_samples_is_no_proof(tmp_path: Path) -> None:
     assert not judge(written(tmp_path, {"sim_s": np.where(HOURS < 23.9, 0.0, 3600.0)}))
 
