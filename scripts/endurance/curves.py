@@ -24,8 +24,8 @@ def draw(samples: Samples, path: Path) -> None:
             panel.plot(hours, columns[f"{process}_{what}"], lw=1.2, label=f"{process}: {hourly:+.2f} an hour")
         panel.set_title(TITLES[what], loc="left", fontsize=10)
     for process in samples.processes:
-        middle = np.nanmedian(samples.warm_ticks(process))
-        ticks.plot(hours[1:], samples.tick_milliseconds(process), lw=1.2, label=f"{process}: median {middle:.2f}")
+        times = samples.tick_milliseconds(process)
+        ticks.plot(hours[1:], times, lw=1.2, label=f"{process}: median {np.nanmedian(times):.2f}")
     ticks.set_title("Processor time for a tick, ms", loc="left", fontsize=10)
     waits.plot(hours[1:], columns["longest_wait_ms"][1:], lw=1.2)
     waits.set_title("Longest wait for an answer of the text server, ms", loc="left", fontsize=10)

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 HOST = "127.0.0.1"
+YARDSTICK = 200_000
+"""Rounds of the fixed piece of work: some tens of milliseconds."""
 PATIENCE = 30.0
 """Seconds that a visitor waits."""
 
@@ -24,6 +26,14 @@ def load_of(pid: int) -> dict[str, float]:
         "threads": int(fields[17]),
         "cpu_s": (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK"),
     }
+
+
+def yardstick() -> float:
+    """Return the processor time of a fixed piece of work now, ms: beside busy neighbours a core does less."""
+    began = time.thread_time()
+    for number in range(YARDSTICK):
+        str(number)
+    return 1000.0 * (time.thread_time() - began)
 
 
 class Visitors:
@@ -115,6 +125,7 @@ class Sampler:
             "longest_wait_ms": round(1000.0 * self._visitors.longest, 1),
             "visits": self._visitors.visits,
             "failed_visits": self._visitors.failed,
+            "yardstick_ms": round(yardstick(), 2),
             "dropped": watcher.get("dropped", 0),
             "lost": player.get("lost", 0) + watcher.get("lost", 0),
             "ros_messages": node.get("messages", 0),
