@@ -39,7 +39,7 @@ fi
 packages="ros-core python3-roslaunch python3-rosmaster python3-rosbag python3-rostopic python3-rosnode python3-rosparam
     python3-rosservice python3-rosmsg python3-rosgraph python3-rospy python3-actionlib python3-tf2 python3-tf2-ros
     python3-dynamic-reconfigure python3-genpy rviz default-jdk-headless
-    xvfb imagemagick xdotool libx11-6 dbus-daemon at-spi2-core python3-pyatspi python3-gi gir1.2-atspi-2.0 procps mount
+    xvfb imagemagick xdotool libx11-6 dbus-daemon at-spi2-core python3-pyatspi python3-gi gir1.2-atspi-2.0 procps mount iproute2
     r-base-core libfaketime"
 for messages in std-msgs geometry-msgs sensor-msgs nav-msgs actionlib-msgs move-base-msgs tf2-msgs visualization-msgs \
     diagnostic-msgs rosgraph-msgs std-srvs; do

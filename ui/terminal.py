@@ -8,7 +8,7 @@ import shlex
 import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from typing import TYPE_CHECKING, NoReturn
 
 import typer
@@ -135,9 +135,12 @@ def whole_standard_output() -> Iterator[None]:
         with faults_of_files():
             try:
                 yield
-            finally:
-                if sys.stdout is not None:
-                    sys.stdout.flush()
+            except typer.Exit as left:
+                # What has failed is told already, and it may be that there was no room.
+                with suppress(OSError) if left.exit_code else nullcontext():
+                    _flush()
+                raise
+            _flush()
     except BrokenPipeError:
         code = FAILED
     except typer.Exit as failed:
@@ -150,6 +153,11 @@ def whole_standard_output() -> Iterator[None]:
         os.dup2(nowhere, sys.stdout.fileno())
         os.close(nowhere)
     sys.exit(code)
+
+
+def _flush() -> None:
+    if sys.stdout is not None:
+        sys.stdout.flush()
 
 
 def print_json(value: Mapping[str, object]) -> None:

@@ -65,10 +65,15 @@ def test_standard_output_is_not_shared_with_json(tmp_path: Path, bag: Path) -> N
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 @pytest.mark.parametrize("words", [("study", "init", "-"), ("maps", "check", "arena8")])
-def test_a_result_that_has_no_room_is_told(tmp_path: Path, words: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_result_that_has_no_room_is_told_once(tmp_path: Path, words: tuple[str, ...], unbuffered: str) -> None:
     with Path("/dev/full").open("w") as full:
         command = [sys.executable, "-c", PROGRAM, *words]
-        done = subprocess.run(command, cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, check=False, text=True)
+        # Without a buffer the command itself fails, with one the end of the program.
+        environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+        done = subprocess.run(
+            command, cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, check=False, text=True, env=environment
+        )
     assert done.returncode == 2
     assert done.stderr == "the disk: no space left on device. Check the name, the folder and the disk.\n"
 
