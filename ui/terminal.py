@@ -135,16 +135,16 @@ def whole_standard_output() -> Iterator[None]:
         with faults_of_files():
             try:
                 yield
-            except typer.Exit as left:
+            except (typer.Exit, SystemExit) as left:
                 # What has failed is told already, and it may be that there was no room.
-                with suppress(OSError) if left.exit_code else nullcontext():
+                with suppress(OSError) if _code_of(left) else nullcontext():
                     _flush()
                 raise
             _flush()
     except BrokenPipeError:
         code = FAILED
-    except typer.Exit as failed:
-        code = failed.exit_code
+    except (typer.Exit, SystemExit) as failed:
+        code = _code_of(failed)
     else:
         return
     # What is left would be tried again by Python, and told as a fault.
@@ -153,6 +153,11 @@ def whole_standard_output() -> Iterator[None]:
         os.dup2(nowhere, sys.stdout.fileno())
         os.close(nowhere)
     sys.exit(code)
+
+
+def _code_of(left: typer.Exit | SystemExit) -> int:
+    code = left.exit_code if isinstance(left, typer.Exit) else left.code
+    return code if isinstance(code, int) else 0 if code is None else FAILED
 
 
 def _flush() -> None:
