@@ -195,8 +195,9 @@ def test_a_master_that_is_started_again_hears_what_the_parameters_are_now() -> N
         await graph.master.stop()
         graph.master = MasterServer(port=port)
         assert isinstance(await graph.master.start(), ListeningAddress)
+        # They are told one after the other.
         await graph.until(lambda: graph.param(f"{AMCL}/laser_z_hit") == 0.5)
-        assert graph.param(f"{AMCL}/kld_err") == 0.25
+        await graph.until(lambda: graph.param(f"{AMCL}/kld_err") == 0.25)
 
     beside(test)
 
