@@ -1,5 +1,6 @@
 """Two machines for tests, with a cable between them: network namespaces of this one, as `unshare` makes them."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -54,8 +55,10 @@ def two_machines(folder: Path) -> Iterator[TwoMachines]:
     missing = [each for each in _NEEDED if shutil.which(each) is None]
     if missing:
         pytest.skip(f"{missing[0]} is not installed")
+    # Root needs no namespace of users, which there are not everywhere, and others cannot do without.
+    alone = [] if os.geteuid() == 0 else ["-r"]
     cable = subprocess.Popen(
-        ["unshare", "-r", "-n", "sh", "-c", _CABLE], cwd=folder, stderr=subprocess.PIPE, start_new_session=True
+        ["unshare", *alone, "-n", "sh", "-c", _CABLE], cwd=folder, stderr=subprocess.PIPE, start_new_session=True
     )
     capture = None
     try:
@@ -66,7 +69,7 @@ def two_machines(folder: Path) -> Iterator[TwoMachines]:
                 assert cable.stderr is not None
                 pytest.skip(f"no network namespaces: {cable.stderr.read().decode().strip()}")
             time.sleep(0.05)
-        enter = ("nsenter", "-U", "-n", "--preserve-credentials", "-t")
+        enter = ("nsenter", *(("-U", "--preserve-credentials") if alone else ()), "-n", "-t")
         there = (*enter, (folder / "there").read_text().strip())
         here = (*enter, str(cable.pid))
         traffic = folder / "traffic"
