@@ -7,7 +7,9 @@ the oldest of what waits for it.
 Source: the Foxglove WebSocket protocol, `ros1` messages with `ros1msg` schemas.
 """
 
+import logging
 import secrets
+import threading
 from collections.abc import Iterable
 
 from foxglove import Capability, Channel, Context, Schema, start_server
@@ -18,6 +20,11 @@ from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+
+_log = logging.getLogger(__name__)
+
+_STOP_SECONDS = 3.0
+"""Seconds that the library has to end its connections: a session must end, whoever holds one."""
 
 _MOST_WAITING = 4096
 """Messages that may wait for one client: some seconds of a team."""
@@ -58,9 +65,14 @@ class FoxgloveServer(ServerListener):
         return ListeningAddress(host, self._server.port)
 
     def stop(self) -> None:
-        """Close all connections."""
-        if self._server is not None:
-            self._server.stop()
+        """Close all connections, as far as the library does: those that are left in a handshake hold it for ever."""
+        if self._server is None:
+            return
+        stopping = threading.Thread(target=self._server.stop, name="foxglove", daemon=True)
+        stopping.start()
+        stopping.join(_STOP_SECONDS)
+        if stopping.is_alive():
+            _log.warning("Foxglove's connections do not end, and are left to the end of the program")
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Send the messages of one tick."""

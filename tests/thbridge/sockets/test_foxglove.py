@@ -2,6 +2,8 @@ import asyncio
 import json
 import socket
 import struct
+import subprocess
+import sys
 from collections.abc import Iterator
 
 import pytest
@@ -86,3 +88,22 @@ def test_a_port_that_is_taken_is_told_in_a_sentence(server: FoxgloveServer) -> N
     assert isinstance(failure, CannotListen)
     assert "Address already in use" in str(failure)
     assert "choose another host or port" in str(failure)
+
+
+HELD = """
+import socket
+from thbridge.files.ros.definitions import Definitions
+from thbridge.sockets.foxglove import FoxgloveServer
+server = FoxgloveServer([], Definitions(()))
+where = server.start("127.0.0.1", 0)
+clients = [socket.create_connection((where.host, where.port)) for _ in range(50)]
+server.stop()
+print("ended")
+"""
+
+
+def test_connections_that_are_left_do_not_keep_a_session_from_its_end() -> None:
+    # In a program of its own: what holds the library cannot be ended from outside.
+    done = subprocess.run([sys.executable, "-c", HELD], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (0, "ended\n"), done.stderr
+    assert "Foxglove's connections do not end" in done.stderr
