@@ -32,6 +32,8 @@ from functools import partial
 from pathlib import Path
 from typing import TypeAlias, cast
 
+from free_ports import free_ports
+
 from thbridge.files.keys.key_ring import KeyRing
 from thbridge.protocols.credentials import Right, key_line
 from thbridge.protocols.mavlink.dialect import mav
@@ -486,15 +488,6 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int) ->
         ("MAVLink: noise", lambda: noise(doors.tcp, draws)),
         *crowds_and_floods(doors, outside, scale),
     ]
-
-
-def free_ports(count: int) -> list[int]:
-    """Ports that nobody listens at."""
-    sockets = [socket.create_server((HOST, 0)) for _ in range(count)]
-    ports = [each.getsockname()[1] for each in sockets]
-    for each in sockets:
-        each.close()
-    return ports
 
 
 class Gauge(threading.Thread):

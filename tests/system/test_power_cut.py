@@ -5,7 +5,7 @@ more with some of what was not synced. Each says in `check` what has to be there
 """
 
 import multiprocessing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -13,7 +13,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from tests.system.forgetting_disk import ForgettingDisk, why_not
+from tests.system.forgetting_disk import ForgettingDisk
 from tests.thbridge.analysis.planting import clean, write
 from tests.thbridge.experiment.test_event_log import NOON, answer
 from tests.thbridge.recording.test_journal import EVENTS, STARTED
@@ -318,14 +318,6 @@ def run(name: str, folder: Path, to: Connection) -> None:
     """Let a writer write, in a process of its own."""
     WRITERS[name].act(folder, to.send)
     to.send(None)
-
-
-@pytest.fixture(scope="module")
-def disk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ForgettingDisk]:
-    if (reason := why_not()) is not None:
-        pytest.skip(f"there is no disk that forgets: {reason}")
-    with ForgettingDisk(tmp_path_factory.mktemp("disk") / "mount") as disk:
-        yield disk
 
 
 @pytest.fixture(scope="module")

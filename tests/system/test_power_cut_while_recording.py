@@ -7,12 +7,11 @@ import subprocess
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.system.forgetting_disk import ForgettingDisk, why_not
+from tests.system.forgetting_disk import ForgettingDisk
 from tests.system.programs import THBRIDGE
 from tests.system.test_kill_while_recording import (
     FIRST_NS,
@@ -32,14 +31,6 @@ from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.recordings import ACTIVE
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(3600)]
-
-
-@pytest.fixture(scope="module")
-def disk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ForgettingDisk]:
-    if (reason := why_not()) is not None:
-        pytest.skip(f"there is no disk that forgets: {reason}")
-    with ForgettingDisk(tmp_path_factory.mktemp("disk") / "mount") as disk:
-        yield disk
 
 
 def play(folder: Path, bag: Path, compression: str, split: bool, rate: float) -> subprocess.Popen[bytes]:

@@ -159,8 +159,9 @@ def play(
     check_foxglove(foxglove)
     if windowed:
         offered = offer_of(setting, given=robots is not None)
-        options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=foxglove, mavlink=ports)
-        options = dataclasses.replace(options, keys=ring, run=new_token())
+        options = PlayOptions(
+            pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=foxglove, mavlink=ports, keys=ring
+        )
         games = WindowGames(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--look", look.value))
         return
@@ -189,8 +190,19 @@ def play(
     compile_ahead(whole_hunt=pace > 0.0)
     unfinished: HuntUnfinished | None = None
     try:
-        options = PlayOptions(pace, path, others, who, limit, graph, watch=door, foxglove=foxglove, mavlink=ports)
-        options = dataclasses.replace(options, keys=ring, run=new_token())
+        options = PlayOptions(
+            pace,
+            path,
+            others,
+            who,
+            limit,
+            graph,
+            watch=door,
+            foxglove=foxglove,
+            mavlink=ports,
+            keys=ring,
+            run=new_token(),
+        )
         program = hunt.play(setting, seat.tabui, options, ready, progress, told)
         outcome = run(program, seat.typed)
     except ParticipantDeclined as declined:
