@@ -124,7 +124,8 @@ def next_change(memory: ParticipantMemory, now: float) -> float:
 
 def _waiting_for(memory: ParticipantMemory) -> str:
     if memory.connection.is_lost:
-        return "The game cannot be reached. It is tried again by itself."
+        why = memory.connection.why_lost
+        return f"The game cannot be reached. {why}{' ' if why else ''}It is tried again by itself."
     if memory.connection.is_there:
         return "The game is there. Its robots are getting ready."
     return "Looking for the game."

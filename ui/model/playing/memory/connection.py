@@ -36,6 +36,11 @@ class ConnectionStatus:
         """Note that the game is not reached, for the reason in this sentence; time counts from the first call."""
         self._lost = (sentence, self._lost[1] if self._lost else now)
 
+    @property
+    def why_lost(self) -> str:
+        """The reason why the game is not reached, a sentence; empty where there is none to add, or it is reached."""
+        return self._lost[0] if self._lost else ""
+
     def receive(self, now: float) -> None:
         """Note that telemetry of the robots came."""
         self._received_at = now
