@@ -116,7 +116,7 @@ def test_before_there_is_a_game_it_says_what_it_waits_for():
     assert model.screen(0.2).waiting_for == "The game is there. Its robots are getting ready."
     model.lost("Nobody answers.", 1.0)
     screen = model.screen(1.0)
-    assert screen.waiting_for == "The game cannot be reached. It is tried again by itself."
+    assert screen.waiting_for == "The game cannot be reached. Nobody answers. It is tried again by itself."
     assert screen.banner.text.startswith("The connection to the game is lost. Nobody answers. It is tried again")
     model.connected(2.0)
     model.receive(view(), 2.0)
