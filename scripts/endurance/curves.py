@@ -26,6 +26,7 @@ def draw(samples: Samples, path: Path) -> None:
     for process in samples.processes:
         times = samples.tick_milliseconds(process)
         ticks.plot(hours[1:], times, lw=1.2, label=f"{process}: median {np.nanmedian(times):.2f}")
+    ticks.set_ymargin(0.4)  # The legend above the curves, not over their end.
     ticks.set_title("Processor time for a tick, ms", loc="left", fontsize=10)
     waits.plot(hours[1:], columns["longest_wait_ms"][1:], lw=1.2)
     waits.set_title("Longest wait for an answer of the text server, ms", loc="left", fontsize=10)
