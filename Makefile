@@ -25,8 +25,9 @@ check: setup ## Style, types, and that no import points back.
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test-slow: setup peers ## The tests that take their time.
+test-slow: setup peers ## The tests that take their time, and all properties with ten times as many examples.
 	$(BIN)/pytest -m slow
+	$(BIN)/pytest -m "hypothesis and not slow" --hypothesis-profile thorough -n auto
 
 # What is over its budget is measured up to twice more: a machine has slow minutes, a slow kernel is slow in all of them.
 AGAIN = $(BIN)/pytest -m bench -s --last-failed --last-failed-no-failures none

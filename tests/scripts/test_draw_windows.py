@@ -26,6 +26,7 @@ def test_the_pictures_are_those_that_the_script_draws_and_the_gallery_shows_all(
     assert {f"{name}-{look}.png" for name in names for look in ("light", "dark")} <= shown
 
 
+@pytest.mark.slow
 def test_a_window_is_drawn_light_and_dark_and_the_important_ones_at_all_sizes(tmp_path: Path) -> None:
     command = [sys.executable, SCRIPT, "--only", "start", "connecting", "--into", tmp_path]
     subprocess.run(command, check=True, capture_output=True, cwd="/")

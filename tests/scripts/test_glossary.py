@@ -3,6 +3,7 @@
 import ast
 import re
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -13,16 +14,14 @@ ROWS = [
 ]
 
 
+@cache
 def _trees() -> list[tuple[Path, ast.Module]]:
     files = [file for top in ("sim", "thbridge", "ui") for file in sorted((ROOT / top).rglob("*.py"))]
     return [(file, ast.parse(file.read_text())) for file in files]
 
 
-TREES = _trees()
-
-
 def test_every_term_of_the_glossary_is_in_the_code() -> None:
-    text = "\n".join(file.read_text() for file, _ in TREES)
+    text = "\n".join(file.read_text() for file, _ in _trees())
     named = [(row[0], name) for row in ROWS for name in re.findall(r"`(\w+)`", row[2])]
     assert len(named) == len(ROWS) > 60
     missing = [
@@ -38,7 +37,7 @@ def test_terms_stand_once() -> None:
 
 def test_a_public_class_name_is_used_once() -> None:
     places: dict[str, list[str]] = defaultdict(list)
-    for file, tree in TREES:
+    for file, tree in _trees():
         for node in ast.walk(tree):
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 places[node.name].append(str(file.relative_to(ROOT)))
@@ -49,7 +48,7 @@ def test_docstrings_begin_with_what_the_thing_is_or_does() -> None:
     riddles = ("What ", "Who ", "How ", "Where ", "Whether ", "Which ", "Why ", "Whoever ", "Of ")
     found = [
         f"{file.relative_to(ROOT)}: {text.splitlines()[0]}"
-        for file, tree in TREES
+        for file, tree in _trees()
         for node in ast.walk(tree)
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
         and (text := ast.get_docstring(node)) is not None

@@ -15,6 +15,13 @@ from thbridge.ros.publisher import TeamPublisher
 
 ROBOTS, TICKS = 2, 3000
 MEGABYTES = 12.0
+OTHERS = (
+    ("bag", "info", "{}"),
+    ("bag", "check", "{}"),
+    ("bag", "cut", "{}", "--to", "{}.part"),
+    ("bag", "to-mcap", "{}"),
+    ("report", "{}"),
+)
 
 
 def write(bag: Path, ticks: int) -> Path:
@@ -47,12 +54,8 @@ def peak(arguments: Sequence[object]) -> float:
 @pytest.mark.parametrize(
     "command",
     [
-        ("bag", "info", "{}"),
-        ("bag", "check", "{}"),
-        ("bag", "cut", "{}", "--to", "{}.part"),
-        ("bag", "to-mcap", "{}"),
         ("bag", "export", "{}", "--to", "{}.tables", "--format", "both"),
-        ("report", "{}"),
+        *(pytest.param(command, marks=pytest.mark.slow) for command in OTHERS),
     ],
     ids=lambda words: words[0 if words[0] == "report" else 1],
 )

@@ -9,15 +9,15 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[2]
-QUICK = ("protocol.md", "your-own-dialogue-game.md")
-SLOW = sorted({page.name for page in (PROJECT / "docs").glob("your-own-*.md")} - {*QUICK} | {"sweeps.md"})
+QUICK = "your-own-dialogue-game.md"
+SLOW = sorted({page.name for page in (PROJECT / "docs").glob("your-own-*.md")} - {QUICK} | {"protocol.md", "sweeps.md"})
 """Pages that take from ten seconds to two minutes; tests/peers runs that of recordings, too."""
 SHORTENED = {"sweeps.md": ("replicates: 5", "replicates: 2")}
 """What a page says, and what is enough to see that it runs."""
 _SCRIPT = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("name", [*QUICK, *(pytest.param(page, marks=pytest.mark.slow) for page in SLOW)])
+@pytest.mark.parametrize("name", [QUICK, *(pytest.param(page, marks=pytest.mark.slow) for page in SLOW)])
 def test_a_page_runs_as_it_stands(name: str, tmp_path: Path) -> None:
     text = (PROJECT / "docs" / name).read_text(encoding="utf-8")
     said, enough = SHORTENED.get(name, ("", ""))

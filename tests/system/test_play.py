@@ -29,14 +29,12 @@ def messages(bag: Path) -> list[tuple[str, int, bytes]]:
 
 
 def test_the_same_seed_gives_the_same_hunt_and_the_same_bag(tmp_path):
-    first = play(tmp_path, "--robots", "2", "--seed", "7")
-    second = play(tmp_path, "--robots", "2", "--seed", "7")
+    (tmp_path / "short.yaml").write_text("game: {energy: 40}\n")
+    first, second = (play(tmp_path, "short.yaml", "--robots", "2", "--seed", "7") for _ in range(2))
     del first["wall_seconds"], second["wall_seconds"]
     assert first == second
-    assert first["collisions"] == 0
-    assert first["rooms_visited"] == 8
     assert first["score"] > 0
-    older, newer = tmp_path / "bags" / "arena8-2robots-seed7-1.bag", tmp_path / first["bag"]
+    older, newer = sorted((tmp_path / "bags").glob("*.bag"))
     assert messages(older) == messages(newer)
 
 

@@ -40,7 +40,6 @@ BLAS_OF_OLD = {"OPENBLAS_CORETYPE": "Nehalem"}
 ELSEWHERE = {"PYTHONHASHSEED": "12345", "TZ": "Asia/Tokyo", "LC_ALL": "de_DE.UTF-8", "OPENBLAS_CORETYPE": "Haswell"}
 
 QUICK = {
-    "numpy without avx512": NUMPY_WITHOUT_AVX512,
     "libm and numpy without fma, blas of old": {**LIBM_WITHOUT_FMA, **NUMPY_PLAIN, **BLAS_OF_OLD},
     "elsewhere": ELSEWHERE,
 }

@@ -20,7 +20,12 @@ def modes(folder: Path) -> dict[str, set[int]]:
 
 
 @pytest.mark.parametrize(
-    ("readers", "folder", "file"), [("owner", 0o700, 0o600), ("group", 0o750, 0o640), ("everyone", 0o755, 0o644)]
+    ("readers", "folder", "file"),
+    [
+        ("owner", 0o700, 0o600),
+        ("group", 0o750, 0o640),
+        pytest.param("everyone", 0o755, 0o644, marks=pytest.mark.slow),
+    ],
 )
 def test_who_may_read_recording_journal_and_page(tmp_path: Path, readers: str, folder: int, file: int) -> None:
     (tmp_path / "study.yaml").write_text("" if readers == "owner" else f"recording: {{readers: {readers}}}\n")

@@ -31,6 +31,7 @@ def start(folder: Path, calls: list[str]) -> tuple[int, str]:
     return int(ended.stdout), ended.stderr
 
 
+@pytest.mark.slow
 def test_what_is_recorded_is_compiled_ahead_once(tmp_path: Path) -> None:
     # Those that take least.
     calls = RECORDED.read_text().splitlines()[-3:]

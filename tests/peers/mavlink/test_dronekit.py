@@ -12,7 +12,7 @@ import pytest
 from tests.peers.mavlink.rovers import ORIGIN, PEERS, degrees, free_udp_port, metres, needs, rovers, truth
 from tests.system.programs import THBRIDGE, until
 
-pytestmark = needs("dronekit")
+pytestmark = [needs("dronekit"), pytest.mark.slow]
 
 SCRIPT = Path(__file__).with_name("dronekit_script.py")
 PATIENCE = 240.0
@@ -109,7 +109,6 @@ def test_a_mission_goes_up_comes_down_is_carried_out_and_cleared(ardupilot: Judg
     assert told["left"] == 0
 
 
-@pytest.mark.slow
 def test_a_velocity_that_is_said_once_holds_for_seconds(at_length: Judged) -> None:
     assert at_length.told["hand"]["moved for"] > 0.25, "more than a simulated second"
 
@@ -126,24 +125,20 @@ def test_parameters_are_listed_set_and_refused(ardupilot: Judged) -> None:
     assert told["after"] == 2 * told["before"]
 
 
-@pytest.mark.slow
 def test_home_is_set_and_returned_to(at_length: Judged) -> None:
     told = at_length.told["home"]
     assert told["home"] == pytest.approx(degrees(*MISSION[0]), abs=2 * OF_A_FLOAT)
     assert math.dist(metres(*told["at"]), metres(*told["home"])) < 0.35
 
 
-@pytest.mark.slow
 def test_a_room_is_gone_into_and_paid_for(at_length: Judged) -> None:
     assert math.dist(at_length.told["room"]["at"], ITS_PLACE) < 0.3
 
 
-@pytest.mark.slow
 def test_it_is_given_back_and_can_be_connected_to_again(at_length: Judged) -> None:
     assert at_length.told["again"] is False
 
 
-@pytest.mark.slow
 def test_what_dronekit_did_is_done_again_by_a_replay_to_the_last_bit(at_length: Judged) -> None:
     done = subprocess.run(
         [*THBRIDGE, "replay", "a.bag", "--json"], cwd=at_length.bag.parent, capture_output=True, text=True, check=False
@@ -152,7 +147,6 @@ def test_what_dronekit_did_is_done_again_by_a_replay_to_the_last_bit(at_length: 
     assert json.loads(done.stdout)["equal"]
 
 
-@pytest.mark.slow
 def test_of_other_autopilots_it_knows_neither_modes_nor_home(tmp_path: Path) -> None:
     told = judged(tmp_path, "generic").told
     assert told["well"]["version"].startswith("UnknownAutoPilotRover-")

@@ -110,6 +110,7 @@ def test_datagrams_that_are_said_again_or_late_or_by_another_key_do_nothing(
         )
 
 
+@pytest.mark.slow
 @needs("mavproxy")
 def test_mavproxy_drives_with_the_passphrase_and_not_without(tmp_path: Path, key: Path) -> None:
     port = free_udp_port()

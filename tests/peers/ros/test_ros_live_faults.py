@@ -177,6 +177,7 @@ def test_rosnode_kill_ends_the_sitting_and_not_the_hunt(core: Core, tmp_path: Pa
         ends_well(program, tmp_path)
 
 
+@pytest.mark.slow
 def test_a_node_of_the_same_name_ends_the_sitting_and_keeps_the_name(core: Core, tmp_path: Path) -> None:
     core.start()
     with hunt(tmp_path, f"http://127.0.0.1:{core.port}") as program:

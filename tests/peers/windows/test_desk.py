@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
+
 from tests.peers.windows.desktop import PATIENCE, Desktop, desktop, needs_desktop
 from tests.system.programs import THBRIDGE
 from tests.ui.model.rehearsed import clocks, rehearse
@@ -65,6 +67,7 @@ def test_a_folder_is_watched(tmp_path: Path) -> None:
         screen.found("it rains", "table cell")
 
 
+@pytest.mark.slow
 def test_the_study_is_run_by_keys_alone(tmp_path: Path) -> None:
     study = rehearse(tmp_path)
     with ExperimentLog(study.folder.log) as log:

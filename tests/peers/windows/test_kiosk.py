@@ -129,6 +129,7 @@ def finished(folder: Path) -> None:
     assert all(info(bag).messages > 100 for bag in bags)
 
 
+@pytest.mark.slow
 def test_a_whole_study_by_mouse(kiosk: Kiosk, screen: Desktop, folder: Path) -> None:
     leave(screen, "Welcome", clicking(screen, "Begin"))
     leave(screen, "What you agree to", clicking(screen, "I agree"))

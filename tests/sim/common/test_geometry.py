@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import IDENTITY, Pose2
@@ -20,7 +20,6 @@ def same(a: Pose2, b: Pose2) -> bool:
 
 
 @given(st.floats(-1e6, 1e6))
-@settings(deadline=None)
 def test_a_wrapped_angle_is_the_same_direction_in_range(angle: float) -> None:
     wrapped = wrap_angle(angle)
     assert -math.pi <= wrapped < math.pi
@@ -45,26 +44,22 @@ def test_the_seam_of_the_angles_is_minus_pi(angle: float, wrapped: float) -> Non
 
 
 @given(poses)
-@settings(deadline=None)
 def test_a_pose_and_its_inverse_cancel(pose: Pose2) -> None:
     assert same(pose.compose(pose.inverse()), IDENTITY)
     assert same(pose.inverse().compose(pose), IDENTITY)
 
 
 @given(poses, poses, poses)
-@settings(deadline=None)
 def test_composition_is_associative(a: Pose2, b: Pose2, c: Pose2) -> None:
     assert same(a.compose(b).compose(c), a.compose(b.compose(c)))
 
 
 @given(poses, poses)
-@settings(deadline=None)
 def test_between_undoes_compose(a: Pose2, b: Pose2) -> None:
     assert same(a.between(a.compose(b)), b)
 
 
 @given(poses, poses)
-@settings(deadline=None)
 def test_points_move_as_poses_do(a: Pose2, b: Pose2) -> None:
     moved = a.transform(np.array([[b.x, b.y]]))
     expected = a.compose(b)
@@ -85,7 +80,6 @@ def wrapped_in_a_kernel(angle: float) -> float:
 
 
 @given(st.floats(-1e6, 1e6))
-@settings(deadline=None)
 def test_kernels_wrap_angles_to_the_same_bits(angle: float) -> None:
     assert wrapped_in_a_kernel(angle).hex() == wrap_angle(angle).hex()
 

@@ -78,7 +78,6 @@ def test_a_beam_ends_exactly_where_it_first_meets_an_occupied_cell(seed: int, or
 
 
 @given(SEEDS, ORIGINS)
-@settings(deadline=None)
 def test_skipping_free_squares_changes_no_bit_of_a_range(seed: int, origin: Pose2) -> None:
     rng = np.random.default_rng(seed)
     grid = random_grid(rng, origin, density=float(rng.choice([0.0, 0.005, 0.05, 0.3])))
@@ -93,7 +92,6 @@ def test_skipping_free_squares_changes_no_bit_of_a_range(seed: int, origin: Pose
 
 
 @given(SEEDS, st.sampled_from([0.02, 0.05, 0.1, 1.0]))
-@settings(deadline=None)
 def test_beams_through_cell_corners_skip_and_step_alike(seed: int, resolution: float) -> None:
     rng = np.random.default_rng(seed)
     cells = np.where(rng.random((60, 60)) < 0.01, 100, 0).astype(np.int8)
@@ -109,7 +107,6 @@ def test_beams_through_cell_corners_skip_and_step_alike(seed: int, resolution: f
 
 
 @given(SEEDS, ORIGINS)
-@settings(deadline=None)
 def test_ranges_do_not_change_when_map_and_sensor_are_moved_together(seed: int, origin: Pose2) -> None:
     rng = np.random.default_rng(seed)
     grid = random_grid(rng, Pose2(0.0, 0.0, 0.0))
@@ -186,7 +183,6 @@ def polygon_ranges(polygon: FloatArray, angles: FloatArray, max_range: float = 1
 
 
 @given(SEEDS, st.floats(0.01, 2 * math.pi), st.integers(2, 400))
-@settings(max_examples=300, deadline=None)
 def test_the_beams_of_a_fan_that_may_meet_a_polygon_are_all_that_do(seed: int, view: float, beams: int) -> None:
     rng = np.random.default_rng(seed)
     middle = rng.normal(0.0, rng.choice([0.1, 1.0, 5.0]), 2)

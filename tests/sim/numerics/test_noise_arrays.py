@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
@@ -9,7 +9,6 @@ from sim.numerics.noise_arrays import NoiseStream, normals, uniforms
 
 
 @given(st.integers(0, 2**64 - 1), st.integers(0, 2**40))
-@settings(deadline=None)
 def test_arrays_hold_the_very_numbers_that_are_drawn_one_by_one(stream: int, tick: int) -> None:
     drawn = NoiseStream(np.uint64(stream)).uniforms(tick, 5)
     assert drawn.tolist() == [uniform(np.uint64(stream), tick, index) for index in range(5)]
@@ -23,7 +22,6 @@ def test_normals_of_a_stream_are_the_same_for_ever() -> None:
 
 
 @given(st.integers(0, 2**64 - 1), st.integers(0, 2**40), st.integers(0, 40), st.integers(0, 40))
-@settings(deadline=None)
 def test_a_number_does_not_depend_on_how_many_are_drawn(stream: int, tick: int, n: int, more: int) -> None:
     for draw in (uniforms, normals):
         few, many = np.empty(n), np.empty(n + more)

@@ -52,7 +52,6 @@ def same(a: WorldState, b: WorldState) -> bool:
 
 
 @given(st.floats(-1, 1), st.floats(-1.5, 1.5), st.floats(-3, 3))
-@settings(deadline=None)
 def test_constant_commands_drive_an_exact_arc(linear: float, angular: float, heading: float) -> None:
     world = World(open_grid(), replace(CALM, acc_lim_x=100, acc_lim_theta=100), 0, 100.0)
     state = driven(world, begun(world, Pose2(0, 0, heading)), 50, (linear, angular))

@@ -77,6 +77,7 @@ def _address(place: Path) -> str:
     raise TimeoutError
 
 
+@pytest.mark.slow
 def test_dask_workers_play_the_same_games_though_one_is_killed(
     whole: Path, cluster: tuple[str, list[int]], tmp_path: Path
 ) -> None:

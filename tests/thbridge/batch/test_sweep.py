@@ -139,7 +139,7 @@ def test_a_run_goes_on_where_an_earlier_one_was_killed(whole: Path, tmp_path: Pa
     assert list(root.rglob("*.part")) == list(root.glob("attempts/*")) == []
 
 
-@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("stop", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_a_run_that_is_stopped_ends_its_workers_and_says_how_to_go_on(stop: signal.Signals, tmp_path: Path) -> None:
     root = tmp_path / "sweep"
     (tmp_path / "sweep.yaml").write_text(DESIGN)

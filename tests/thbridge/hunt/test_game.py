@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.thbridge.hunt.folding import fold
@@ -487,7 +487,6 @@ RULES = (
 ARRIVALS = st.tuples(st.just("arrive"), st.integers(0, 2))
 
 
-@settings(deadline=None, max_examples=150)
 @given(requests=st.lists(st.one_of(*RULES, ARRIVALS), max_size=60), energy=st.sampled_from([30.0, 60.0, 100.0]))
 def test_whatever_is_asked_the_game_keeps_its_promises(requests, energy):
     live = new_game(robots=3, energy=energy)

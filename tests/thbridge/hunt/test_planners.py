@@ -25,7 +25,6 @@ def numbered(tours):
     return [[room.people for room in tour.rooms] for tour in tours]
 
 
-@settings(deadline=None, max_examples=150)
 @given(
     planner=planners,
     rooms=st.integers(0, 7),

@@ -116,7 +116,6 @@ def test_a_plan_of_many_rooms_is_that_of_an_independent_solver(rooms, robots, en
     )
 
 
-@settings(deadline=None, max_examples=150)
 @given(team=teams, visit=st.sampled_from([0.0, 1.0]), data=st.data())
 def test_the_plan_is_as_good_as_the_best_of_all(team, visit, data):
     rows, robots = team
@@ -178,7 +177,6 @@ def test_more_rooms_than_can_be_shared_out_are_the_callers_mistake():
     assert len(best_team_tours(flat, (start,), all_rooms(14))[0].rooms) == 9
 
 
-@settings(deadline=None, max_examples=100)
 @given(team=teams, visit=st.sampled_from([0.0, 1.0]), data=st.data())
 def test_the_best_score_is_that_of_the_best_of_all_assignments(team, visit, data):
     rows, robots = team

@@ -9,7 +9,7 @@ from math import inf
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.thbridge.hunt.random_hunts import random_hunt
@@ -67,7 +67,6 @@ teams = st.integers(1, 6).flatmap(
 )
 
 
-@settings(deadline=None, max_examples=100)
 @given(team=teams, visit=st.sampled_from([0.0, 0.1, 1.0, 1e9]))
 def test_robots_can_pay_for_their_tours_to_the_last_bit(team, visit):
     rows, robots = team

@@ -5,7 +5,7 @@ from itertools import permutations
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.files.map_times import read_map_times
@@ -58,7 +58,6 @@ matrices = st.integers(1, 6).flatmap(
 )
 
 
-@settings(deadline=None, max_examples=150)
 @given(rows=matrices, energy=st.sampled_from([0.0, 1.0, 4.0, 7.0, 12.0, math.inf]), data=st.data())
 def test_it_finds_what_trying_everything_finds(rows, energy, data):
     costs = CostMatrix.of_map_times(tuple(map(tuple, rows)))

@@ -334,7 +334,7 @@ PIECES = st.builds(
 
 
 @given(st.lists(st.one_of(views(), ACTS, MOTIONS, PIECES, st.floats(0.1, 9.0)), max_size=40))
-@settings(max_examples=120, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 def test_nothing_that_is_received_or_done_raises(steps):
     model, now = Participant(), 0.0
     for step in steps:

@@ -51,7 +51,6 @@ def scenes(draw):
     return np.array(cells, np.uint8).reshape(rows, cols), parameters, draw(st.sampled_from([0.02, 0.05, 0.1]))
 
 
-@settings(max_examples=150, deadline=None)
 @given(scenes(), st.floats(0.0, 0.6))
 def test_every_cell_has_the_cost_that_costmap_2d_publishes(scene, inscribed):
     costs, parameters, resolution = scene

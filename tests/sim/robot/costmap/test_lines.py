@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.robot.costmap.lines import clear_line, fill_convex, line
@@ -11,7 +11,6 @@ from sim.robot.costmap.lines import clear_line, fill_convex, line
 cells = st.integers(-30, 30)
 
 
-@settings(deadline=None)
 @given(cells, cells, cells, cells)
 def test_a_line_has_both_ends_no_gap_and_keeps_within_a_cell_of_the_straight_line(row, col, row_end, col_end):
     along = line(row, col, row_end, col_end, 1000)
@@ -25,7 +24,6 @@ def test_a_line_has_both_ends_no_gap_and_keeps_within_a_cell_of_the_straight_lin
         assert (np.abs(off) / length <= 1.0).all()
 
 
-@settings(deadline=None)
 @given(cells, cells, st.integers(0, 40))
 def test_a_line_is_cut_at_its_greatest_length_and_is_the_beginning_of_the_whole(row_end, col_end, longest):
     whole, cut = line(0, 0, row_end, col_end, 1000), line(0, 0, row_end, col_end, longest)
@@ -35,7 +33,6 @@ def test_a_line_is_cut_at_its_greatest_length_and_is_the_beginning_of_the_whole(
         assert len(cut) == len(whole)
 
 
-@settings(deadline=None)
 @given(cells, cells, cells, cells, st.integers(0, 70))
 def test_clearing_a_line_clears_the_cells_of_the_line_and_tells_where(row, col, row_end, col_end, longest):
     costs = np.full((61, 67), 255, np.uint8)
@@ -48,7 +45,6 @@ def test_clearing_a_line_clears_the_cells_of_the_line_and_tells_where(row, col, 
     assert changed.tolist() == [*along.min(axis=0), *(along.max(axis=0) + 1)]
 
 
-@settings(deadline=None)
 @given(st.floats(5, 15), st.floats(5, 15), st.floats(1, 8), st.integers(3, 16), st.floats(0, 6))
 def test_a_convex_polygon_is_filled_up_to_its_outline_and_not_beyond_it(x, y, radius, corners, turned):
     angles = turned + np.arange(corners) * math.tau / corners

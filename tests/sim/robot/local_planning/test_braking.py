@@ -42,7 +42,6 @@ def is_safe(pose, twist, command, others=(), clearance=OPEN):
     return safe(around(pose, others, clearance), STUDY, OUTLINE, *pose, *twist, *command, HOLD, 10.0, 10.0)
 
 
-@settings(deadline=None)
 @given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5), angles)
 def test_the_gap_is_the_least_distance_of_any_two_points(x, y, theta):
     moved = placed_at(STUDY, x, y, theta)

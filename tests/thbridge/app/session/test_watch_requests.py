@@ -8,7 +8,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
@@ -285,7 +285,6 @@ FIELDS = st.fixed_dictionaries(
 KINDS = st.sampled_from(list(REQUESTS))
 
 
-@settings(max_examples=150)
 @given(st.lists(st.tuples(KINDS, FIELDS), max_size=5))
 def test_whatever_is_wished_the_answer_is_words_or_a_team_can_bear_it(
     team: Team, wishes: list[tuple[str, dict[str, object]]]

@@ -9,11 +9,14 @@ from thbridge.argumentation.propositions import Conjunction, Literal, Propositio
 from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, Unknown
 from thbridge.dialogue.propositions import RoomSequence
 from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, ValueKind, predicate_of
+from thbridge.dialogue.wording.wording import Wording
 from thbridge.files.game_files import read_rulebook
+from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in, read_language
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import Room, RoomNames
 
 NAMES = RoomNames({2: "Kitchen", 5: "Lab 7"})
+WORDINGS = {name: Wording(read_language(name=name), 0, NAMES) for name in languages_in(SHIPPED_LANGUAGES)}
 FORMS = [(each.name, each.content) for each in read_rulebook().locutions]
 ROOMS = st.integers(1, 12).map(Room)
 ROBOTS = st.integers(0, 3)

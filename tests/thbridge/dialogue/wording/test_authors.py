@@ -1,10 +1,10 @@
 """Other authors of sentences: what they offer is said only if it carries the values of the move, and no others."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.wording.propositions import MOVES, NAMES
+from tests.thbridge.dialogue.wording.propositions import MOVES, WORDINGS
 from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Conjunction, Literal
 from thbridge.dialogue.conditions import DialogueCondition
@@ -31,10 +31,9 @@ from thbridge.dialogue.wording.authors import (
     request_of,
 )
 from thbridge.dialogue.wording.wording import Wording
-from thbridge.files.word_files import read_language
 from thbridge.hunt.rooms import Room
 
-ENGLISH, GERMAN = (Wording(read_language(name=name), 0, NAMES) for name in ("en", "de"))
+ENGLISH, GERMAN = WORDINGS["en"], WORDINGS["de"]
 KNOWN = ("teddy", "toy block", "red")
 ROOM_3 = Literal(NextRoom(0, Room(3)))
 WAY = Literal(EnergyCost(Room(4), Room(3), 12.5))
@@ -230,7 +229,6 @@ def test_german_sentences_are_judged_likewise(literal: Literal, sentence: str, i
     assert (judge_sentence(sentence, request(literal, GERMAN)) is None) is is_taken
 
 
-@settings(max_examples=150)
 @given(st.sampled_from([ENGLISH, GERMAN]), MOVES, st.sampled_from(Side))
 def test_the_files_own_sentence_is_taken_and_a_number_more_never(
     wording: Wording, move: DialogueMove, side: Side
@@ -240,7 +238,6 @@ def test_the_files_own_sentence_is_taken_and_a_number_more_never(
     assert judge_sentence(f"{asked.sentence} 99", asked) is not None
 
 
-@settings(max_examples=200)
 @given(
     st.sampled_from([ENGLISH, GERMAN]),
     MOVES.filter(lambda move: isinstance(move.content, Literal)),

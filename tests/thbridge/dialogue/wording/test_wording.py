@@ -3,10 +3,17 @@
 import re
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.wording.propositions import MOVES, NAMES, PLAIN, PROPOSITIONS, ROOMS, values_in
+from tests.thbridge.dialogue.wording.propositions import (
+    MOVES,
+    PLAIN,
+    PROPOSITIONS,
+    ROOMS,
+    WORDINGS,
+    values_in,
+)
 from thbridge.argumentation.arguments import Argument
 from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal, Proposition
@@ -17,12 +24,8 @@ from thbridge.dialogue.propositions import EnergyLevel, FewerRooms, NextRoom, Ro
 from thbridge.dialogue.wording.authors import judge_sentence, request_of
 from thbridge.dialogue.wording.lines import LINES, LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES, ValueKind
-from thbridge.dialogue.wording.wording import Wording
-from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in, read_language
 from thbridge.hunt.rooms import CORRIDOR, Room
 
-LANGUAGES = {name: read_language(name=name) for name in languages_in(SHIPPED_LANGUAGES)}
-WORDINGS = {name: Wording(language, 0, NAMES) for name, language in LANGUAGES.items()}
 SIDES = st.sampled_from(Side)
 NAME = st.sampled_from(sorted(WORDINGS))
 CHANCES = st.floats(0, 1, exclude_max=True)
@@ -35,7 +38,6 @@ def stands_in(value: str, sentence: str) -> bool:
     return re.search(rf"(?<![\w.,]){re.escape(value)}(?!\w|[.,]\d)", sentence, re.IGNORECASE) is not None
 
 
-@settings(max_examples=300)
 @given(NAME, MOVES, SIDES, CHANCES)
 def test_every_move_has_a_sentence_that_carries_all_values(
     name: str, move: DialogueMove, side: Side, chance: float
@@ -48,7 +50,6 @@ def test_every_move_has_a_sentence_that_carries_all_values(
         assert stands_in(grammar.names.get(value, value), sentence), (value, sentence)
 
 
-@settings(max_examples=200)
 @given(NAME, PROPOSITIONS, SIDES, CHANCES, st.booleans())
 def test_what_does_not_hold_is_said_otherwise(
     name: str, proposition: Proposition, side: Side, chance: float, simply: bool
@@ -114,7 +115,6 @@ def test_the_most_specific_wording_is_said() -> None:
     assert advised == "My advice: send me to room 3 next."
 
 
-@settings(max_examples=200)
 @given(NAME, st.lists(ROOMS, min_size=2, max_size=5, unique=True), SIDES, CHANCES, st.booleans())
 def test_the_order_of_a_tour_is_recovered_from_its_sentences_and_no_other_one_is_taken(
     name: str, rooms: list[Room], side: Side, chance: float, holds: bool

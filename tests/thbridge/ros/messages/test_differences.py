@@ -1,7 +1,7 @@
 import math
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
@@ -58,7 +58,6 @@ def test_any_two_numbers_that_differ_read_differently(one: float, other: float) 
     assert all(difference.was != difference.now for difference in found)
 
 
-@settings(deadline=None, max_examples=300)
 @given(
     st.sampled_from(
         [types.ODOMETRY, types.LASER_SCAN, types.MARKER_ARRAY, types.STRING, types.GOAL_STATUS_ARRAY, types.UTTERANCE]

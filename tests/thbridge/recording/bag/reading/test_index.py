@@ -3,7 +3,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.files.errors import BadFile
@@ -79,7 +79,6 @@ CHUNKS = st.lists(st.lists(st.tuples(st.integers(0, 2), STAMPS), max_size=12), m
 class TestAnyBag:
     """Chunks overlap, stamps go back, several publishers speak at once: as merged and filtered bags have it."""
 
-    @settings(max_examples=150)
     @given(chunks=CHUNKS, at=STAMPS, until=STAMPS)
     def test_it_finds_what_reading_all_of_it_would(
         self, tmp_path_factory: pytest.TempPathFactory, chunks: list[list[Spoken]], at: int, until: int

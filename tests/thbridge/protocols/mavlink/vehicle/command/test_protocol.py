@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.thbridge.protocols.mavlink.rig import (
@@ -66,7 +66,6 @@ ANY_INT = st.builds(
 )
 
 
-@settings(max_examples=300)
 @given(st.sampled_from(AutopilotIdentity), st.booleans(), st.lists(ANY_LONG | ANY_INT, min_size=1, max_size=4))
 def test_whatever_is_sent_is_acknowledged_once_at_once_to_whom_it_came_from(identity, armed, sent):
     rig = Rig(identity=identity)
@@ -80,7 +79,6 @@ def test_whatever_is_sent_is_acknowledged_once_at_once_to_whom_it_came_from(iden
         rig.run(2)
 
 
-@settings(max_examples=100)
 @given(st.lists(ANY_LONG | ANY_INT, min_size=1, max_size=30))
 def test_what_takes_its_time_ends_once(sent):
     rig = Rig()
