@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.progress import Tell, untold
-from thbridge.files.whole import write_whole
 from ui.outputs import STANDARD_OUTPUT, destination
 from ui.terminal import note
 

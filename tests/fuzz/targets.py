@@ -30,7 +30,6 @@ from thbridge.experiment.questionnaires.form import read_form
 from thbridge.experiment.rehearsal.people import read_people
 from thbridge.experiment.store.event_log import read_log
 from thbridge.files.argument_files import read_framework
-from thbridge.files.csv_files import read_columns
 from thbridge.files.errors import BadFile
 from thbridge.files.game_files import read_rulebook
 from thbridge.files.image_files import read_image
@@ -38,7 +37,8 @@ from thbridge.files.keys.key_ring import RING, KeyRing, Right
 from thbridge.files.keys.signing_timestamps import SUFFIX, TimestampFile
 from thbridge.files.map_files import read_map
 from thbridge.files.ros.parameters import read_ros_parameters
-from thbridge.files.table_files import TableFormat
+from thbridge.files.tables.csv_files import read_columns
+from thbridge.files.tables.table_files import TableFormat
 from thbridge.files.template_files import read_template_set
 from thbridge.files.word_files import read_language
 from thbridge.hunt.codec import to_json

@@ -22,12 +22,12 @@ from thbridge.experiment.backup import back_up
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent
+from thbridge.files.disk.whole import new_folder, write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_file import ClientKey, read_key
 from thbridge.files.keys.key_ring import KeyRing, Right
 from thbridge.files.keys.signing_timestamps import TimestampFile
-from thbridge.files.whole import new_folder, write_whole
 from thbridge.protocols.mavlink.frames.signing import KnownTimestamps
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex

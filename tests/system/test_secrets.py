@@ -26,7 +26,7 @@ from thbridge.batch.design import read_design
 from thbridge.batch.folder import open_folder
 from thbridge.batch.sweep import tasks_of
 from thbridge.files.keys.key_ring import Right
-from thbridge.files.table_files import TableFormat
+from thbridge.files.tables.table_files import TableFormat
 
 WATCH_KEY = "watch-key-a4c1d7e09b23"
 PASSPHRASE = "signing passphrase 7f3e91"

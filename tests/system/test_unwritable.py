@@ -21,7 +21,7 @@ from tests.thbridge.analysis.planting import clean
 from tests.thbridge.analysis.planting import write as write_planted
 from tests.thbridge.app.replay.test_mavlink_replay import beating, record
 from tests.thbridge.offline.foreign import FIRST, Robot, write, write_map
-from thbridge.files.whole import PART
+from thbridge.files.disk.whole import PART
 from thbridge.recording.bag.reading.reader import info
 
 SIZE = 64 << 20

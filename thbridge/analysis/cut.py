@@ -5,8 +5,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.files.disk.new_file import new_file
 from thbridge.files.errors import BadFile
-from thbridge.files.new_file import new_file
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reading.reader import holds, info, recorded
 from thbridge.recording.bag.records import BagConnection

@@ -10,7 +10,7 @@ from typing import IO
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
-from thbridge.files.new_file import new_file
+from thbridge.files.disk.new_file import new_file
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack

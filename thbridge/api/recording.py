@@ -18,7 +18,7 @@ from thbridge.api.errors import HuntError, told
 from thbridge.api.session import with_strategy
 from thbridge.api.study import HuntStudy, Simulated, StudyValue, setting_of
 from thbridge.app.replay.replay import Difference, RecordingReplay, ReplayOptions, session_of
-from thbridge.files.table_files import Array, arrow_table
+from thbridge.files.tables.table_files import Array, arrow_table
 from thbridge.recording.bag.damage import damage_as_bad_file
 from thbridge.recording.bag.reading.reader import info, messages, recorded
 from thbridge.recording.recordings import make_room, try_place

@@ -10,9 +10,10 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.batch.measures import MEASURES
 from thbridge.batch.results import OWN_COLUMNS, FactorColumns
 from thbridge.batch.settings import SettingCache
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
-from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse, read_text
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse
 from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread, written
 from thbridge.study.overrides import merged, nested, over, resolved_tree
 from thbridge.study.robots_from import RobotsFrom

@@ -11,10 +11,10 @@ from typing import cast
 from thbridge.app.compose.machine import machine, versions
 from thbridge.batch.chunks import GameChunk, chunks_of
 from thbridge.batch.design import SweepDesign
+from thbridge.files.disk.text_files import read_text
+from thbridge.files.disk.whole import PART, whole_file
 from thbridge.files.errors import BadFile
 from thbridge.files.resources import shipped
-from thbridge.files.whole import PART, whole_file
-from thbridge.files.yaml.tree import read_text
 from thbridge.json_text import json_of
 from thbridge.study.study_file import Study
 from thbridge.study.text import resolved

@@ -17,9 +17,9 @@ from pyarrow import parquet
 
 from thbridge.app.compose.machine import versions
 from thbridge.batch.measures import MEASURES, GameMeasures
+from thbridge.files.disk.regular_files import content_of
+from thbridge.files.disk.whole import whole_file
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import content_of
-from thbridge.files.whole import whole_file
 
 MOST_GAMES, LARGEST_TABLE = 1_000_000, 1 << 30
 """Games of a chunk that are read, and bytes that they unpack to: some kilobytes of Parquet can stand for gigabytes."""

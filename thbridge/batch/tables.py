@@ -9,10 +9,10 @@ from pyarrow import compute, csv, parquet
 from thbridge.batch.chunks import GameChunk
 from thbridge.batch.folder import SweepFolder, read_manifest
 from thbridge.batch.results import read_table
-from thbridge.files.csv_cells import text_cells
+from thbridge.files.disk.whole import whole_file
 from thbridge.files.errors import BadFile
-from thbridge.files.table_files import TableFormat
-from thbridge.files.whole import whole_file
+from thbridge.files.tables.csv_cells import text_cells
+from thbridge.files.tables.table_files import TableFormat
 
 VARYING = ("worker", "cpu_seconds")
 """Columns that differ from run to run."""

@@ -12,9 +12,9 @@ from thbridge.experiment.folder import EXPORTS, STORE, ExperimentFolder
 from thbridge.experiment.progress import EventKind
 from thbridge.experiment.store.event_log import copy_log, read_log
 from thbridge.experiment.store.events import LogEntry, LoggedEvent
+from thbridge.files.disk.new_file import new_file
+from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.new_file import new_file
-from thbridge.files.synced import make_folder
 from thbridge.recording.recordings import digest_of
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.experiment.folder import EXPORTS, FREEZE, RECORDINGS, STORE, ExperimentFolder
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.whole import write_whole
 from thbridge.json_text import json_of
 
 _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}

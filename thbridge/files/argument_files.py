@@ -9,8 +9,8 @@ import re
 from pathlib import Path
 
 from thbridge.argumentation.framework import ArgumentationFramework
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection
-from thbridge.files.yaml.tree import read_text
 
 _NAME = r"[^\s(),]+"
 _FACT = re.compile(rf"\s*(?:(arg)\s*\(\s*({_NAME})\s*\)|(att)\s*\(\s*({_NAME})\s*,\s*({_NAME})\s*\))\s*(\.?)\s*")

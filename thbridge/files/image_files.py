@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import content_of
 
 MOST_PIXELS = 32_000_000
 """Largest number of pixels: 280 m x 280 m at 0.05 m. To localise on such a map takes 32 bytes a cell, a gigabyte."""

@@ -20,11 +20,11 @@ from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
 from sim.parameters import WorldParameters
 from sim.robot.costmap.footprint import radii
+from thbridge.files.disk.regular_files import is_regular
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.image_files import read_image
 from thbridge.files.map_times import MAP_TIMES, read_map_times
-from thbridge.files.regular_files import is_regular
-from thbridge.files.whole import write_whole
 from thbridge.files.yaml.load import Loaded, load
 from thbridge.hunt.rooms import Room, RoomNames
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import is_regular
 
 ResourceKind = Literal["maps", "templates"]
 

@@ -15,9 +15,9 @@ from pathlib import Path
 from thbridge.dialogue.moves import Scenario
 from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template
 from thbridge.dialogue.words import word_fault
+from thbridge.files.disk.regular_files import open_regular
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.map_times import MAP_TIMES, read_map_times
-from thbridge.files.regular_files import open_regular
 from thbridge.files.template_lines import first_line, numbered_lines
 from thbridge.files.treasure_files import (
     PARTICIPANT_TREASURES,

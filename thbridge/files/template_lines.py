@@ -3,8 +3,8 @@
 import codecs
 from pathlib import Path
 
+from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import content_of
 
 LARGEST_LINES = 1 << 24
 """Largest file in bytes; those of 2016 have some hundred."""

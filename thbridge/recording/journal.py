@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Self
 
+from thbridge.files.disk.regular_files import content_of
+from thbridge.files.disk.synced import make_folder, put_in_free_place
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import content_of
-from thbridge.files.synced import make_folder, put_in_free_place
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.events import DialogueOpened, DialogueSaid, GameStarted, JournalEntry, KeyUsed
 from thbridge.hunt.game import GameState, apply, begin

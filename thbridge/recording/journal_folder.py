@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.files.disk.regular_files import content_of
+from thbridge.files.disk.synced import make_folder
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import content_of
-from thbridge.files.synced import make_folder
-from thbridge.files.whole import write_whole
 from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal import Journal, journal_path, next_game
 

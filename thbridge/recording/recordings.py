@@ -4,7 +4,7 @@ import hashlib
 import re
 from pathlib import Path
 
-from thbridge.files.synced import make_folder, sync_folder
+from thbridge.files.disk.synced import make_folder, sync_folder
 from thbridge.recording.claims import claim
 
 ACTIVE = ".active"

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
-from thbridge.files.yaml.tree import Node, Scalar, Section, at_line, parse, read_text
+from thbridge.files.yaml.tree import Node, Scalar, Section, at_line, parse
 from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import Study, load_study_tree
 from thbridge.study.text import resolved

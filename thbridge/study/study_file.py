@@ -18,11 +18,12 @@ from sim.numerics import elementary
 from sim.parameters import MIN_MAX_PAIRS, RobotParameters, WorldParameters, param
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.ros.defaults import ros_defaults, sentences_of
 from thbridge.files.ros.parameters import RosParameters, parse_ros_files
 from thbridge.files.yaml.load import Loaded, load_tree
-from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.protocols.text.canonical import Dialect

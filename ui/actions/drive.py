@@ -11,12 +11,13 @@ from sim.common.grid import OccupancyGrid
 from sim.common.traversability import Polygon, area, crosses_itself, inside
 from sim.inputs import ScheduledInput
 from sim.parameters import RobotParameters, WorldParameters, param
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFiles
 from thbridge.files.map_files import read_grid
 from thbridge.files.ros.defaults import RosDefault, ros_defaults
 from thbridge.files.ros.parameters import namespace_in, parse_ros_files
 from thbridge.files.yaml.load import load, load_tree
-from thbridge.files.yaml.tree import Section, parse, read_text
+from thbridge.files.yaml.tree import Section, parse
 from thbridge.offline.unmapped import with_unmapped
 from thbridge.study.things import ThingEntry, faults_of_things, schedule_of
 from ui.terminal import BAD_INPUT, fail

@@ -13,9 +13,9 @@ from sim.common.grid import OccupancyGrid
 from sim.numerics.elementary import wrap_angle
 from sim.parameters import AmclParameters, RobotParameters, with_ros_defaults
 from sim.robot.localization.amcl import Amcl
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.ros.defaults import RosDefault, ros_defaults
 from thbridge.files.ros.parameters import parse_ros_files
-from thbridge.files.whole import write_whole
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, localize, warm_up
 from thbridge.offline.recording import LocalizationBag

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from thbridge.files.whole import write_whole
+from thbridge.files.disk.whole import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

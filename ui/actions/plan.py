@@ -7,7 +7,7 @@ import numpy as np
 from rich.table import Table
 
 from sim.numerics.float_array import FloatArray
-from thbridge.files.csv_files import read_columns
+from thbridge.files.tables.csv_files import read_columns
 from thbridge.offline.plan import PlanResult
 from ui.terminal import BAD_INPUT, fail
 

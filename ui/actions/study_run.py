@@ -15,8 +15,8 @@ from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile
-from thbridge.files.synced import make_folder
 from ui.display import why_no_window
 from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames

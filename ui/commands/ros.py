@@ -102,7 +102,7 @@ def _write_view(
 ) -> None:
     """Write the view of a study's team that a function makes of the robots' parameters and the map."""
     from sim.common.robot_numbers import robot_numbers
-    from thbridge.files.whole import write_whole
+    from thbridge.files.disk.whole import write_whole
     from ui.settings import map_of, study_of
 
     study = study_of(study_file, {"robots": robots, "map": map_name})

@@ -74,7 +74,7 @@ def templates_new(
     """Make a template set of your own: a copy of another one, to be changed."""
     import shutil
 
-    from thbridge.files.whole import new_folder
+    from thbridge.files.disk.whole import new_folder
     from ui.actions.templates import folder_of
 
     source = folder_of(like)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QProcess, QTemporaryDir
 
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
-from thbridge.files.whole import write_whole
 from ui.model.screen import GameSound
 
 RATE = 44_100

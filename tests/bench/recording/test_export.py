@@ -11,7 +11,7 @@ from tests.bench.budget import Budgets, cpu_seconds
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.analysis.export.folder import export_bag
 from thbridge.files.ros.definitions import Definitions
-from thbridge.files.table_files import TableFormat
+from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.types import typestore
 from thbridge.ros.publisher import RosMessage, TeamPublisher

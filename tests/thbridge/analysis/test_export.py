@@ -23,7 +23,7 @@ from thbridge.analysis.export import exporting
 from thbridge.analysis.export.folder import export_bag
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
-from thbridge.files.table_files import TableFormat
+from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.publisher import TeamPublisher
@@ -176,7 +176,7 @@ import sys
 from pathlib import Path
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.report.page import build_report
-from thbridge.files.table_files import TableFormat
+from thbridge.files.tables.table_files import TableFormat
 bag = Path(sys.argv[1])
 export_bag(bag, bag.with_suffix(""), tuple(TableFormat))
 build_report(bag)

@@ -17,7 +17,7 @@ from thbridge.analysis.report.values import Report
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntOutcome, PlayOptions, play
-from thbridge.files.table_files import TableFormat
+from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI

@@ -9,7 +9,7 @@ from tests.thbridge.ros.messages.test_foreign_types import nested
 from thbridge.analysis.export.exporting import table_name
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.to_ros2 import to_ros2
-from thbridge.files.table_files import TableFormat
+from thbridge.files.tables.table_files import TableFormat
 
 TYPES = [
     ("", "int32 x\n"),

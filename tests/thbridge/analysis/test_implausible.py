@@ -11,7 +11,7 @@ from thbridge.analysis.plot.figures import FigureKind, draw
 from thbridge.analysis.plot.style import ONE_COLUMN, FigureFormat
 from thbridge.analysis.report.gathering import read_report
 from thbridge.analysis.report.page import build_report
-from thbridge.files.table_files import TableFormat
+from thbridge.files.tables.table_files import TableFormat
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.recording import open_recording
 from thbridge.recording.bag.reading.reader import messages

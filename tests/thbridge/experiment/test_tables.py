@@ -19,7 +19,7 @@ from thbridge.experiment.progress import EventKind, RunState
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, LoggedEvent
-from thbridge.files.table_files import TableFiles, TableFormat
+from thbridge.files.tables.table_files import TableFiles, TableFormat
 
 
 @pytest.fixture(scope="module")

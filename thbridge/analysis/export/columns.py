@@ -33,7 +33,7 @@ from thbridge.analysis.export.layout import (
     StringArray,
     StringField,
 )
-from thbridge.files.table_files import Column, ListColumn, Values
+from thbridge.files.tables.table_files import Column, ListColumn, Values
 
 WRAPPERS = frozenset(
     {"header", "pose", "position", "orientation", "twist", "transform", "translation", "rotation", "point", "vector"}

@@ -12,7 +12,7 @@ from sim.common.robot_numbers import number_of
 from thbridge.analysis.export.tables import SECONDS, Table, TableRows
 from thbridge.analysis.report.dialogues import DialogueGatherer, RecordedGame
 from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
-from thbridge.files.table_files import Column, Values
+from thbridge.files.tables.table_files import Column, Values
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord
 from thbridge.ros.messages.types import DIALOGUE_MOVE, DIALOGUE_STATE
 

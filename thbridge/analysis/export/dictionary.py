@@ -5,7 +5,7 @@ import io
 import json
 
 from thbridge.analysis.export.exporting import ExportSummary
-from thbridge.files.csv_cells import SENTENCE, text_cell
+from thbridge.files.tables.csv_cells import SENTENCE, text_cell
 
 HEADER = ("table", "column", "type", "unit", "frame", "meaning")
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from thbridge.analysis.export.bag_rows import rows_of_bag
 from thbridge.analysis.export.dictionary import dictionary_csv, readme, session_json
 from thbridge.analysis.export.exporting import ExportSummary
+from thbridge.files.disk.whole import new_folder
 from thbridge.files.progress import Tell, untold
-from thbridge.files.table_files import TableFiles, TableFormat
-from thbridge.files.whole import new_folder
+from thbridge.files.tables.table_files import TableFiles, TableFormat
 from thbridge.recording.bag.reading.reader import info
 
 

@@ -14,7 +14,7 @@ from thbridge.analysis.export.tables import SECONDS, Table, TableRows
 from thbridge.analysis.report.paths import at_times, wrapped
 from thbridge.analysis.report.tracks import SeriesByTopic
 from thbridge.analysis.report.values import Track
-from thbridge.files.table_files import Column, Values
+from thbridge.files.tables.table_files import Column, Values
 from thbridge.ros.messages.types import ODOMETRY, POSE_STAMPED, POSE_WITH_COVARIANCE
 from thbridge.ros.robots import is_map_frame, is_odom_frame
 

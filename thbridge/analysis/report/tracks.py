@@ -11,8 +11,8 @@ from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.paths import corrected, distance, errors, relocations
 from thbridge.analysis.report.values import NEVER, GoalAttempt, Track
 from thbridge.analysis.report.ways_made import WaysMade
-from thbridge.files.number_rows import NumberRows
-from thbridge.files.spool import SpoolFile
+from thbridge.files.disk.spool import SpoolFile
+from thbridge.files.tables.number_rows import NumberRows
 from thbridge.ros.messages.plausible import LARGEST
 from thbridge.ros.names import frame_name
 from thbridge.ros.robots import (

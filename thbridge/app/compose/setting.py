@@ -19,16 +19,16 @@ from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.robot_strategies import StrategyFactory
 from thbridge.dialogue.wording.authors import WordingAuthor
 from thbridge.dialogue.wording.language import Language
+from thbridge.files.disk.regular_files import is_regular
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.map_times import MAP_TIMES, read_map_times
-from thbridge.files.regular_files import is_regular
 from thbridge.files.resources import Resources, shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_in, read_language
 from thbridge.files.yaml.load import Loaded
-from thbridge.files.yaml.tree import read_text
 from thbridge.hunt.costs import CostMatrix
 from thbridge.study.study_file import CostModel, DialogueSection, Study
 

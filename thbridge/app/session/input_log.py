@@ -22,8 +22,8 @@ from sim.common.observations import TICKS_PER_SECOND
 from thbridge.app.session import inputs
 from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.session import TickRecord
+from thbridge.files.disk.synced import make_folder, sync_folder
 from thbridge.files.errors import BadFile
-from thbridge.files.synced import make_folder, sync_folder
 from thbridge.json_text import json_of
 from thbridge.recording.append import append_whole
 from thbridge.ros.messages.session_records import InputRecord, SessionRecord

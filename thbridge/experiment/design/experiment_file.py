@@ -13,10 +13,11 @@ from thbridge.experiment.allocation.latin_square import Order, balanced_latin_sq
 from thbridge.experiment.allocation.places import Allocation
 from thbridge.experiment.design.steps import StepEntry, StepKind
 from thbridge.experiment.questionnaires.form import SHIPPED, Form, read_form
+from thbridge.files.disk.regular_files import is_regular
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection
-from thbridge.files.regular_files import is_regular
 from thbridge.files.yaml.load import Loaded, load_tree
-from thbridge.files.yaml.tree import Node, Section, at_line, parse, read_text
+from thbridge.files.yaml.tree import Node, Section, at_line, parse
 from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread
 from thbridge.study.overrides import merged, over, resolved_tree
 from thbridge.study.study_file import Study, load_study

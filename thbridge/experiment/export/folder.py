@@ -20,11 +20,11 @@ from thbridge.experiment.export.tables import ExperimentRecords, game_tables, lo
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.recordings import told_leftovers
 from thbridge.experiment.store.events import LogEntry
-from thbridge.files.csv_cells import SENTENCE, text_cell
+from thbridge.files.disk.synced import make_folder
+from thbridge.files.disk.whole import new_folder
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.synced import make_folder
-from thbridge.files.table_files import TableFiles, TableFormat
-from thbridge.files.whole import new_folder
+from thbridge.files.tables.csv_cells import SENTENCE, text_cell
+from thbridge.files.tables.table_files import TableFiles, TableFormat
 
 SCRIPTS = Path(__file__).parent / "scripts"
 

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from sim.numerics import noise
 from sim.parameters import param
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
-from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 from thbridge.study.overrides import over
 
 SHIPPED = Path(__file__).parent / "forms"

@@ -28,7 +28,7 @@ from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.rehearsal.rehearsal import rehearse
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import LoggedEvent
-from thbridge.files.whole import whole_file
+from thbridge.files.disk.whole import whole_file
 
 LEVEL = 0.05
 """Probability of an error of the first kind that tests are held to."""

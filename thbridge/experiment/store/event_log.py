@@ -32,9 +32,9 @@ from thbridge.experiment.store.events import (
     NewEvent,
     Tombstone,
 )
+from thbridge.files.disk.synced import sync_folder
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.synced import sync_folder
-from thbridge.files.whole import write_whole
 from thbridge.json_text import json_of
 
 WITHDRAWN = "withdrawn"

@@ -4,8 +4,8 @@ import json
 import os
 from pathlib import Path
 
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.whole import write_whole
 from thbridge.json_text import json_of
 
 _REMEDY = "Bring it back from a backup, or find the folders yourself and move this file away"

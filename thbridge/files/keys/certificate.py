@@ -7,10 +7,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.files.disk.regular_files import content_of
+from thbridge.files.disk.whole import whole_file
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.private_file import check_private
-from thbridge.files.regular_files import content_of
-from thbridge.files.whole import whole_file
 
 CERTIFICATE = "certificate.pem"
 """File of the certificate and of its private key, in the folder of keys; a lab's own may have those of its authorities,

@@ -4,9 +4,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.private_file import check_private
-from thbridge.files.yaml.tree import read_text
 
 _FINGERPRINT = re.compile(r"sha256:([0-9a-f]{64})")
 

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import msgspec
 
+from thbridge.files.disk.regular_files import content_of
+from thbridge.files.disk.synced import make_folder
+from thbridge.files.disk.whole import whole_file, write_whole
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_file import key_text
 from thbridge.files.keys.private_file import check_private
-from thbridge.files.regular_files import content_of
-from thbridge.files.synced import make_folder
-from thbridge.files.whole import whole_file, write_whole
 from thbridge.protocols.credentials import Right
 
 RING = "ring.json"

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from thbridge.files.disk.regular_files import open_regular
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.private_file import check_private
-from thbridge.files.regular_files import open_regular
 from thbridge.protocols.mavlink.frames.signing import InvalidKey, SigningKey, parse_key
 
 _REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits there"

@@ -4,8 +4,8 @@ import json
 import logging
 from pathlib import Path
 
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
-from thbridge.files.whole import write_whole
 from thbridge.protocols.mavlink.frames.signing import MAX_STREAMS, KnownTimestamps
 
 SUFFIX = ".timestamps"

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.files.disk.synced import make_folder
+from thbridge.files.disk.whole import new_folder, write_whole
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.ros.definitions import ROS_SHARES
-from thbridge.files.synced import make_folder
-from thbridge.files.whole import new_folder, write_whole
 from thbridge.ros.messages.definition_texts import ROS_TEXTS
 from thbridge.ros.messages.types import MAVROS_TYPES, OWN_TEXTS
 

@@ -18,13 +18,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Never, TypeVar, cast, get_type_hints
 
 from sim.parameters import CostmapParameters, MoveBaseParameters, RobotParameters, with_ros_defaults
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.ros.nav2 import as_ros1, is_of_ros2
 from thbridge.files.ros.normalize import Entry, RosYamlNormalizer
 from thbridge.files.ros.recoveries import behaviour_names, with_our_behaviours
 from thbridge.files.yaml.declarations import choices_of
 from thbridge.files.yaml.load import load_tree
-from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.declarations import (
     Metadata,
@@ -29,7 +30,7 @@ from thbridge.files.yaml.declarations import (
     sections_named_in,
     wanted,
 )
-from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse, read_text
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

@@ -19,10 +19,7 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import content_of
 
-LARGEST_FILE = 1 << 20
-"""Largest file in bytes; files of people have some thousand."""
 DEEPEST = 32
 """Largest depth of nesting."""
 LARGEST_TREE = 100_000
@@ -70,29 +67,6 @@ class Section:
 
 
 Node = Scalar | Listing | Section
-
-
-def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
-    """Read the text of a file that people write.
-
-    Raises:
-        BadFile: it is missing, not a file, larger than `largest` bytes, or not UTF-8.
-    """
-    try:
-        data = content_of(path, largest)
-    except FileNotFoundError:
-        raise BadFile(path, "there is no such file", "Check the name and the folder") from None
-    except OSError as error:
-        raise BadFile(path, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
-    if b"\0" in data:
-        line = data.count(b"\n", 0, data.index(b"\0")) + 1
-        raise BadFile(path, "there is a NUL byte in it", "Check that it is a text file, and take it out", line=line)
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        problem = f"byte 0x{data[error.start]:02x} is not UTF-8"
-        raise BadFile(path, problem, "Save the file with the encoding UTF-8", line=line) from None
 
 
 def parse(path: Path, text: str, ros: bool = False) -> Node:

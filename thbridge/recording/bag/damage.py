@@ -8,8 +8,8 @@ from pathlib import Path
 from rosbags.rosbag1 import ReaderError
 from rosbags.serde.errors import SerdeError
 
+from thbridge.files.disk.regular_files import open_regular
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import open_regular
 from thbridge.recording.recordings import ACTIVE
 
 MAGIC = b"#ROSBAG V"

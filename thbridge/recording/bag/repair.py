@@ -4,8 +4,8 @@ import contextlib
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.files.disk.synced import sync_folder
 from thbridge.files.errors import BadFile
-from thbridge.files.synced import sync_folder
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reading.scan import ChunkRecord, ConnectionRecord, MessageRecord, UnreadableSpan, scan
 from thbridge.recording.bag.records import BagConnection

@@ -19,8 +19,8 @@ from rosbags.typesys import Stores, get_typestore
 from ruamel.yaml import YAML
 from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, NodeEvent
 
+from thbridge.files.disk.regular_files import content_of, open_regular
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import content_of, open_regular
 from thbridge.recording.bag.damage import TooLargeChunk
 from thbridge.recording.bag.unpacking import ALWAYS, UnpackedBytes, check_mcap, unpack_file, unpacked_message
 

@@ -12,7 +12,7 @@ import lz4.frame
 import zstandard
 from mcap.opcode import Opcode
 
-from thbridge.files.regular_files import is_regular
+from thbridge.files.disk.regular_files import is_regular
 from thbridge.recording.bag.damage import TooLargeChunk
 
 ALWAYS = 1 << 28

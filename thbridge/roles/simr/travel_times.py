@@ -24,7 +24,7 @@ from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.global_planning.navfn import Navfn
 from sim.robot.global_planning.potential_planner import PotentialPlanner
 from sim.robot.global_planning.wave import UNREACHED
-from thbridge.files.mapped_arrays import mapped
+from thbridge.files.disk.mapped_arrays import mapped
 
 AT_GOAL = 1.0
 """Metres from a room's goal within which the row of that room counts."""

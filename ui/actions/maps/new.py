@@ -10,6 +10,7 @@ from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, interpret_image
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import radii
+from thbridge.files.disk.whole import new_folder, write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.image_files import read_image
 from thbridge.files.map_files import (
@@ -23,7 +24,6 @@ from thbridge.files.map_files import (
     write_rooms,
 )
 from thbridge.files.map_times import MAP_TIMES, map_times
-from thbridge.files.whole import new_folder, write_whole
 from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, arena_of
 from thbridge.offline.measure import MeasurementSetup, TripTimes

@@ -41,7 +41,7 @@ def bag_export(
     """Export a bag as tables, one for each topic, with a data dictionary; any ROS 1 bag will do."""
     # pyarrow's import would slow every command.
     from thbridge.analysis.export.folder import export_bag
-    from thbridge.files.table_files import TableFormat
+    from thbridge.files.tables.table_files import TableFormat
     from ui.actions.bag.export import chosen_tables, chosen_topics, names_in
     from ui.progress import bar_of_progress
 

@@ -53,8 +53,8 @@ def bag_plot(
     from thbridge.analysis.plot.figures import FigureKind, draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
     from thbridge.analysis.report.gathering import read_games, trajectory_topics
+    from thbridge.files.disk.whole import write_whole
     from thbridge.files.map_files import read_grid
-    from thbridge.files.whole import write_whole
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.recording.bag.reading.reader import messages
 

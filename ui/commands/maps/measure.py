@@ -86,7 +86,7 @@ def _file(path: Path | None) -> Iterator[Callable[[str], object]]:
     if path == STANDARD_OUTPUT:
         yield lambda text: print(text, end="")  # noqa: T201 - this is what was asked for
         return
-    from thbridge.files.whole import whole_file
+    from thbridge.files.disk.whole import whole_file
 
     if path.exists():
         fail(BAD_INPUT, f"--out: there is a file {path} already. Choose another name.")

@@ -35,8 +35,8 @@ def scan(
     """
     import numpy as np
 
-    from thbridge.files.csv_files import read_columns
     from thbridge.files.map_files import read_grid
+    from thbridge.files.tables.csv_files import read_columns
     from thbridge.offline.scan import beam_angles
     from thbridge.offline.scan import scan as scan_map
 

@@ -37,7 +37,7 @@ def study_new(
 ) -> None:
     """Begin a study with people: a folder with an example to change."""
     from thbridge.experiment.folder import EXAMPLE
-    from thbridge.files.whole import new_folder
+    from thbridge.files.disk.whole import new_folder
 
     with bad_input(), new_folder(folder) as new:
         shutil.copytree(EXAMPLE, new, dirs_exist_ok=True)
@@ -230,7 +230,7 @@ def study_rehearse(
     from thbridge.experiment.freeze import data_of
     from thbridge.experiment.rehearsal.people import read_people
     from thbridge.experiment.rehearsal.rehearsal import rehearse
-    from thbridge.files.whole import new_folder
+    from thbridge.files.disk.whole import new_folder
     from ui.progress import bar_of_progress
 
     with bad_input():

@@ -21,7 +21,7 @@ def study_init(
     file: Annotated[Path, typer.Argument(help="The file to write; must not exist. `-` is standard output.")],
 ) -> None:
     """Write a study file with every key at its default, commented."""
-    from thbridge.files.whole import write_whole
+    from thbridge.files.disk.whole import write_whole
     from thbridge.study.text import commented_study
 
     if file == STANDARD_OUTPUT:

@@ -42,7 +42,7 @@ def sweep_plot(
     from thbridge.batch.figures import BandKind, FigureAxes, curves_of, draw_curves
     from thbridge.batch.folder import read_manifest
     from thbridge.batch.tables import collect, numbers_of
-    from thbridge.files.whole import whole_file
+    from thbridge.files.disk.whole import whole_file
 
     kind = "svg" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(FigureFormat):

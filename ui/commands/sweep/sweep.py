@@ -59,7 +59,7 @@ def sweep_collect(
 ) -> None:
     """Make one table of all games played so far: a row a game, with its condition, factors, seed and measures."""
     from thbridge.batch.tables import collect, write_collected
-    from thbridge.files.table_files import TableFormat
+    from thbridge.files.tables.table_files import TableFormat
 
     kind = "csv" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(TableFormat):

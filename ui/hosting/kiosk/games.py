@@ -20,8 +20,8 @@ from thbridge.experiment.progress import Run
 from thbridge.experiment.recordings import moved_aside
 from thbridge.experiment.store.events import JsonValue
 from thbridge.experiment.trials import played, setting_of_trial
+from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.synced import make_folder
 from thbridge.recording.recordings import make_room
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen

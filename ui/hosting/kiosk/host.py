@@ -24,8 +24,8 @@ from thbridge.experiment.design.steps import ResumeRule, StepKind
 from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, resumes
 from thbridge.experiment.questionnaires.form import Form, Item
 from thbridge.experiment.store.events import Actor, Clocks, JsonValue
+from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.regular_files import content_of
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
 from ui.first_start import is_compiled

@@ -12,6 +12,7 @@ from thbridge.app.compose.installed import STRATEGIES, WORDINGS
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.experiment.folder import EXPERIMENT
 from thbridge.experiment.questionnaires.form import SHIPPED, read_form
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.map_files import read_map
@@ -21,7 +22,7 @@ from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.files.template_files import read_template_set
 from thbridge.files.treasure_files import PICTURES
 from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_in, read_language
-from thbridge.files.yaml.tree import Section, parse, read_text
+from thbridge.files.yaml.tree import Section, parse
 from thbridge.study.study_file import OWN_STRATEGY, StudyFile
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.form import editable_text

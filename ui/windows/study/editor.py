@@ -6,7 +6,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal, Slot
 
-from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited
+from thbridge.files.disk.edited_file import TextOnDisk, read_edited, write_edited
 from thbridge.files.errors import BadFile
 from thbridge.hunt.refusals import RequestRefused
 from ui.model.study_form.draft import StudyDraft, UndoHistory

@@ -24,13 +24,13 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.dialogue.words import allowed_words
-from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited
+from thbridge.files.disk.edited_file import TextOnDisk, read_edited, write_edited
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import read_map
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import DIALOGUE_TEXT, scenario_on
 from thbridge.files.treasure_files import PICTURES
-from thbridge.files.whole import write_whole
 from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.treasures import name_in_words
 from ui.model.differences import differences

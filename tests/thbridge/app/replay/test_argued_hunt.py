@@ -20,7 +20,7 @@ from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.portrait import read_portrait
-from thbridge.files.table_files import TableFormat
+from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI

@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from thbridge.files.table_files import Column, OptionalColumn, Values
+from thbridge.files.tables.table_files import Column, OptionalColumn, Values
 
 CellValue = str | int | float | bool | None
 """Value in a table; None: there is none."""

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from thbridge.files.synced import sync_folder
+from thbridge.files.disk.synced import sync_folder
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.bag_file import ChunkFile

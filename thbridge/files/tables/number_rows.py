@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from sim.numerics.float_array import FloatArray
-from thbridge.files.spool import SpoolFile
+from thbridge.files.disk.spool import SpoolFile
 
 RECENT = 8192
 """Numbers of one series in memory, at most: more go to the file. Short recordings never need it."""

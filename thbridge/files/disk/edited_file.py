@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.files.disk.regular_files import open_regular
+from thbridge.files.disk.text_files import read_text
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
-from thbridge.files.regular_files import open_regular
-from thbridge.files.whole import write_whole
-from thbridge.files.yaml.tree import read_text
 
 _MARK = "\ufeff"
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from thbridge.files.disk.synced import put_in_place
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.synced import put_in_place
 
 UNFINISHED = ".part"
 """Suffix of a file while it is being written."""

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited
+from thbridge.files.disk.edited_file import TextOnDisk, read_edited, write_edited
 from thbridge.files.errors import BadFile
 
 

@@ -14,9 +14,9 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from pyarrow import compute, csv, ipc, parquet
 
-from thbridge.files.csv_cells import text_cells
+from thbridge.files.disk.spool import SpoolFile
 from thbridge.files.progress import Tell
-from thbridge.files.spool import SpoolFile
+from thbridge.files.tables.csv_cells import text_cells
 
 Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
 

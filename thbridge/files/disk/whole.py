@@ -7,8 +7,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
+from thbridge.files.disk.synced import make_folder, put_in_free_place, put_in_place, sync_file, sync_folder
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.synced import make_folder, put_in_free_place, put_in_place, sync_file, sync_folder
 
 PART = ".part"
 """Suffix of a file while it is being written; its name begins with a dot, so that readers of folders pass it over."""

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from thbridge.files.disk.whole import new_folder, whole_file, write_whole
 from thbridge.files.errors import BadFile
-from thbridge.files.whole import new_folder, whole_file, write_whole
 
 
 def test_a_file_is_there_once_it_is_complete(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.batch.tables import write_collected
-from thbridge.files.csv_cells import FORMULA, text_cell, text_cells
-from thbridge.files.table_files import Column, ListColumn, TableFiles, TableFormat
+from thbridge.files.tables.csv_cells import FORMULA, text_cell, text_cells
+from thbridge.files.tables.table_files import Column, ListColumn, TableFiles, TableFormat
 
 FORMULAS = ["=1+1", "+a", "-a", "@sum", '=HYPERLINK("http://x")', "\t=1", "\r=1", "'=1", "-1.5 a", "- no", "-"]
 PLAIN = ["", "a", "a=b", "-1.5", "+1", "-.5", "1e-3", "-1e+3", "'a'", "Räume", "' ="]

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from thbridge.files.csv_files import MOST_FAULTS, read_columns
 from thbridge.files.errors import BadFile
+from thbridge.files.tables.csv_files import MOST_FAULTS, read_columns
 
 POSE = ("x", "y", "yaw")
 

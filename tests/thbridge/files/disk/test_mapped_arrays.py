@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from thbridge.files import mapped_arrays
-from thbridge.files.mapped_arrays import mapped
+from thbridge.files.disk import mapped_arrays
+from thbridge.files.disk.mapped_arrays import mapped
 
 
 def fields() -> Iterator[NDArray[np.float32]]:

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from sim.numerics.float_array import FloatArray
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles
-from thbridge.files.yaml.tree import read_text
 
 LARGEST_TABLE = 1 << 26
 """Largest file in bytes; about a million rows."""

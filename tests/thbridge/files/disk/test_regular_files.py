@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
+from thbridge.files.disk.new_file import new_file
+from thbridge.files.disk.regular_files import content_of, is_regular
+from thbridge.files.disk.text_files import read_text
+from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.image_files import read_image
 from thbridge.files.keys.signing_key import read_signing_key
-from thbridge.files.new_file import new_file
-from thbridge.files.regular_files import content_of, is_regular
 from thbridge.files.resources import shipped
 from thbridge.files.template_lines import numbered_lines
-from thbridge.files.whole import write_whole
-from thbridge.files.yaml.tree import read_text
 from thbridge.recording.bag.damage import check_is_bag
 from thbridge.recording.journal import read_journal
 

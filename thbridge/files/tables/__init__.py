@@ -1,0 +1,1 @@
+"""Tables: CSV files that people write, and Parquet and CSV files for pandas and R, written piece by piece."""
