@@ -97,6 +97,9 @@ from thbridge.sockets.foxglove import FoxgloveServer
 server = FoxgloveServer([], Definitions(()))
 where = server.start("127.0.0.1", 0)
 clients = [socket.create_connection((where.host, where.port)) for _ in range(50)]
+with socket.create_connection((where.host, where.port)) as last:  # whoever it hears comes after those it accepted
+    last.sendall(b"GET / HTTP/1.1\\r\\n\\r\\n")
+    last.recv(1000)
 server.stop()
 print("ended")
 """
