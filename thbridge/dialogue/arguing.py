@@ -144,6 +144,10 @@ class ArguingEngine:
         """Take a turn that was taken before; see `DialogueEngine`."""
         is_legal = isinstance(turn.move, Echo) or turn.move in self._legal(dialogue, turn.speaker)
         _check(is_legal, turn.move, turn.speaker)
+        if isinstance(turn.move, Echo):
+            # The robot tells what it has heard before it tells what comes of it.
+            before = tuple(each for each in dialogue.conclusions if each[0] < len(dialogue.turns))
+            dialogue = replace(dialogue, conclusions=before)
         dialogue, utterance = self._with_turn(dialogue, turn)
         return self._run(dialogue, (utterance,), held=True)
 
@@ -158,12 +162,8 @@ class ArguingEngine:
         said: list[DialogueUtterance] = []
         for at, turn in enumerate(dialogue.turns):
             said.append(self._utterance(replace(dialogue, turns=dialogue.turns[:at]), turn))
-            then = dialogue.turns[at + 1 : at + 2]
-            if not then:
-                said += self._conclusion(dialogue)
-            elif then[0].speaker is Speaker.PERSON and not _is_asked_by_the_robot(dialogue, at):
-                # It was not the robot's turn, so that a game had ended there.
-                said += self._told(replace(dialogue, turns=dialogue.turns[: at + 1]), None)
+            until = replace(dialogue, turns=dialogue.turns[: at + 1])
+            said += [self._concluded(until, move) for turns, move in dialogue.conclusions if turns == at + 1]
         return tuple(said)
 
     # Course of a dialogue
@@ -184,8 +184,12 @@ class ArguingEngine:
             legal = () if outcome is not None or held else self._legal(dialogue, Speaker.ROBOT)
             if not legal:
                 # Where nothing was said, it was told before.
-                told = self._conclusion(dialogue) if utterances else ()
-                return DialogueStep(dialogue, (*utterances, *told), outcome)
+                told = self._conclusion(dialogue) if utterances else None
+                if told is not None:
+                    conclusions = (*dialogue.conclusions, (len(dialogue.turns), told))
+                    dialogue = replace(dialogue, conclusions=conclusions)
+                    utterances = (*utterances, self._concluded(dialogue, told))
+                return DialogueStep(dialogue, utterances, outcome)
             move, fault = self._chosen(dialogue, legal)
             authored = self.phrasing.authored(dialogue, move)
             text = "" if authored is None else authored.text
@@ -229,30 +233,27 @@ class ArguingEngine:
                 return _about(dialogue, decision), DialogueOutcome.CONSENSUS
         return dialogue, None
 
-    def _conclusion(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
-        """The sentence about the upshot, where a game, or all of the dialogue, has ended with the person's turn."""
+    def _conclusion(self, dialogue: Dialogue) -> Conclude | None:
+        """What comes of a game, or of all of the dialogue, that has ended with the person's turn; else None."""
         dialogue, outcome = self._outcome(dialogue)
-        last = _last_move(dialogue)
-        if outcome is None and (_current(dialogue) is not None or self._asks(dialogue) is not None):
-            return ()
-        if outcome is not DialogueOutcome.CONSENSUS:
-            return self._told(dialogue, None)
-        if isinstance(last, Override):
-            return self._told(dialogue, Upshot.OVERRIDDEN)
-        accepted = isinstance(last, DialogueMove) and last.locution == "accept"
-        return self._told(dialogue, Upshot.AGREED if accepted else Upshot.DECIDED)
-
-    def _told(self, dialogue: Dialogue, done: Upshot | None) -> tuple[DialogueUtterance, ...]:
-        """The robot's words for what is done, if anything; none after a turn of its own, or one about questions."""
         turn = next((turn for turn in reversed(dialogue.turns) if not isinstance(turn.move, Echo)), None)
         ends = DialogueMove | Leave | Override
         if turn is None or turn.speaker is Speaker.ROBOT or not isinstance(turn.move, ends):
-            return ()
+            return None
+        if outcome is None and (_current(dialogue) is not None or self._asks(dialogue) is not None):
+            return None
         claim = _claim(dialogue.topic)
-        nothing = Upshot.STAYS if isinstance(claim.proposition, NextRoom) else Upshot.UNDONE
-        move = Conclude(nothing) if done is None else Conclude(done, claim)
+        if outcome is not DialogueOutcome.CONSENSUS:
+            return Conclude(Upshot.STAYS if isinstance(claim.proposition, NextRoom) else Upshot.UNDONE)
+        if isinstance(turn.move, Override):
+            return Conclude(Upshot.OVERRIDDEN, claim)
+        accepted = isinstance(turn.move, DialogueMove) and turn.move.locution == "accept"
+        return Conclude(Upshot.AGREED if accepted else Upshot.DECIDED, claim)
+
+    def _concluded(self, dialogue: Dialogue, move: Conclude) -> DialogueUtterance:
+        """The sentence about what comes of a dialogue."""
         told = self._utterance(dialogue, Turn(Speaker.ROBOT, move, Author.ROBOT))
-        return (replace(told, conversation=dialogue.conversation),)
+        return replace(told, conversation=dialogue.conversation)
 
     def _legal(self, dialogue: Dialogue, speaker: Speaker) -> tuple[Move, ...]:
         conversation, play = dialogue.conversation, _current(dialogue)
@@ -503,17 +504,6 @@ def _last_move(dialogue: Dialogue) -> Move | None:
 def _most_agreeable_first(play: GamePlay, moves: tuple[DialogueMove, ...]) -> list[DialogueMove]:
     """Moves of the person; of the answers to whether a reason is not so, that it is not so comes last."""
     return sorted(moves, key=lambda move: play.questions_refusal and move.content == play.topic)
-
-
-def _is_asked_by_the_robot(dialogue: Dialogue, at: int) -> bool:
-    """True for a turn in a game in which the robot questions a no of hers, and after which she goes on."""
-    conversation = dialogue.conversation
-    if conversation is None or not isinstance(dialogue.turns[at].move, DialogueMove):
-        return False
-    later = sum(isinstance(turn.move, DialogueMove) for turn in dialogue.turns[at:])
-    said = [said for said in conversation.record if not said.is_booked][-later]
-    play = conversation.play(said.dialogue)
-    return play.questions_refusal and play.initiator is Side.ROBOT
 
 
 def _last_play(dialogue: Dialogue) -> GamePlay | None:

@@ -297,12 +297,14 @@ class Dialogue:
         topic: of the dialogue.
         turns: all moves so far, oldest first.
         conversation: what both sides have said and believe, where robots argue.
+        conclusions: what the robot has told beside its turns, each with the number of turns before it.
     """
 
     number: int
     topic: DialogueTopic
     turns: tuple[Turn, ...] = ()
     conversation: Conversation | None = None
+    conclusions: tuple[tuple[int, Conclude], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

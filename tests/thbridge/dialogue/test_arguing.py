@@ -362,6 +362,27 @@ def test_utterances_tell_every_formal_move_and_what_was_misheard(
         assert said.formal == () or said.formal[0].move == turn.move
 
 
+def test_a_misheard_answer_to_a_question_of_the_robots_is_told_again_as_it_was() -> None:
+    manner = Manner(DialogueCondition.COLLABORATOR, Attitude.CREDULOUS, 1, talkative=True, gives_reasons=False)
+    talker = engine(replace(manner, misheard=0.5))
+    facts = WhatFacts(Room(1), 1.0, 0.0, 0.0, ("cup",), has_picture=False)
+    step = talker.open(1, DialogueTopic(Scenario.TAKE_PICTURE, 0, Room(1), 0.0, 1.0, facts=facts))
+    live = step.utterances
+    for text in (
+        "accept(not picture(Room1))",
+        "accept(picture_cost(0))",
+        "accept(settled(Room1, cup))",
+        "question(name(Room1))",
+        "accept(name(Room1))",
+        "accept(current_energy_level(1))",
+        "assert(current_energy_level(1))",
+        "Leave()",
+    ):
+        step = said(talker, step, text)
+        live += step.utterances
+    assert [said.text for said in talker.utterances(step.dialogue)] == [said.text for said in live]
+
+
 @given(where_facts().flatmap(topics_of), manners, st.sampled_from(Speaker), st.data())
 def test_nothing_that_a_robot_suggests_is_agreed_upon_before_the_person_has_answered(
     topic: DialogueTopic, manner: Manner, opener: Speaker, draw: st.DataObject
