@@ -211,6 +211,7 @@ def test_a_hunt_for_another_program_is_recorded_from_its_yes_on_and_can_be_repla
     assert replayed.returncode == 0, replayed.stdout + replayed.stderr
 
 
+@pytest.mark.slow
 def test_a_hunt_for_another_program_ends_with_its_no(folder, terminal):
     game = programs.Program(
         folder, "play", "study.yaml", "--headless", "--outside", "TabUI", "--bag", "hunt.bag", "--no-report"

@@ -51,11 +51,12 @@ def peak(arguments: Sequence[object]) -> float:
     return used.ru_maxrss / 1024.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [
         ("bag", "export", "{}", "--to", "{}.tables", "--format", "both"),
-        *(pytest.param(command, marks=pytest.mark.slow) for command in OTHERS),
+        *OTHERS,
     ],
     ids=lambda words: words[0 if words[0] == "report" else 1],
 )

@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from tests.system.test_play import thbridge
 from thbridge.files.map_files import read_map
 from thbridge.recording.bag.reading.reader import messages
@@ -11,6 +13,7 @@ from thbridge.ros.messages import unpack
 ARENA = Path(__file__).parents[2] / "maps" / "arena8"
 
 
+@pytest.mark.slow
 def test_a_recorded_robot_is_found_where_it_was(tmp_path: Path) -> None:
     thbridge(tmp_path, "play", "--headless", "--port", "0", "--robots", "2", "--max-seconds", "30", "--bag", "hunt.bag")
     start = read_map(ARENA).starts[1]

@@ -23,7 +23,7 @@ def modes(folder: Path) -> dict[str, set[int]]:
     ("readers", "folder", "file"),
     [
         ("owner", 0o700, 0o600),
-        ("group", 0o750, 0o640),
+        pytest.param("group", 0o750, 0o640, marks=pytest.mark.slow),
         pytest.param("everyone", 0o755, 0o644, marks=pytest.mark.slow),
     ],
 )

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from tests.system.programs import Program, until
 from tests.system.test_play import thbridge
 from thbridge.recording.bag.reading.reader import messages
@@ -10,6 +12,7 @@ ENOUGH = 2_000_000
 """Bytes; some ten seconds of a hunt."""
 
 
+@pytest.mark.slow
 def test_a_killed_hunt_replays_up_to_its_end(tmp_path: Path) -> None:
     # Not at full speed, so that it is far from its end when it is killed, whatever else the machine does.
     hunt = Program(tmp_path, "play", "--port", "0", "--seed", "7", "--rate", "5", "--json", "--bag", "hunt.bag")

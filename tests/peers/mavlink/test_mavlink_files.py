@@ -83,6 +83,7 @@ def test_mavsdk_gets_them_and_the_metadata_by_itself(
     assert told["metadata"] == json.loads(files["parameters.json"])
 
 
+@pytest.mark.slow
 @needs("mavproxy")
 def test_mavproxy_lists_gets_and_compares_them(
     files: dict[str, bytes], play: Program, ports: tuple[int, int, int], tmp_path: Path

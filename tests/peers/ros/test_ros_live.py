@@ -176,6 +176,7 @@ def test_an_action_client_drives_cancels_and_is_replaced(tmp_path: Path) -> None
     assert said["impossible"][1]
 
 
+@pytest.mark.slow
 def test_rosbag_records_the_same_messages_live(tmp_path: Path) -> None:
     ours, theirs = tmp_path / "ours.bag", tmp_path / "theirs.bag"
     wanted = {"/tf", "/robot1/scan", "/robot2/odom", "/robot1/move_base/status", "/map", "/tf_static"}

@@ -40,6 +40,7 @@ def files_of(folder: Path) -> list[str]:
     return [path.name for path in folder.rglob("hunt*")]
 
 
+@pytest.mark.slow
 def test_a_no_in_the_window_is_thanked_and_leaves_no_file(
     played: programs.Program, screen: Desktop, folder: Path
 ) -> None:

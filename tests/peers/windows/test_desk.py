@@ -52,6 +52,7 @@ def program(screen: Desktop, *command: object) -> Iterator["subprocess.Popen[str
         started.wait(PATIENCE)
 
 
+@pytest.mark.slow
 def test_a_folder_is_watched(tmp_path: Path) -> None:
     study = rehearse(tmp_path)
     with desktop() as screen, program(screen, *THBRIDGE, "study", "watch", tmp_path):

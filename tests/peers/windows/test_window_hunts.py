@@ -96,6 +96,7 @@ def first_game(program: subprocess.Popen[bytes], folder: Path) -> list[TimelineE
     return list(takewhile(lambda moment: moment.kind != "ended", moments))
 
 
+@pytest.mark.slow
 def test_a_whole_hunt_by_mouse(played: subprocess.Popen[bytes], screen: Desktop, tmp_path: Path) -> None:
     player = Mouse(screen, place_in_arena)
     screen.focus_window("Treasure hunt")

@@ -85,6 +85,7 @@ def test_a_change_in_what_a_kernel_does_not_import_leaves_it_compiled(checkout: 
     assert run(checkout, "3") == ["7", "1"]
 
 
+@pytest.mark.slow
 def test_checkouts_share_what_is_the_same_and_nothing_else(checkout: Path) -> None:
     run(checkout, "3")
     other = checkout.with_name("other")
@@ -96,6 +97,7 @@ def test_checkouts_share_what_is_the_same_and_nothing_else(checkout: Path) -> No
     assert run(other, "3") == ["10", "1"]
 
 
+@pytest.mark.slow
 def test_processes_that_compile_at_once_keep_what_each_compiled(checkout: Path) -> None:
     arguments = ("3", "0.5", "True", "2j")
     for process in [start(checkout, argument) for argument in arguments]:
@@ -108,6 +110,7 @@ def test_what_one_process_compiles_another_waits_for(checkout: Path) -> None:
     assert sorted(said) == [["7", "0"], ["7", "1"]]
 
 
+@pytest.mark.slow
 def test_a_process_that_was_killed_while_it_compiled_holds_nobody_up(checkout: Path) -> None:
     run(checkout, "3")
     (kept,) = (checkout.parent / "cache" / "kernels").glob("sim.caller-*/*")
@@ -124,6 +127,7 @@ def test_a_number_in_a_kernels_text_asks_for_no_code_of_its_own(checkout: Path) 
     assert len(list((checkout.parent / "cache" / "kernels").glob("sim.callee-*/*"))) == 1
 
 
+@pytest.mark.slow
 def test_code_cut_short_is_compiled_anew(checkout: Path) -> None:
     run(checkout, "3")
     for file in (checkout.parent / "cache" / "kernels").glob("sim.caller-*/*"):
@@ -132,6 +136,7 @@ def test_code_cut_short_is_compiled_anew(checkout: Path) -> None:
     assert run(checkout, "3") == ["7", "1"]
 
 
+@pytest.mark.slow
 def test_where_the_folder_cannot_be_written_code_is_kept_beside_the_sources_or_not_at_all(checkout: Path) -> None:
     (checkout.parent / "cache").touch()
     run(checkout, "3")

@@ -386,7 +386,7 @@ def test_a_robot_whose_wheels_do_not_turn_gives_up():
     assert rig.results[0][0].reason == "stuck"
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_six_robots_hunt(seed):
     hunt(Rig([(0, -1.5 + 0.9 * i, 0) for i in range(6)]), 3, seed)
 
@@ -397,6 +397,7 @@ def test_one_to_six_robots_hunt_long(seed):
     hunt(Rig([(0, -1.5 + 0.9 * i, 0) for i in range(1 + seed % 6)]), 6, seed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1))
 def test_ten_robots_hunt(seed):
     starts = [(0, 0), (1.5, 2.45), (2.5, 2.45), (3.5, 2.45), (1.5, -0.45), (2.5, -0.45), (3.5, -0.45)]
@@ -510,7 +511,7 @@ def test_a_lost_robot_with_a_goal_turns_on_the_spot_whatever_it_believes():
     assert rig.poses[0].distance(Pose2(0, -4, 0)) < 0.01
 
 
-@pytest.mark.parametrize("heading", [0.0, 0.6, 0.95, 1.2])
+@pytest.mark.parametrize("heading", [0.0, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.6, 0.95)), 1.2])
 def test_a_lost_robot_with_no_room_to_turn_stays_off_the_wall_ahead_however_noisy_its_scans(heading):
     rig = Rig([(0, -4, heading)])
     mount = LaserMount(Pose2(0.1, 0.0, 0.0), -2.35619449, 4.71238898 / 180, 181, 0.05, 8.0)
