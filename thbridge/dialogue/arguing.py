@@ -234,7 +234,7 @@ class ArguingEngine:
         return dialogue, None
 
     def _conclusion(self, dialogue: Dialogue) -> Conclude | None:
-        """What comes of a game, or of all of the dialogue, that has ended with the person's turn; else None."""
+        """The upshot of a game, or of all of the dialogue, that has ended with the person's turn; else None."""
         dialogue, outcome = self._outcome(dialogue)
         turn = next((turn for turn in reversed(dialogue.turns) if not isinstance(turn.move, Echo)), None)
         ends = DialogueMove | Leave | Override

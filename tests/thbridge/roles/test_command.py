@@ -19,6 +19,7 @@ from thbridge.hunt.events import (
     TreasuresHidden,
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
+from thbridge.hunt.rules import RuleReason
 from thbridge.protocols.text.notice import Notice, decode_notice
 from thbridge.roles.notices import KEEPER, Orders, TeamStatus
 from thbridge.roles.participant.bot_strategy import BotStrategy
@@ -309,7 +310,9 @@ def test_a_researcher_is_asked_too_and_nobody_for_what_is_the_participants(play:
 def test_another_game_begins_with_nothing_asked_for(play: Play) -> None:
     play.ask(TAKE)
     play.wish(RequestHandback(0))
-    play.wish(GiveUp(1))
+    assert play.wish(GiveUp(1)).over is not None
+    refusal = play.wish(RequestHandback(0)).refusal
+    assert refusal is not None and refusal.reason == RuleReason.GAME_OVER
     robot = play.wish(PlayAgain(1), ticks=10).robots[0]
     assert (robot.commander, robot.asked_back) == (Commander.GROUND_STATION, False)
 

@@ -46,8 +46,11 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
             game.apply_ruling(notice.kind, judge(now, request))
         case GiveUp() as request if request.game == state.started.game:
             game.apply_ruling(notice.kind, judge(now, request))
-        case RequestHandback() as request if request.robot not in game.asked_back:
-            game.apply_ruling(notice.kind, judge(now, request))
+        case RequestHandback() as request:
+            ruling = judge(now, request)
+            # Who asked a moment ago is refused what has become impossible, and else waits for the answer.
+            if isinstance(ruling, RequestRefused) or request.robot not in game.asked_back:
+                game.apply_ruling(notice.kind, ruling)
         case CallBack() as request:
             if game.apply_ruling(notice.kind, judge(now, request)):
                 game.recall(request.robot)
