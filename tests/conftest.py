@@ -47,7 +47,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Share tests among twice as many processes as there are cores: many tests wait for other programs, and for time."""
+    """Share tests among twice as many processes as there are cores: many tests wait for other programs or for time."""
     return 2 * len(os.sched_getaffinity(0))
 
 
