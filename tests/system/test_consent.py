@@ -172,6 +172,7 @@ def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, term
     assert replay(folder, "robots.bag").returncode == 0
 
 
+@pytest.mark.slow
 def test_a_participant_of_2016_is_not_asked_and_the_server_says_so(folder, hunt):
     running, at = hunt
     host, port = at.split(":")

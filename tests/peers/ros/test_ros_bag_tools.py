@@ -34,6 +34,7 @@ from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 
 PYTHON = "/usr/bin/python3"
 TOOLS = ("rosbag", "rostopic", "roscore")
+PACKED = [Compression.LZ4, pytest.param(Compression.BZ2, marks=pytest.mark.slow)]
 needs_ros = pytest.mark.skipif(
     any(shutil.which(tool) is None for tool in TOOLS),
     reason=f"not installed: {', '.join(TOOLS)} (see scripts/install_peers.sh)",
@@ -220,13 +221,13 @@ def test_rosbag_filter_reads_every_compression(
 
 
 @needs_our_messages
-@pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
+@pytest.mark.parametrize("compression", PACKED)
 def test_rosbag_check_wants_nothing_of_packed_bags(packed: dict[Compression, Path], compression: Compression) -> None:
     assert run("rosbag", "check", str(packed[compression])).strip() == "Bag file does not need any migrations."
 
 
 @needs_ros
-@pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
+@pytest.mark.parametrize("compression", PACKED)
 def test_rosbag_packs_our_bags_and_unpacks_them(
     tmp_path: Path, packed: dict[Compression, Path], compression: Compression
 ) -> None:
@@ -242,7 +243,7 @@ def test_rosbag_packs_our_bags_and_unpacks_them(
 
 
 @needs_ros
-@pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
+@pytest.mark.parametrize("compression", PACKED)
 def test_we_recover_of_a_packed_bag_all_that_rosbag_recovers(
     tmp_path: Path, packed: dict[Compression, Path], compression: Compression
 ) -> None:

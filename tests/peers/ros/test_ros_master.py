@@ -188,6 +188,7 @@ def test_a_node_of_the_same_name_takes_over_and_its_subscribers_go_on(graph):
             eventually(lambda: '"third"' in echo.text, "the third to be heard")
 
 
+@pytest.mark.slow
 def test_recording_and_playing(graph):
     """rosbag's record and play are C++ nodes."""
     with graph.talker("/tape"):
@@ -215,6 +216,7 @@ def test_roswtf_finds_nothing_wrong_with_the_graph(graph):
     assert "graph rules" in online and "ERROR" not in online
 
 
+@pytest.mark.slow
 def test_what_nodes_log_is_said_again_on_one_topic(graph):
     with graph.running("rostopic", "echo", "/rosout_agg/msg") as echo, graph.running(PYTHON, "-c", LOGGER):
         eventually(lambda: "mind the gap" in echo.text, "the warning")

@@ -127,6 +127,7 @@ def test_a_figure_is_of_one_game(games: tuple[Report, ...], bag: Path) -> None:
     assert thbridge(bag.parent, *asked, "--game", "2").returncode == 0
 
 
+@pytest.mark.slow
 def test_runs_are_compared_game_by_game(games: tuple[Report, ...], bag: Path) -> None:
     done = thbridge(bag.parent, "replay", bag.name, "--json", "--with", "game.identify_cost=2")
     told = json.loads(done.stdout)

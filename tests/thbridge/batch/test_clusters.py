@@ -116,7 +116,8 @@ def test_nobody_answers_for_dask(monkeypatch: pytest.MonkeyPatch) -> None:
         DaskEngine("tcp://127.0.0.1:9")
 
 
-@pytest.mark.parametrize("again", [0, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("again", [0, 4])
 def test_jobs_play_the_same_games(again: int, whole: Path, tmp_path: Path) -> None:
     """Games that are played again go to other jobs, after all of the first."""
     design = FEW if again else FEW.replace("verify: 1", "verify: 0")

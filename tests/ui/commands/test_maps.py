@@ -52,6 +52,7 @@ def maps(*words: object) -> Result:
     return CliRunner().invoke(app, ["maps", *map(str, words)])
 
 
+@pytest.mark.slow
 def test_a_new_map_is_measured_by_a_study_that_does_not_fit_it_and_then_plays(here: Path) -> None:
     (here / "study.yaml").write_text("robots: 3\nmap: office\ntemplates: ./none\neach:\n  2: {}\n")
     measure = ("measure", "two", "study.yaml", "--runs", 1, "--out")
