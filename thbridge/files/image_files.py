@@ -51,7 +51,8 @@ def read_image(path: Path) -> NDArray[np.uint8]:
             return np.asarray(image.convert(mode), dtype=np.uint8)
     except (UnidentifiedImageError, Image.DecompressionBombError):
         raise BadFile(path, "not a picture that can be read", "Save it as PGM or PNG") from None
-    except (OSError, SyntaxError, ValueError) as error:
+    # Pillow raises whatever comes of a wrong tag, such as a place that is a float.
+    except (OSError, SyntaxError, ValueError, TypeError, LookupError, ArithmeticError) as error:
         raise BadFile(path, f"the picture is damaged ({error})", "Save it anew as PGM or PNG") from None
 
 
