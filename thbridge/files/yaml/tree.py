@@ -2,7 +2,6 @@
 
 import dataclasses
 from dataclasses import dataclass, field
-from functools import lru_cache
 from pathlib import Path
 
 from ruamel.yaml import YAML
@@ -70,9 +69,8 @@ class Section:
 Node = Scalar | Listing | Section
 
 
-@lru_cache(maxsize=32)
 def parse(path: Path, text: str, ros: bool = False) -> Node:
-    """The tree of one YAML document; an empty text gives an empty section. Nobody may change it: it is kept.
+    """The tree of one YAML document; an empty text gives an empty section.
 
     Args:
         path: the file, for faults.
