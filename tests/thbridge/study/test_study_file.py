@@ -339,11 +339,19 @@ class TestFiles:
         with pytest.raises(BadFile, match="cannot be read"):
             load_study(tmp_path)
 
-    def test_another_encoding(self, tmp_path: Path) -> None:
-        path = tmp_path / "latin.yaml"
-        path.write_bytes("seed: 1\nmap: größe\n".encode("latin-1"))
-        with pytest.raises(BadFile, match=r"line 2: byte 0xf6 is not UTF-8. Save the file with the encoding UTF-8"):
+    @pytest.mark.parametrize(
+        ("encoding", "told"),
+        [
+            ("latin-1", "line 2: byte 0xf6 is not UTF-8; it was probably saved as Latin-1. Save the file"),
+            ("utf-16", "line 1: byte 0xff is not UTF-8; it was probably saved as UTF-16. Save the file"),
+        ],
+    )
+    def test_another_encoding(self, tmp_path: Path, encoding: str, told: str) -> None:
+        path = tmp_path / "other.yaml"
+        path.write_bytes("seed: 1\nmap: größe\n".encode(encoding))
+        with pytest.raises(BadFile) as refused:
             load_study(path)
+        assert told in str(refused.value)
 
     def test_a_byte_order_mark_and_windows_line_ends_do_no_harm(self, tmp_path: Path) -> None:
         path = tmp_path / "windows.yaml"
