@@ -38,18 +38,27 @@ class Party:
         return {file.name: (data := file.read_bytes())[: data.rfind(b"\n") + 1] for file in files}
 
     def wait_for_events(self, count: int) -> dict[str, bytes]:
-        """Wait until so many more events are in the journals; whoever has played a game to its end plays another."""
-        before = sum(text.count(b"\n") for text in self.journals.values())
+        """Wait until so many more events are in the journals, or until the game ends.
+
+        A server begins no other game by itself once one has ended; after it is started again it does. Whoever has
+        played a game to its end plays another.
+        """
+        before = self._events
 
         def more() -> bool:
             for number, program in enumerate(self.others):
                 if program.process.poll() is not None:
                     program.close()
                     self.others[number] = program.again()
-            return sum(text.count(b"\n") for text in self.journals.values()) >= before + count
+            came = len(self._events) - len(before)
+            return came >= count or (came > 0 and b'"event":"ended"' in self._events[-1])
 
         until("events", more, self.programs)
         return self.journals
+
+    @property
+    def _events(self) -> list[bytes]:
+        return [line for text in self.journals.values() for line in text.splitlines()]
 
     def close(self) -> None:
         for program in self.programs:
