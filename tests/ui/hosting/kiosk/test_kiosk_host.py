@@ -3,10 +3,12 @@
 import hashlib
 import itertools
 from collections.abc import Callable, Iterable
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
+from tests.system.small_disk import SmallDisk, why_not
 from tests.ui.hosting.kiosk.laboratory import KilledError, Laboratory, Person, headings
 from thbridge.experiment.progress import EventKind, RunState
 from thbridge.files.errors import BadFile
@@ -296,6 +298,33 @@ def test_a_window_whose_program_ends_in_the_middle_of_a_run_stays_and_says_why(l
     laboratory.games.during = lambda: None
     laboratory.run(Person(learns=True), people=0)
     assert not laboratory.window.left_open, "nobody is in the middle of the study"
+
+
+@pytest.mark.parametrize("when", ["Before we begin", "How you feel", "The end"])
+def test_on_a_full_disk_people_are_told_and_no_answer_is_lost(when: str, tmp_path: Path) -> None:
+    if (reason := why_not()) is not None:
+        pytest.skip(reason)
+    (tmp_path / "whole").mkdir()
+    whole = Laboratory(tmp_path / "whole")
+    whole.run(Person(learns=True))
+    with SmallDisk(tmp_path / "disk", 16 << 20) as disk, ExitStack() as filled:
+        laboratory = Laboratory(disk.folder)
+
+        def fill(page: ToKiosk) -> None:
+            if isinstance(page, FormToFill) and page.title == when:
+                filled.enter_context(disk.full())
+
+        person = Person(learns=True, does=fill)
+        with pytest.raises(BadFile, match=r"log: cannot be written \(No space left on device\)"):
+            laboratory.run(person)
+        assert person.seen[-1] == HostStops(words.FAILED, words.FAILED_TEXT)
+        told = laboratory.events
+        filled.close()
+        person.does = lambda page: None
+        laboratory.run(person, people=0)
+        assert laboratory.events[: len(told)] == told
+        assert outline(laboratory) == outline(whole)
+        assert [run.state for run in laboratory.people] == [RunState.COMPLETE]
 
 
 def test_a_person_who_stops_is_let_go(tmp_path: Path) -> None:

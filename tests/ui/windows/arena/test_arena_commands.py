@@ -1,3 +1,4 @@
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,6 +9,7 @@ from PySide6.QtWidgets import QApplication, QLineEdit
 from pytestqt.qtbot import QtBot
 from typer.testing import CliRunner
 
+from tests.system.small_disk import SmallDisk, why_not
 from tests.ui.model.test_arena_draft import FOUND, GRID
 from thbridge.files.map_files import check_map, read_map, write_grid, write_rooms
 from ui.cli import app
@@ -101,3 +103,33 @@ def test_what_is_drawn_is_written_when_it_is_saved_and_not_before(qtbot: QtBot, 
     assert done.exit_code == 0, done.stderr
     assert len(read_map(Path("mine")).rooms) == 4
     assert check_map(Path("mine")).findings == ()
+
+
+@pytest.mark.parametrize("full", [True, False], ids=["full", "read-only"])
+def test_what_has_no_room_is_told_and_stays_drawn(qtbot: QtBot, folder: Path, full: bool) -> None:
+    if (reason := why_not()) is not None:
+        pytest.skip(reason)
+    told = []
+
+    def save_without_room(window: ArenaWindow) -> None:
+        window.list.setCurrentRow(0)
+        qtbot.keyClick(window, Qt.Key.Key_Delete)
+        with disk.full() if full else disk.read_only():
+            qtbot.keyClick(window, Qt.Key.Key_S, CONTROL)
+            told.append((window.pointer.refusal, window.isWindowModified(), files()))
+        qtbot.keyClick(window, Qt.Key.Key_S, CONTROL)
+        told.append((window.pointer.refusal, window.isWindowModified(), {}))
+
+    def files() -> dict[Path, bytes]:
+        return {path: path.read_bytes() for path in mine.iterdir()}
+
+    with SmallDisk(folder.parent / "disk", 16 << 20) as disk:
+        mine = Path(shutil.copytree(folder, disk.folder / "mine"))
+        before = files()
+        done = run(save_without_room, "edit", str(mine))
+        assert [room.name for room in read_map(mine).rooms] == ["Middle", "East"]
+    why = "No space left on device" if full else "Read-only file system"
+    assert told[0][0].startswith(f"{mine / 'rooms.yaml'}: it cannot be written ({why}).")
+    assert told[0][1:] == (True, before)
+    assert told[1][:2] == ("", False)
+    assert done.exit_code == 0, done.stderr
