@@ -7,6 +7,7 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign, read_ex
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import LogEntry
 from thbridge.experiment.store.known_folders import KnownFolders
+from thbridge.files.disk.inside import path_inside, relative_inside
 from thbridge.files.errors import BadFile
 
 EXPERIMENT = "experiment.yaml"
@@ -56,13 +57,42 @@ class ExperimentFolder:
         """The folder of recordings; in it, each person has one of their own."""
         return self.root / RECORDINGS
 
+    def recordings_of(self, participant: str) -> Path:
+        """Return the folder of a participant's recordings.
+
+        Raises:
+            BadFile: the id is no name of a folder; see `path_inside`.
+        """
+        return path_inside(self.recordings, participant)
+
     def bag(self, participant: str, step: int) -> Path:
-        """The recording of a trial."""
-        return self.recordings / participant / f"step-{step}.bag"
+        """Return the recording of a trial.
+
+        Raises:
+            BadFile: the id is no name of a folder; see `path_inside`.
+        """
+        return path_inside(self.recordings, participant, f"step-{step}.bag")
+
+    def bag_named(self, name: object) -> Path:
+        """Return a recording by the path that an event of the log has of it, relative to the study's folder.
+
+        Raises:
+            BadFile: it is no path of a recording; see `relative_inside`.
+        """
+        # The folder of the recordings may be a link to another disk.
+        folder, slash, path = name.partition("/") if isinstance(name, str) else ("", "", "")
+        if folder != RECORDINGS or not slash:
+            problem = "an event names this as a recording, which is in no folder of recordings"
+            raise BadFile(self.log, problem, "Bring the log back from a backup", key=repr(name))
+        return relative_inside(self.recordings, path)
 
     def export(self, name: str) -> Path:
-        """An export."""
-        return self.root / EXPORTS / name
+        """Return the folder of an export.
+
+        Raises:
+            BadFile: it is no name of a folder; see `path_inside`.
+        """
+        return path_inside(self.root / EXPORTS, name)
 
     def read(self, *, with_files: bool = False) -> ExperimentDesign:
         """Read the experiment; `with_files` as for `read_experiment`.

@@ -1,0 +1,57 @@
+"""Paths inside a folder, made from names that a person, a file or another program supplied."""
+
+import os
+from pathlib import Path
+
+from thbridge.files.errors import BadFile, visible
+
+LONGEST_NAME = 200
+"""Longest name, in bytes of UTF-8; file systems take 255, and files have suffixes, above all while they are written."""
+
+_REMEDY = f"Give a name of 1 to {LONGEST_NAME} bytes, without slashes, backslashes and control characters"
+
+
+def path_inside(folder: Path, *names: str) -> Path:
+    """Return the path of a file or folder inside a folder.
+
+    Args:
+        folder: the folder, which is trusted; it may itself be reached by a link, and need not exist.
+        names: one name for each level below it, as somebody supplied them.
+
+    Raises:
+        BadFile: a name is empty, blank, `.` or `..`, too long, or has a slash, a backslash or a control character; or
+            a link leads out of the folder.
+    """
+    for name in names:
+        if problem := fault_of_name(name):
+            raise BadFile(folder, problem, _REMEDY, key=repr(name))
+    path = folder.joinpath(*names)
+    if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
+        raise BadFile(path, f"a link leads out of {folder}", "Remove the link, or put what it leads to in its place")
+    return path
+
+
+def relative_inside(folder: Path, path: str) -> Path:
+    """Return the path of a file or folder inside a folder, from a relative path with a slash between names.
+
+    Raises:
+        BadFile: the path is absolute, or `path_inside` refuses one of its names.
+    """
+    if path.startswith("/"):
+        raise BadFile(folder, "this is an absolute path", f"Give a path inside {folder}", key=repr(path))
+    return path_inside(folder, *path.split("/"))
+
+
+def fault_of_name(name: str) -> str:
+    """Return what is wrong with a name of one file or folder, as a clause; empty if nothing is."""
+    if not name.strip():
+        return "this name is empty" if not name else "this name has only blanks"
+    if name in (".", ".."):
+        return "this name leads to another folder"
+    if visible(name) != name:
+        return "this name has a control character"
+    if "/" in name or "\\" in name:
+        return "this name has a slash or a backslash"
+    if (size := len(name.encode())) > LONGEST_NAME:
+        return f"this name has {size} bytes, {LONGEST_NAME} are allowed"
+    return ""
