@@ -82,6 +82,26 @@ def test_a_study_with_people_goes_on_where_it_was(study: Path, tmp_path: Path, m
     assert people[0] not in (tmp_path / "tables" / "manifest.json").read_text()
 
 
+def test_groups_go_on_where_they_were(old: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    study = old / "groups"
+    assert "no faults" in thbridge("study", "check", study)
+    assert "P-K2YEQ" in thbridge("study", "status", study)
+    for name, instead in (
+        ("WindowProcess", lambda *_: WindowOfTwo(people=3)),
+        ("StudyGames", RehearsedGames),
+        ("why_no_window", lambda: None),
+    ):
+        monkeypatch.setattr(f"ui.actions.study_run.{name}", instead)
+    thbridge("study", "run", study)
+    thbridge("study", "export", study, "--to", tmp_path / "tables")
+    people = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet").set_index("participant")
+    ended = {"P-6MXVT": "complete", "P-EV85H": "declined", "P-2YWEF": "excluded", "P-NTT2R": "left"}
+    assert people.state[list(ended)].to_dict() == ended
+    assert people.state[["P-GASV9", "P-K2YEQ"]].tolist() == ["complete"] * 2
+    trials = pd.read_parquet(tmp_path / "tables" / "tables" / "trials.parquet")
+    assert trials[trials.participant == "P-GASV9"].score.count() == 2
+
+
 @pytest.mark.parametrize(
     ("was", "now", "told"),
     [
