@@ -1,7 +1,8 @@
 """The file of a study with people while it is edited, by the same form as a study file."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.tree import Section, parse
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.study.study_file import Study, StudyFile
-from ui.model.study_form.draft import HEADER, StudyDraft, draft_of
+from ui.model.study_form.draft import HEADER, StudyDraft, draft_of, search_fields
 from ui.model.study_form.form import FieldKind, FormField, FormGroup, RepeatKind, form_of
 
 _HEADER = "# A study with people: what differs between conditions, how many people, and what each goes through.\n"
@@ -59,8 +60,35 @@ class ExperimentDraft(StudyDraft):
 @cache
 def study_fields() -> Mapping[str, FormField]:
     """The keys of studies, for factors, each with its field."""
-    form = form_of("", Section(1, []), StudyFile.of(Study()))
-    return {field.key: field for field in form.all_fields()}
+    return {field.key: field for field in _study_form().all_fields()}
+
+
+@cache
+def _study_form() -> FormGroup:
+    """The form of an empty study."""
+    return form_of("", Section(1, []), StudyFile.of(Study()))
+
+
+def keys_like(words: str, without: Collection[str] = ()) -> tuple[FormField, ...]:
+    """Return the keys of studies for a search, the likeliest first; all of them if the words are empty.
+
+    A key fits if each word occurs in its name, its meaning or its choices. If none fits, those with the most similar
+    names are returned, so that a slip of the keyboard still finds its key.
+
+    Args:
+        words: what to search for.
+        without: keys to leave out.
+    """
+    free = {key: field for key, field in study_fields().items() if key not in without}
+    if not words.strip():
+        return tuple(free.values())
+    found = [field for field in search_fields(_study_form(), words) if field.key in free]
+    if found:
+        return tuple(found)
+    last = {key.rpartition(".")[2]: key for key in reversed(free)}
+    wanted = "_".join(words.lower().split())
+    close = get_close_matches(wanted.rpartition(".")[2], last, n=5) or get_close_matches(wanted, free, n=5)
+    return tuple(free[last.get(name, name)] for name in close)
 
 
 def is_experiment(path: Path) -> bool:

@@ -8,7 +8,6 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt, Slot
 from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QHBoxLayout,
-    QInputDialog,
     QLabel,
     QLineEdit,
     QMainWindow,
@@ -20,12 +19,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.model.study_form.experiment import is_experiment, study_fields
+from ui.model.study_form.experiment import is_experiment
 from ui.model.study_form.form import FieldKind, RepeatKind
 from ui.windows.editing.changes import ChangesPage
 from ui.windows.editing.faults import FaultList
 from ui.windows.look import GAP, FoldingRow, follow_text, label, open_within_screen, px, spaced, style_as_panel
 from ui.windows.study.editor import StudyEditor
+from ui.windows.study.key_chooser import KeyChooser
 from ui.windows.study.noise_page import NoisePage, NoiseView
 from ui.windows.study.pages import FieldsPage, TextPage
 from ui.windows.study.sections import NOISE, SectionTree
@@ -230,11 +230,8 @@ class StudyWindow(QMainWindow):
 
     def _add_key(self, key: str) -> None:
         """Ask which key to add to a section, and add it."""
-        group = self.editor.draft.groups()[key]
-        free = [name for name in study_fields() if name not in {field.label for field in group.fields}]
-        words = f"{group.label}: a key of studies, chosen or typed; or a name of your own"
-        name, yes = QInputDialog.getItem(self, "Add a key", words, free, 0, True)
-        if yes and (name := name.strip().replace('"', "")):
+        chooser = KeyChooser(self.editor.draft.groups()[key], self)
+        if chooser.exec() and (name := chooser.chosen):
             self.editor.change(f"+{key}.{name}", lambda draft: draft.add_key(draft.groups()[key], name), at_once=True)
 
     def _move(self, key: str, by: int) -> None:

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QComboBox, QInputDialog, QLabel, QLineEdit, QPushButton
+from PySide6.QtWidgets import QApplication, QComboBox, QLabel, QLineEdit, QPushButton
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.fitting import SIZES, misfits, settle
@@ -15,6 +15,7 @@ from tests.ui.windows.study.test_study_window import leave, opened
 from tests.ui.windows.walking import nameless
 from thbridge.experiment.folder import EXAMPLE
 from ui.windows.study import StudyWindow
+from ui.windows.study.key_chooser import KeyChooser
 
 
 @pytest.fixture
@@ -106,10 +107,9 @@ def test_a_factor_is_chosen_among_the_keys_of_studies(window: StudyWindow, qtbot
 
     def answer() -> None:
         box = QApplication.activeModalWidget()
-        assert isinstance(box, QInputDialog)
-        assert "noise.preset" in box.comboBoxItems()
-        box.setTextValue("noise.preset")
-        box.accept()
+        assert isinstance(box, KeyChooser)
+        QTest.keyClicks(box.search, "noise preset")
+        QTest.keyClick(box.search, Qt.Key.Key_Return)
 
     QTimer.singleShot(0, answer)
     next(each for each in window.fields.findChildren(QPushButton) if each.text().startswith("Add")).click()
@@ -154,3 +154,42 @@ def test_it_fits_and_speaks(window: StudyWindow, qtbot: QtBot) -> None:
             settle()
             assert misfits(window) == [], (section, size)
         assert nameless(window) == []
+
+
+def choosing(window: StudyWindow, words: str) -> KeyChooser:
+    chooser = KeyChooser(window.editor.draft.groups()["between"], window)
+    chooser.search.setText(words)
+    return chooser
+
+
+@pytest.mark.parametrize(
+    ("words", "first"),
+    [
+        ("condition", "dialogue.condition"),
+        ("conditon", "dialogue.condition"),
+        ("game.enrgy", "game.energy"),
+        ("collaborator", "dialogue.condition"),
+    ],
+)
+def test_the_nearest_key_is_offered_first(window: StudyWindow, words: str, first: str) -> None:
+    chooser = choosing(window, words)
+    chooser.accept()
+    assert chooser.chosen == first
+
+
+def test_a_name_of_ones_own_is_chosen_by_its_own_button_alone(window: StudyWindow) -> None:
+    chooser = choosing(window, "zzqx 9")
+    chooser.accept()
+    assert chooser.chosen == ""
+    assert not chooser.add.isEnabled()
+    chooser.own.click()
+    assert chooser.chosen == "zzqx 9"
+    base = KeyChooser(window.editor.draft.groups()["base"], window)
+    base.search.setText("zzqx")
+    assert base.own.isHidden()
+
+
+def test_keys_that_are_there_are_not_offered_again(window: StudyWindow) -> None:
+    within = KeyChooser(window.editor.draft.groups()["within"], window)
+    within.search.setText("dialogue.condition")
+    assert "dialogue.condition" not in [within.list.item(row).data(256) for row in range(within.list.count())]

@@ -1,0 +1,104 @@
+"""Dialog that chooses a key of studies, as a factor or for all games: a search line over a list."""
+
+from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLineEdit, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
+
+from ui.model.study_form.experiment import keys_like
+from ui.model.study_form.form import FormGroup
+from ui.windows.look import GAP, follow_text, label, px, spaced
+from ui.windows.words_of_others import shown
+
+_TO_LIST = frozenset({Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown})
+"""Keys pressed in the search line that move in the list."""
+
+
+class KeyChooser(QDialog):
+    """Dialog that chooses a key for a section of the file of a study with people.
+
+    Args:
+        group: the section; keys that it has already are not offered.
+        parent: the window.
+
+    Attributes:
+        chosen: the key, or a name of one's own; empty until one was chosen.
+    """
+
+    def __init__(self, group: FormGroup, parent: QWidget | None) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Add a key")
+        self.chosen = ""
+        self._taken = frozenset(field.label for field in group.fields)
+        self.search = QLineEdit(placeholderText="Find a key by its name or meaning", clearButtonEnabled=True)
+        self.search.setAccessibleName("Find a key by its name or meaning")
+        self.search.textChanged.connect(self._find)
+        self.search.installEventFilter(self)
+        self.list = QListWidget()
+        self.list.setAccessibleName("Keys of studies")
+        self.list.setWordWrap(True)
+        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.list.itemActivated.connect(self.accept)
+        self.list.currentRowChanged.connect(self._allow)
+        self.words = label("", "small", muted=True)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
+        self.add = buttons.addButton("Add", QDialogButtonBox.ButtonRole.AcceptRole)
+        self.own = buttons.addButton("", QDialogButtonBox.ButtonRole.ActionRole)
+        self.own.clicked.connect(self._choose_own)
+        self.own.setVisible(False)
+        self._has_levels = group.key != "base"
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        column = spaced(QVBoxLayout(self), GAP, 2 * GAP)
+        for part in (label(group.label, bold=True), self.search, self.list, self.words, buttons):
+            column.addWidget(part, part is self.list)
+        follow_text(self, lambda it: it.resize(px(520), px(460)))
+        self._find("")
+
+    def accept(self) -> None:
+        """Choose the key selected in the list."""
+        item = self.list.currentItem()
+        if item is not None:
+            self.chosen = item.data(Qt.ItemDataRole.UserRole)
+            super().accept()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Move in the list by the arrow keys while one types."""
+        if event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and event.key() in _TO_LIST:
+            self.list.keyPressEvent(event)
+            return True
+        return super().eventFilter(watched, event)
+
+    def _find(self, words: str) -> None:
+        self.list.clear()
+        found = keys_like(words, self._taken)
+        for field in found:
+            item = QListWidgetItem(shown(f"{field.key}\n{field.help}"))
+            item.setData(Qt.ItemDataRole.UserRole, field.key)
+            self.list.addItem(item)
+        name = _plain(words)
+        is_similar = bool(found) and not any(name.lower() in field.key for field in found)
+        self.words.setText(
+            "No key fits."
+            if not found
+            else "No key has this name. The most similar ones are listed."
+            if name and is_similar
+            else f"{len(found)} keys"
+        )
+        # Only a factor may have a name that is no key: its levels then set several keys each.
+        self.own.setVisible(self._has_levels and bool(name) and all(field.key != name for field in found))
+        self.own.setText(f"Use \u201c{shown(name)}\u201d as a name for levels of several keys")
+        self.list.setCurrentRow(0 if found else -1)
+        self._allow(self.list.currentRow())
+
+    def _allow(self, row: int) -> None:
+        self.add.setEnabled(row >= 0)
+        self.add.setDefault(row >= 0)
+
+    def _choose_own(self) -> None:
+        self.chosen = _plain(self.search.text())
+        super().accept()
+
+
+def _plain(words: str) -> str:
+    """A name as it can stand between quotes in the file."""
+    return words.strip().replace('"', "")
