@@ -12,6 +12,7 @@ from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import ResumeRule, StepKind
 from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, resumes
 from thbridge.experiment.questionnaires.form import Form
+from thbridge.experiment.questionnaires.scoring import is_right
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import Actor, Clocks, JsonValue, LogEntry, LoggedEvent, NewEvent
 
@@ -146,10 +147,11 @@ class Conductor:
         return self._design.forms[step.index]
 
     def _passed(self, participant: str, step: PlannedStep) -> bool:
-        given = self.progress.runs[participant].given
-        asked = [item for item in self.form(step).items if item.correct is not None]
-        right = sum(given.get(item.id) == item.correct for item in asked)
-        return right >= (len(asked) if step.entry.right is None else step.entry.right)
+        run = self.progress.runs[participant]
+        levels = self._design.levels_at(run.place.cell, step.condition)
+        judged = [is_right(item, run.given.get(item.id), levels) for item in self.form(step).items]
+        asked = [right for right in judged if right is not None]
+        return sum(asked) >= (len(asked) if step.entry.right is None else step.entry.right)
 
     def _end(self, participant: str, step: PlannedStep, outcome: StepOutcome) -> None:
         self._of_step(EventKind.STEP_ENDED, "program", participant, step, {"outcome": str(outcome)})

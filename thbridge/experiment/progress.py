@@ -13,6 +13,7 @@ from thbridge.experiment.allocation.places import NoPlace, Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep, plan_of
 from thbridge.experiment.design.steps import Failed, ResumeRule, StepKind
+from thbridge.experiment.questionnaires.form import Item
 from thbridge.experiment.store.events import JsonValue, LogEntry, LoggedEvent, NewEvent
 from thbridge.files.errors import BadFile
 
@@ -26,7 +27,7 @@ class EventKind(StrEnum):
     STEP_RESUMED = "step-resumed"
     """A program went on with a step that another one had begun."""
     ITEM_SHOWN = "item-shown"
-    """Data: item."""
+    """Data: item, and options, the answers of a choice in the order shown, where it differs between participants."""
     ITEM_TOUCHED = "item-touched"
     """A person has begun to answer an item. Data: item."""
     ITEM_CHANGED = "item-changed"
@@ -322,6 +323,15 @@ def _repeated(plan: tuple[PlannedStep, ...], check: PlannedStep) -> int:
     """Number of the step from which a failed check is repeated: the last of its name before it, or the check itself."""
     named = (step.number for step in reversed(plan[: check.number]) if step.name == check.entry.repeat)
     return next(named, check.number)
+
+
+def options_shown(item: Item) -> dict[str, JsonValue]:
+    """Return what an `ITEM_SHOWN` says of the order of answers; nothing where all participants see the same order.
+
+    Args:
+        item: as the participant sees it.
+    """
+    return {"options": list(item.options)} if item.shuffle else {}
 
 
 def resumes(run: Run, step: PlannedStep) -> ResumeRule:

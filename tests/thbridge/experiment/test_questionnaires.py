@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from thbridge.experiment.questionnaires.form import SHIPPED, Form, Item, Scale, Scoring, read_form
-from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE, reliability_of, scores_of
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE, is_right, reliability_of, scores_of
 from thbridge.files.errors import BadFile
 
 FORMS = sorted(SHIPPED.glob("*.yaml"))
@@ -48,6 +48,42 @@ def test_items_come_in_an_order_of_each_persons_own_and_always_the_same() -> Non
     assert orders["P-AAAA"] != orders["P-BBBB"]
     assert form.order(1, "P-AAAA") == orders["P-AAAA"]
     assert set(orders["P-AAAA"]) == set(form.items)
+
+
+def test_answers_come_in_an_order_of_each_participants_own_and_pinned_ones_keep_their_place() -> None:
+    options = ("you", "the robots", "both", "chance", "none of these")
+    likert = Item("sure", text="I am sure.", labels=("no", "a bit", "yes"), points=3)
+    who = Item("who", text="Who?", scale=Scale.CHOICE, options=options, shuffle=True, pinned=("none of these",))
+    form = Form("t", items=(who, likert))
+    shown = {person: form.order(1, f"P-{person}") for person in range(200)}
+    assert shown[0] == form.order(1, "P-0")
+    assert form.order(2, "P-0")[0].options != form.order(3, "P-0")[0].options
+    assert all(set(first.options) == set(options) for first, _ in shown.values())
+    assert {first.options[-1] for first, _ in shown.values()} == {"none of these"}
+    assert {other for _, other in shown.values()} == {likert}
+    firsts = [first.options[0] for first, _ in shown.values()]
+    assert all(30 < firsts.count(option) < 70 for option in options[:-1])
+
+
+def test_an_answer_is_right_by_the_condition_in_which_it_is_given() -> None:
+    by = {"dialogue.condition=supervisor": "you", "dialogue.condition=collaborator": "both"}
+    item = Item("who", text="Who?", scale=Scale.CHOICE, options=("you", "both"), correct_by_condition=by)
+    assert is_right(item, "you", {"dialogue.condition": "supervisor"})
+    assert is_right(item, "you", {"dialogue.condition": "collaborator"}) is False
+    assert is_right(item, "you", {"robots": "2"}) is None
+    assert is_right(Item("n", text="n", scale=Scale.NUMBER, correct="3"), 3.0, {})
+    assert is_right(Item("n", text="n", scale=Scale.TEXT, correct="Energy"), " energy ", {})
+
+
+def test_scales_are_never_shuffled(tmp_path: Path) -> None:
+    (tmp_path / "form.yaml").write_text(
+        "title: Mine\nitems:\n  - {id: a, text: a, shuffle: true}\n"
+        "  - {id: b, text: b, scale: choice, options: [x, y], shuffle: true, pinned: [z]}\n"
+    )
+    with pytest.raises(BadFile) as told:
+        read_form(tmp_path / "form.yaml")
+    assert "line 3, items[0].shuffle: the answers of a likert item have one order" in str(told.value)
+    assert "line 4, items[1].pinned: 'z' is none of its answers. Write some of x, y" in str(told.value)
 
 
 def test_all_faults_of_a_form_are_told_with_their_lines(tmp_path: Path) -> None:

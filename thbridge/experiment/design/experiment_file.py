@@ -142,6 +142,14 @@ class ExperimentDesign:
         file = self.file
         return Allocation(len(self.cells), len(self.orders), file.quota, file.seed, file.in_block)
 
+    def levels_at(self, cell: int, condition: int | None) -> Mapping[str, str]:
+        """Return the level of each factor that a participant of a cell meets in a step.
+
+        Factors within people are left out of steps that belong to no condition.
+        """
+        within = {} if condition is None else self.conditions[condition].levels
+        return {**self.cells[cell].levels, **within}
+
 
 def read_experiment(path: Path, *, with_files: bool = False) -> ExperimentDesign:
     """Read an experiment; every condition's study is read, and every form.
@@ -244,7 +252,7 @@ def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry) -> Form:
         names = ", ".join(sorted(form.stem for form in SHIPPED.glob("*.yaml")))
         raise loaded.fault(f"steps[{index}].form", f"there is no form {entry.form}", f"Name a file, or one of {names}")
     form = read_form(path).value
-    if entry.step is StepKind.CHECK and all(item.correct is None for item in form.items):
+    if entry.step is StepKind.CHECK and not any(item.is_checked for item in form.items):
         remedy = "Write `correct` at one of its items at least"
         raise BadFile(path, "a check needs right answers", remedy, key="items")
     return form

@@ -4,6 +4,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
 
 from sim.numerics import noise
 from sim.parameters import param
@@ -14,6 +17,7 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 from thbridge.study.overrides import over
 
 SHIPPED = Path(__file__).parent / "forms"
+T = TypeVar("T")
 
 
 class Scale(StrEnum):
@@ -52,11 +56,20 @@ class Item:
     unit: str = param("", "unit of a number")
     options: tuple[str, ...] = param((), "answers of a choice")
     several: bool = param(default=False, help="whether several of them may be chosen")
+    shuffle: bool = param(default=False, help="whether the answers of a choice come in a random order per participant")
+    pinned: tuple[str, ...] = param(
+        (), "answers of a choice that keep their place when the others are shuffled, such as 'none of these'"
+    )
     required: bool = param(default=True, help="whether it has to be answered before the next page")
     not_applicable: bool = param(default=False, help="whether it may be answered as not applicable")
     subscale: str = param("", "name of the score that it belongs to; none: it is not scored")
     reverse: bool = param(default=False, help="whether a high answer makes a low score")
     correct: str | None = param(None, "of a check: the only right answer")
+    correct_by_condition: Mapping[str, str] = field(
+        default_factory=dict,
+        hash=False,
+        metadata={"help": "of a check: the right answer at each level of one factor: {FACTOR=LEVEL: ANSWER}"},
+    )
 
     @property
     def least(self) -> float:
@@ -74,6 +87,23 @@ class Item:
         if self.labels:
             return self.labels
         return (self.low, *("" for _ in range(self.points - 2)), self.high)
+
+    @property
+    def is_checked(self) -> bool:
+        """True for an item of a check that has a right answer, if only in some conditions."""
+        return self.correct is not None or bool(self.correct_by_condition)
+
+    def correct_at(self, levels: Mapping[str, str]) -> str | None:
+        """Return the right answer as the form has it; None where no answer is right or wrong.
+
+        Args:
+            levels: the level of each factor that the participant meets.
+        """
+        for key, answer in self.correct_by_condition.items():
+            factor, _, level = key.partition("=")
+            if levels.get(factor) == level:
+                return answer
+        return self.correct
 
 
 class Scoring(StrEnum):
@@ -105,12 +135,18 @@ class Form:
         return {name: tuple(item for item in self.items if item.subscale == name) for name in names}
 
     def order(self, seed: int, participant: str) -> tuple[Item, ...]:
-        """Return the items in the order in which this person sees them."""
+        """Return the items, and the answers of choices, in the order in which this participant sees them."""
+        items = tuple(self._with_options_in_order(item, seed, participant) for item in self.items)
         if not self.shuffle:
-            return self.items
-        stream = noise.key(seed, "experiment", "items", self.title, participant)
-        drawn = [(noise.uniform(stream, 0, index), index) for index in range(len(self.items))]
-        return tuple(self.items[index] for _, index in sorted(drawn))
+            return items
+        return _drawn(items, noise.key(seed, "experiment", "items", self.title, participant))
+
+    def _with_options_in_order(self, item: Item, seed: int, participant: str) -> Item:
+        if not item.shuffle:
+            return item
+        stream = noise.key(seed, "experiment", "options", self.title, item.id, participant)
+        drawn = iter(_drawn(tuple(option for option in item.options if option not in item.pinned), stream))
+        return replace(item, options=tuple(each if each in item.pinned else next(drawn) for each in item.options))
 
     def pages(self, seed: int, participant: str) -> Iterator[tuple[Item, ...]]:
         """Yield the items of each page."""
@@ -118,6 +154,12 @@ class Form:
         size = self.page or len(items) or 1
         for begin in range(0, len(items), size):
             yield items[begin : begin + size]
+
+
+def _drawn(values: tuple[T, ...], stream: np.uint64) -> tuple[T, ...]:
+    """Return values in a random order."""
+    drawn = [(noise.uniform(stream, 0, index), index) for index in range(len(values))]
+    return tuple(values[index] for _, index in sorted(drawn))
 
 
 def read_form(path: Path) -> Loaded[Form]:
@@ -173,6 +215,11 @@ def _problems(form: Form) -> Iterator[tuple[str, str, str]]:
             yield key, "a differential needs its two words", "Write low and high"
         if item.scale is Scale.CHOICE and len(set(item.options)) < 2:
             yield f"{key}.options", "a choice needs different answers", "Write at least two"
+        if item.shuffle and item.scale is not Scale.CHOICE:
+            problem = f"the answers of a {item.scale} item have one order"
+            yield f"{key}.shuffle", problem, "Take the line away; the form's own key `shuffle` orders its items"
+        if lost := next((answer for answer in item.pinned if answer not in item.options), None):
+            yield f"{key}.pinned", f"{lost!r} is none of its answers", f"Write some of {', '.join(item.options)}"
         if not item.minimum < item.maximum:
             yield f"{key}.minimum", "is not below the maximum", "Swap the two"
         if item.subscale and item.scale not in MEASURED | {Scale.NUMBER}:

@@ -7,13 +7,39 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.numerics.float_array import FloatArray
-from thbridge.experiment.questionnaires.form import Form, Item, Scoring
+from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale, Scoring
 
 NOT_APPLICABLE = "not applicable"
 """Answer of its own, apart from one that is missing."""
 
 Answer = float | str | tuple[str, ...]
 """Answer to one item: a number, text, one option, or several."""
+
+
+def right_answer(item: Item, levels: Mapping[str, str]) -> Answer | None:
+    """Return the right answer to an item of a check, as an answer is stored; None where none is right or wrong.
+
+    Args:
+        item: of a form.
+        levels: the level of each factor that the participant meets.
+    """
+    correct = item.correct_at(levels)
+    if correct is None or item.scale not in {*MEASURED, Scale.NUMBER}:
+        return correct
+    try:
+        return float(correct)
+    except ValueError:
+        return None
+
+
+def is_right(item: Item, answer: object, levels: Mapping[str, str]) -> bool | None:
+    """Return whether an answer is the right one; None where none is right or wrong. Text may differ in case."""
+    right = right_answer(item, levels)
+    if right is None:
+        return None
+    if item.scale is Scale.TEXT and isinstance(answer, str) and isinstance(right, str):
+        return answer.strip().casefold() == right.strip().casefold()
+    return answer == right
 
 
 def keyed(item: Item, answer: Answer | None) -> float:

@@ -13,7 +13,7 @@ from sim.parameters import param
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.questionnaires.form import MEASURED, Item, Scale
-from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE, right_answer
 from thbridge.experiment.store.events import JsonValue
 from thbridge.files.errors import FaultCollection
 from thbridge.files.yaml.load import Loaded, load
@@ -74,8 +74,9 @@ class SimulatedPeople:
             draw: chance, from 0 up to and without 1.
             normal: chance, mean 0, variance 1.
         """
-        if item.correct is not None and draw() >= self.wrong:
-            return item.correct
+        right = right_answer(item, levels)
+        if right is not None and draw() >= self.wrong:
+            return list(right) if isinstance(right, tuple) else right
         if item.not_applicable and draw() < self.not_applicable:
             return NOT_APPLICABLE
         match item.scale:

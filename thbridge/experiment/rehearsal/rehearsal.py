@@ -1,7 +1,7 @@
 """Rehearsals: simulated people go through a whole experiment, with answers, errors and drop-outs drawn from a seed."""
 
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +16,7 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind, Run, RunState
+from thbridge.experiment.progress import EventKind, Run, RunState, options_shown
 from thbridge.experiment.rehearsal.clock import RehearsalClock
 from thbridge.experiment.rehearsal.people import SimulatedPeople, normal
 from thbridge.experiment.store.event_log import ExperimentLog
@@ -138,12 +138,12 @@ class Rehearsal:
         form = conductor.form(step)
         # People have manners of their own, which they keep from condition to condition.
         manner = normal(noise.key(self._seed, "experiment", "manner", person, step.name))
-        levels = self._levels(conductor.progress.runs[person], step)
+        levels = self._design.levels_at(conductor.progress.runs[person].place.cell, step.condition)
         for item in form.order(self._design.file.seed, person):
             if item.id in conductor.progress.runs[person].given:
                 continue
             named: dict[str, JsonValue] = {"item": item.id}
-            conductor.tell(EventKind.ITEM_SHOWN, person, step, named, "program")
+            conductor.tell(EventKind.ITEM_SHOWN, person, step, {**named, **options_shown(item)}, "program")
             self._clock.advance(60.0 * len(item.text.split()) / self._people.words_per_minute)
             conductor.tell(EventKind.ITEM_TOUCHED, person, step, named, "participant")
             self._clock.advance(self._people.answering * elementary.exp(self._people.hesitation * self._normal()))
@@ -171,11 +171,6 @@ class Rehearsal:
         self._clock.advance(measures.sim_seconds)
         data = played(measures, bag, self._root)
         conductor.tell(EventKind.GAME_PLAYED, person, step, data, "program")
-
-    def _levels(self, run: Run, step: PlannedStep) -> Mapping[str, str]:
-        """The levels of all factors that a person meets in a step."""
-        within = {} if step.condition is None else self._design.conditions[step.condition].levels
-        return {**self._design.cells[run.place.cell].levels, **within}
 
     def _may_crash(self, _event: object) -> None:
         if self._people.crashes > 0.0 and self._draw() < self._people.crashes:

@@ -21,7 +21,7 @@ from thbridge.experiment.conductor import Conductor, unfinished
 from thbridge.experiment.design.experiment_file import ExperimentDesign, WhoBegins
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import ResumeRule, StepKind
-from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, resumes
+from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, options_shown, resumes
 from thbridge.experiment.questionnaires.form import Form, Item
 from thbridge.experiment.store.events import Actor, Clocks, JsonValue
 from thbridge.files.disk.regular_files import content_of
@@ -513,7 +513,7 @@ class KioskHost:
         run, answer = self._run, to_json(news.answer)
         match news.what:
             case "shown":
-                self._tell(EventKind.ITEM_SHOWN, data)
+                self._tell(EventKind.ITEM_SHOWN, {**data, **options_shown(item)})
             case "touched":
                 self._tell(EventKind.ITEM_TOUCHED, data)
             case "pasted":

@@ -10,7 +10,9 @@ import pytest
 
 from tests.system.small_disk import SmallDisk, why_not
 from tests.ui.hosting.kiosk.laboratory import KilledError, Laboratory, Person, headings
+from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.progress import EventKind, RunState
+from thbridge.experiment.store.event_log import read_log
 from thbridge.files.errors import BadFile
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.games import KioskStopped
@@ -428,3 +430,47 @@ def test_a_reason_names_nobody_who_may_withdraw_later(laboratory: Laboratory) ->
     assert laboratory.host is not None
     assert f"Do not name {first}" in (laboratory.host.exclude(second, f"talked with {first}") or "")
     assert RunState.EXCLUDED not in {run.state for run in laboratory.people}
+
+
+BY_CONDITION = """\
+title: Before we begin
+like: {scale: choice, shuffle: true}
+items:
+  - id: who
+    text: Who decides?
+    options: [you, the robots, both, nobody]
+    correct_by_condition: {dialogue.condition=supervisor: you, dialogue.condition=collaborator: both}
+  - {id: played, text: Have you played before?, options: ['yes', 'no', 'I do not know']}
+"""
+
+
+@pytest.mark.parametrize("dies", [None, 5, 6, 8])
+def test_a_check_is_judged_by_its_condition_and_the_order_of_its_answers_is_recorded(
+    tmp_path: Path, dies: int | None
+) -> None:
+    (tmp_path / "consent.txt").write_text("We record what you do.\n")
+    (tmp_path / "by_condition.yaml").write_text(BY_CONDITION)
+    laboratory = Laboratory(
+        tmp_path,
+        "title: x\nseed: 5\nquota: 1\norder: fixed\nwithin: {dialogue.condition: [supervisor, collaborator]}\n"
+        "steps:\n  - {step: consent, text: consent.txt}\n"
+        "  - {step: check, form: by_condition.yaml, attempts: 2, each_condition: true}\n"
+        "  - {step: trial, each_condition: true}\n",
+    )
+    person = Person({"who": "you", "played": "no"})
+    if dies is not None:
+        with pytest.raises(KilledError):
+            laboratory.run(person, dies=dies)
+    laboratory.run(person, people=1 if dies is None else 0)
+    outcomes = [event.data["outcome"] for event in laboratory.events if event.kind == "step-ended"]
+    assert outcomes == ["done", "done", "done", "failed", "failed"]
+    pages = [{item.id: item.options for item in page.items} for page in person.seen if isinstance(page, FormToFill)]
+    assert all(page == pages[0] for page in pages)
+    assert pages[0]["who"] != ("you", "the robots", "both", "nobody")
+    shown = {data["item"]: tuple(data["options"]) for data in laboratory.data("item-shown")}
+    assert shown == pages[0]
+    entries = read_log(tmp_path / "store" / "log")
+    table = next(table for table in tables_of(laboratory.design, entries) if table.name == "answers")
+    rows = [row for row in table.rows if row["item"] == "who"]
+    assert [row["right"] for row in rows] == [True, False, False]
+    assert {row["options_shown"] for row in rows} == {"; ".join(pages[0]["who"])}

@@ -35,6 +35,7 @@ class ItemTimes:
         changes: how often the answer was changed before.
         pasted: characters that were pasted into it.
         answer: the one given; None: none.
+        options: answers of a choice in the order shown; empty where all participants see the same order.
     """
 
     shown: int | None = None
@@ -43,6 +44,7 @@ class ItemTimes:
     changes: int = 0
     pasted: int = 0
     answer: JsonValue = None
+    options: tuple[str, ...] = ()
 
 
 @dataclass(slots=True)
@@ -124,6 +126,7 @@ def _gathered(run: Run, events: Iterable[LoggedEvent]) -> list[Attempt]:
                 attempt.outcome = StepOutcome(str(data["outcome"]))
             case EventKind.ITEM_SHOWN:
                 times.shown = now if times.shown is None else times.shown
+                times.options = tuple(map(str, options)) if isinstance(options := data.get("options"), list) else ()
             case EventKind.ITEM_TOUCHED:
                 times.touched = now if times.touched is None else times.touched
             case EventKind.ITEM_CHANGED:

@@ -24,6 +24,7 @@ from thbridge.experiment.export.families.described import (
 from thbridge.experiment.progress import Run
 from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale, Scoring
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE, Answer, keyed, scores_of
+from thbridge.experiment.questionnaires.scoring import is_right as judged
 from thbridge.experiment.store.events import JsonValue
 
 
@@ -89,7 +90,7 @@ def answers(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exp
         return row.answer if isinstance(row.answer, float) and is_number else None
 
     def is_right(row: _GivenItem) -> bool | None:
-        return None if row.item.correct is None else row.times.answer == row.item.correct
+        return judged(row.item, row.times.answer, design.levels_at(row.run.place.cell, row.attempt.step.condition))
 
     table: TableOf[_GivenItem] = TableOf(
         "answers",
@@ -116,6 +117,12 @@ def answers(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exp
                 lambda row: _known(keyed(row.item, row.answer)) if row.item.subscale else None,
             ),
             flag("right", "of a check: whether the answer is right; none in other steps", is_right),
+            text(
+                "options_shown",
+                "the answers of a choice in the order in which the person saw them, joined by semicolons; none where "
+                "all people see the form's order",
+                lambda row: "; ".join(row.times.options) or None,
+            ),
             seconds(
                 "seen_s",
                 "from the item being shown to its answer",
