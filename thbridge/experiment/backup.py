@@ -3,17 +3,18 @@
 A backup is a study's folder itself, without exports: what can be done with the one can be done with the other.
 """
 
+import os
 import shutil
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from thbridge.experiment.export.manifest import known_exports
-from thbridge.experiment.folder import EXPORTS, STORE, ExperimentFolder
+from thbridge.experiment.folder import EXPORTS, RECORDINGS, STORE, ExperimentFolder
 from thbridge.experiment.progress import EventKind
-from thbridge.experiment.store.event_log import copy_log, read_log
+from thbridge.experiment.store.event_log import copy_log, lock_log, read_log
 from thbridge.experiment.store.events import LogEntry, LoggedEvent
-from thbridge.files.disk.new_file import new_file
-from thbridge.files.disk.synced import make_folder
+from thbridge.files.disk.new_file import UNFINISHED, new_file
+from thbridge.files.disk.synced import make_folder, sync_folder
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.recordings import digest_of
 
@@ -22,15 +23,17 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
     """Write a backup, or bring one up to date; the study's folder keeps where it is.
 
     Of people who are in the log, no recording of the backup is ever deleted; those of others, who withdrew, are.
+    Links that lead out of the study are not followed, except the folder of recordings itself.
 
     Returns:
-        Sentences about recordings that are not in the backup as the log has them.
+        Sentences about what is not in the backup, and about recordings in it that are not as the log has them.
 
     Raises:
-        BadFile: the study's log is damaged, there is something else in the folder, or it cannot be written.
+        BadFile: the study's log is damaged, there is something else in the folder, a program runs the study there, or
+            it cannot be written.
     """
-    copy = ExperimentFolder(to)
-    if to.resolve().is_relative_to(study.root.resolve()):
+    copy, real = ExperimentFolder(to), to.resolve()
+    if any(real.is_relative_to(own.resolve()) for own in (study.root, study.recordings)):
         raise BadFile(to, "it is in the study's own folder, and would be lost with it", "Name another by --to")
     try:
         # A backup that a power cut has ended may have the folder of its log alone.
@@ -38,21 +41,22 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
             raise BadFile(
                 to, "there is something in this folder that is no backup", "Name a new or an empty one by --to"
             )
-        study.backups_known.add(to)
         make_folder(copy.log.parent)
-        copy_log(study.log, copy.log)
-        people = {entry.event.participant for entry in _events(read_log(copy.log))}
-        exports = {*known_exports(study), (study.root / EXPORTS).resolve()}
-        for path in _files(study.root, {(study.root / STORE).resolve(), *exports}):
-            _copy(path, to / path.relative_to(study.root))
-        for folder in copy.recordings.iterdir() if copy.recordings.is_dir() else ():
-            if folder.is_dir() and folder.name not in people:
-                shutil.rmtree(folder)
+        with lock_log(copy.log):
+            study.backups_known.add(to)
+            copy_log(study.log, copy.log)
+            people = {entry.event.participant for entry in _events(read_log(copy.log))}
+            exports = {*known_exports(study), (study.root / EXPORTS).resolve()}
+            without = {(study.root / STORE).resolve(), *exports}
+            left_out = [*_copy_folder(study.root, to, study.root.resolve(), without)]
+            for folder in copy.recordings.iterdir() if copy.recordings.is_dir() else ():
+                if folder.is_dir() and folder.name not in people:
+                    (Path.unlink if folder.is_symlink() else shutil.rmtree)(folder)
+            return (*left_out, *_missing(copy))
     except OSError as error:
         raise BadFile(
             to, f"it cannot be written ({reason_of(error)})", "Make room there, or name another by --to"
         ) from None
-    return tuple(_missing(copy))
 
 
 def holds(backup: ExperimentFolder, participant: str) -> bool:
@@ -62,28 +66,61 @@ def holds(backup: ExperimentFolder, participant: str) -> bool:
         BadFile: its log is damaged.
     """
     own = any(event.event.participant == participant for event in _events(read_log(backup.log)))
-    return own or (backup.recordings / participant).exists()
+    return own or backup.recordings_of(participant).exists()
 
 
 def _events(entries: Iterable[LogEntry]) -> Iterator[LoggedEvent]:
     return (entry for entry in entries if isinstance(entry, LoggedEvent))
 
 
-def _files(folder: Path, without: set[Path]) -> Iterator[Path]:
-    """Yield the files below a folder, but for those in some folders."""
+def _copy_folder(folder: Path, to: Path, within: Path, without: set[Path]) -> Iterator[str]:
+    """Copy the files below a folder, but for those in some folders, and yield sentences about what is left out.
+
+    Args:
+        folder: the folder.
+        to: its copy.
+        within: the resolved folder that links may lead to; they are copied as links.
+        without: resolved folders that are left out.
+    """
     for path in sorted(folder.iterdir()):
-        if path.resolve() in without:
+        other, real = to / path.name, Path(os.path.realpath(path))
+        if real in without or (path.is_symlink() and any(real.is_relative_to(each) for each in without)):
             continue
-        if path.is_dir():
-            yield from _files(path, without)
+        # Recordings are large: their folder may be a link to another disk, on either side.
+        is_recordings = path.name == RECORDINGS and path.is_dir() and folder.resolve() == within
+        if path.is_symlink() and not is_recordings:
+            if not real.is_relative_to(within):
+                yield f"{path} is a link out of the study and is not in the backup. Put what it leads to in its place."
+            elif other.is_dir() and not other.is_symlink():
+                yield f"{path} is a link, and {other} is a folder of the backup. Delete that folder."
+            else:
+                _copy_link(os.path.relpath(real, folder.resolve()), other)
+        elif path.is_dir():
+            if other.is_symlink() and not is_recordings:
+                other.unlink()
+            yield from _copy_folder(path, other, within if real.is_relative_to(within) else real, without)
+        elif path.is_file():
+            _copy(path, other)
         else:
-            yield path
+            yield f"{path} is no file and is not in the backup."
+
+
+def _copy_link(target: str, to: Path) -> None:
+    """Make a link, unless there is this one."""
+    if to.is_symlink() and str(to.readlink()) == target:
+        return
+    make_folder(to.parent)
+    part = to.with_name(to.name + UNFINISHED)
+    part.unlink(missing_ok=True)
+    part.symlink_to(target)
+    part.replace(to)
+    sync_folder(to.parent)
 
 
 def _copy(path: Path, to: Path) -> None:
     """Copy a file whole, unless it was copied before and has not changed since."""
-    now = path.stat()
-    if to.exists() and (to.stat().st_size, to.stat().st_mtime_ns) == (now.st_size, now.st_mtime_ns):
+    now, there = path.stat(), None if to.is_symlink() or not to.exists() else to.stat()
+    if there is not None and (there.st_size, there.st_mtime_ns) == (now.st_size, now.st_mtime_ns):
         return
     make_folder(to.parent)
     with new_file(to, path, overwrite=True) as part:
@@ -96,7 +133,9 @@ def _missing(copy: ExperimentFolder) -> Iterator[str]:
         if entry.event.kind != EventKind.GAME_PLAYED or "bag" not in data:
             continue
         try:
-            if digest_of(copy.root / str(data["bag"])) != data.get("sha256"):
+            if digest_of(copy.bag_named(data["bag"])) != data.get("sha256"):
                 yield f"{data['bag']} is not what was recorded."
+        except BadFile as fault:
+            yield str(fault)
         except OSError:
             yield f"{data['bag']} is missing: neither the study nor the backup has it."

@@ -85,7 +85,7 @@ class ExperimentLog:
         self._salts = salts
         self._synced = synced
         self._unwritten: list[_Row] = []
-        self._lock = _locked(path)
+        self._lock = lock_log(path)
         new = not path.exists()
         if new and _head_path(path).exists():
             raise BadFile(path, "is missing, though its head is there", "bring it back from a backup")
@@ -431,8 +431,12 @@ def _is_just_made(path: Path) -> bool:
         return False
 
 
-def _locked(path: Path) -> IO[bytes]:
-    """Return the open file that keeps other programs from the log; the system lets go of it when this one dies."""
+def lock_log(path: Path) -> IO[bytes]:
+    """Return the open file that keeps other programs from the log; the system lets go of it when this one dies.
+
+    Raises:
+        BadFile: another program has the log open, or the folder cannot be written.
+    """
     try:
         file = path.with_name(path.name + "-lock").open("ab")
     except OSError as error:
