@@ -13,12 +13,12 @@ from pictured.shot import Shot, Story
 from pictured.study import shot
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import EXAMPLE, ExperimentFolder
-from thbridge.experiment.progress import EventKind, Progress
+from thbridge.experiment.progress import Progress
 from thbridge.experiment.rehearsal.clock import RehearsalClock
 from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.rehearsal.rehearsal import Rehearsal
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Clocks, LoggedEvent
+from thbridge.experiment.store.events import Clocks, EventKind, LoggedEvent
 from ui.model.desk.state import ToldToDesk, desk_state
 from ui.windows.desk.questions import ReasonBox
 from ui.windows.desk.window import DeskWindow

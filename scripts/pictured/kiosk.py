@@ -9,8 +9,9 @@ from pictured.shot import Shot, Story
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import EXAMPLE
-from thbridge.experiment.progress import Run, RunState
+from thbridge.experiment.progress import Run
 from thbridge.experiment.questionnaires.form import SHIPPED, read_form
+from thbridge.experiment.store.events import RunState
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.answers import form_item
 from ui.model.kiosk import (

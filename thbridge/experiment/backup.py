@@ -10,9 +10,8 @@ from pathlib import Path
 
 from thbridge.experiment.export.manifest import known_exports
 from thbridge.experiment.folder import EXPORTS, RECORDINGS, STORE, ExperimentFolder
-from thbridge.experiment.progress import EventKind
 from thbridge.experiment.store.event_log import copy_log, lock_log, read_log
-from thbridge.experiment.store.events import LogEntry, LoggedEvent
+from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent
 from thbridge.files.disk.new_file import UNFINISHED, new_file
 from thbridge.files.disk.synced import make_folder, sync_folder
 from thbridge.files.errors import BadFile, reason_of

@@ -10,11 +10,21 @@ from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import ResumeRule, StepKind
-from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, resumes
+from thbridge.experiment.progress import Progress, Run, resumes
 from thbridge.experiment.questionnaires.form import Form
 from thbridge.experiment.questionnaires.scoring import is_right
 from thbridge.experiment.store.event_log import ExperimentLog
-from thbridge.experiment.store.events import Actor, Clocks, JsonValue, LogEntry, LoggedEvent, NewEvent
+from thbridge.experiment.store.events import (
+    Actor,
+    Clocks,
+    EventKind,
+    JsonValue,
+    LogEntry,
+    LoggedEvent,
+    NewEvent,
+    RunState,
+    StepOutcome,
+)
 
 LETTERS = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
 """Letters and digits of ids and codes: none that looks like another."""

@@ -6,7 +6,6 @@ It is nothing but the fold of the log's events: a program that comes back after 
 import dataclasses
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from enum import StrEnum
 from pathlib import Path
 
 from thbridge.experiment.allocation.places import NoPlace, Place
@@ -14,81 +13,16 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep, plan_of
 from thbridge.experiment.design.steps import Failed, ResumeRule, StepKind
 from thbridge.experiment.questionnaires.form import Item
-from thbridge.experiment.store.events import JsonValue, LogEntry, LoggedEvent, NewEvent
+from thbridge.experiment.store.events import (
+    EventKind,
+    JsonValue,
+    LogEntry,
+    LoggedEvent,
+    NewEvent,
+    RunState,
+    StepOutcome,
+)
 from thbridge.files.errors import BadFile
-
-
-class EventKind(StrEnum):
-    """Kinds of events by which a run goes on; there are others."""
-
-    RUN_BEGUN = "run-begun"
-    """Data: place."""
-    STEP_BEGUN = "step-begun"
-    STEP_RESUMED = "step-resumed"
-    """A program went on with a step that another one had begun."""
-    ITEM_SHOWN = "item-shown"
-    """Data: item, and options, the answers of a choice in the order shown, where it differs between participants."""
-    ITEM_TOUCHED = "item-touched"
-    """A person has begun to answer an item. Data: item."""
-    ITEM_CHANGED = "item-changed"
-    """Data: item, answer."""
-    ITEM_GIVEN = "item-given"
-    """An answer is final for now: the person went on from it. Data: item, answer."""
-    WENT_BACK = "went-back"
-    """A person has gone back to an earlier page of the form that they fill in. Data: page, its number from 1."""
-    GAME_PLAYED = "game-played"
-    """A trial has its recording. Data: bag, sha256, and measures of the game."""
-    STEP_ENDED = "step-ended"
-    """Data: outcome."""
-    RECRUITING_CODE = "recruiting-code"
-    """A person has told the code that a recruiting service gave them. Data: code."""
-    CONSENT_ANSWERED = "consent-answered"
-    """Data: agrees, and version, the SHA-256 of the text's bytes."""
-    TEXT_PASTED = "text-pasted"
-    """Text was pasted into a free answer, which may have been written by somebody or something else. Data: item,
-    characters, their number."""
-    FOCUS_LOST = "focus-lost"
-    """Keys and clicks went to another window from here on: the person looked at something else."""
-    FOCUS_REGAINED = "focus-regained"
-    """Keys and clicks come to the study's window again."""
-    GAME_BROKEN_OFF = "game-broken-off"
-    """A game whose program died was not gone on with; another begins in its place. Data: bag, the file beside the
-    person's others that is left of its recording, or none."""
-    RECORDING_CUT_OFF = "recording-cut-off"
-    """The recording of a game ended with its program. The game goes on, and is recorded whole in another file. Data:
-    bag, the file beside the person's others."""
-    FAREWELL_READ = "farewell-read"
-    """A person has left the last page, with the completion code or the reason why the run ended."""
-    RUN_ENDED = "run-ended"
-    """Data: outcome, reason, and of a complete run its completion code."""
-    RUN_EXCLUDED = "run-excluded"
-    """The experimenter decides that a run does not count. Data: reason."""
-    REHEARSED = "rehearsed"
-    """From here on simulated people take part. Data: seed."""
-    NOTE = "note"
-    """Words of the experimenter. Data: text."""
-
-
-class StepOutcome(StrEnum):
-    """Ways in which a step ends."""
-
-    DONE = "done"
-    FAILED = "failed"
-    """A check that was not passed."""
-    PASSED_OVER = "passed over"
-    """The answers given do not ask for it."""
-    LOST = "lost"
-    """It could not go on after a crash, and was not to begin anew."""
-
-
-class RunState(StrEnum):
-    """States of a person's run."""
-
-    UNDER_WAY = "under way"
-    COMPLETE = "complete"
-    DECLINED = "declined"
-    LEFT = "left"
-    EXCLUDED = "excluded"
 
 
 @dataclass(frozen=True, slots=True)

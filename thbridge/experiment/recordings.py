@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind, Progress, RunState
-from thbridge.experiment.store.events import LogEntry, LoggedEvent
+from thbridge.experiment.progress import Progress
+from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, RunState
 from thbridge.recording.recordings import ACTIVE
 
 _PART = re.compile(r"_[0-9]+(?=\.bag$)")

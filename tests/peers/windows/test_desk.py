@@ -13,8 +13,8 @@ from tests.peers.windows.desktop import PATIENCE, Desktop, desktop, needs_deskto
 from tests.system.programs import THBRIDGE
 from tests.ui.model.rehearsed import clocks, rehearse
 from thbridge.experiment.conductor import Conductor
-from thbridge.experiment.progress import RunState
 from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.experiment.store.events import RunState
 from ui.windows.desk.program import READ_ONLY
 
 pytestmark = needs_desktop

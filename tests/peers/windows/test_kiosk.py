@@ -11,8 +11,9 @@ import pytest
 from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
 from tests.system.programs import Program
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind, Progress, RunState
+from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import read_log
+from thbridge.experiment.store.events import EventKind, RunState
 from thbridge.recording.bag.reading.reader import info
 
 pytestmark = needs_desktop

@@ -25,9 +25,9 @@ from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.export.folder import export_experiment
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind, Progress, Run, RunState
+from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.store.event_log import read_log
-from thbridge.experiment.store.events import LoggedEvent, NewEvent
+from thbridge.experiment.store.events import EventKind, LoggedEvent, NewEvent, RunState
 from thbridge.recording.bag.reading.reader import info
 
 ROOT = Path(__file__).parents[3]

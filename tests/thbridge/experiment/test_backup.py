@@ -11,9 +11,8 @@ from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Clocks
+from thbridge.experiment.store.events import Clocks, EventKind
 from thbridge.files.errors import BadFile
 
 

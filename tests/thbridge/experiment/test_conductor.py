@@ -12,9 +12,8 @@ from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor, unfinished
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
 from thbridge.experiment.design.steps import StepKind
-from thbridge.experiment.progress import EventKind, RunState, StepOutcome
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Clocks, LoggedEvent
+from thbridge.experiment.store.events import Clocks, EventKind, LoggedEvent, RunState, StepOutcome
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign, drawn_seed, is_even, read_experiment
 from thbridge.experiment.design.plan import plan_of
-from thbridge.experiment.progress import BadHistory, EventKind, Progress, RunState
-from thbridge.experiment.store.events import Clocks, LoggedEvent, NewEvent
+from thbridge.experiment.progress import BadHistory, Progress
+from thbridge.experiment.store.events import Clocks, EventKind, LoggedEvent, NewEvent, RunState
 from thbridge.files.errors import BadFile
 
 EXAMPLE = """\

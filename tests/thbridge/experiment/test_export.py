@@ -17,9 +17,8 @@ from thbridge.experiment.export.folder import export_experiment
 from thbridge.experiment.export.manifest import MANIFEST, _may_hold, exports_with, last_event_of, missing_exports
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import deviations, freeze
-from thbridge.experiment.progress import EventKind
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Clocks
+from thbridge.experiment.store.events import Clocks, EventKind
 from thbridge.files.errors import BadFile
 
 VERSIONS = {"thbridge": "1.0", "python": "3.11"}

@@ -24,10 +24,11 @@ from thbridge.experiment.export.families.game_recording import (
     read_game,
 )
 from thbridge.experiment.export.tables import game_tables, records_of
-from thbridge.experiment.progress import EventKind, Run
+from thbridge.experiment.progress import Run
 from thbridge.experiment.questionnaires.form import Item, Scoring
 from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.store.event_log import read_log
+from thbridge.experiment.store.events import EventKind
 from thbridge.hunt import game
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (

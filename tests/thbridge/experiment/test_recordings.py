@@ -6,10 +6,9 @@ from pathlib import Path
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind
 from thbridge.experiment.recordings import moved_aside, told_leftovers
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Clocks
+from thbridge.experiment.store.events import Clocks, EventKind
 
 
 def test_files_moved_aside_are_those_of_one_recording(tmp_path: Path) -> None:

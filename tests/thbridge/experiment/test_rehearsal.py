@@ -10,10 +10,11 @@ from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind, Progress, RunState
+from thbridge.experiment.progress import Progress
 from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople, read_people
 from thbridge.experiment.rehearsal.rehearsal import rehearse as play_through
 from thbridge.experiment.store.event_log import read_log
+from thbridge.experiment.store.events import EventKind, RunState
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.recording.bag.reading.reader import info
 

@@ -15,10 +15,9 @@ from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
 from thbridge.experiment.export.families.described import ExperimentTable
 from thbridge.experiment.export.tables import tables_of
-from thbridge.experiment.progress import EventKind, RunState
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Clocks, LoggedEvent
+from thbridge.experiment.store.events import Clocks, EventKind, LoggedEvent, RunState
 from thbridge.files.tables.table_files import TableFiles, TableFormat
 
 

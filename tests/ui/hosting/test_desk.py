@@ -9,8 +9,8 @@ import pytest
 
 from tests.ui.model.rehearsed import Study, clocks, rehearse
 from thbridge.experiment.conductor import Conductor
-from thbridge.experiment.progress import RunState
 from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.experiment.store.events import RunState
 from ui.actions.study_run import _keep_desk
 from ui.hosting.desk import Desk
 from ui.hosting.window_process import THBRIDGE, WindowProcess

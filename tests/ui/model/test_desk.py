@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from tests.ui.model.rehearsed import Study, clocks, rehearse
-from thbridge.experiment.progress import EventKind, Progress, RunState
-from thbridge.experiment.store.events import LoggedEvent, NewEvent
+from thbridge.experiment.progress import Progress
+from thbridge.experiment.store.events import EventKind, LoggedEvent, NewEvent, RunState
 from ui.model.desk.messages import DESK, DeskState
 from ui.model.desk.rows import cell_rows, count_words, event_rows, freeze_words, note_rows, run_rows, run_words
 from ui.model.desk.state import ToldToDesk, desk_state

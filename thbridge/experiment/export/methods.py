@@ -8,9 +8,9 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.export.families.attempts import NO_DATA, AttemptSubject
 from thbridge.experiment.export.tables import ExperimentRecords
-from thbridge.experiment.progress import EventKind, RunState, StepOutcome
 from thbridge.experiment.questionnaires.form import Item
 from thbridge.experiment.questionnaires.scoring import Answer, reliability_of
+from thbridge.experiment.store.events import EventKind, RunState, StepOutcome
 
 
 def methods_text(records: ExperimentRecords, versions: Mapping[str, str], registered: str) -> str:

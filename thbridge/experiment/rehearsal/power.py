@@ -22,12 +22,12 @@ from thbridge.batch.batch_task import TaskOutcome
 from thbridge.batch.engines.engine import Engine, EngineFailed
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind, Progress, Run, RunState
+from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.questionnaires.scoring import Answer, scores_of
 from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.rehearsal.rehearsal import rehearse
 from thbridge.experiment.store.event_log import read_log
-from thbridge.experiment.store.events import LoggedEvent
+from thbridge.experiment.store.events import EventKind, LoggedEvent, RunState
 from thbridge.files.disk.whole import whole_file
 
 LEVEL = 0.05

@@ -16,11 +16,11 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind, Run, RunState, options_shown
+from thbridge.experiment.progress import Run, options_shown
 from thbridge.experiment.rehearsal.clock import RehearsalClock
 from thbridge.experiment.rehearsal.people import SimulatedPeople, normal
 from thbridge.experiment.store.event_log import ExperimentLog
-from thbridge.experiment.store.events import JsonValue
+from thbridge.experiment.store.events import EventKind, JsonValue, RunState
 from thbridge.experiment.trials import played, setting_of_trial
 from thbridge.files.progress import Tell, untold
 from thbridge.recording.recordings import parts_of

@@ -52,9 +52,10 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
-    from thbridge.experiment.progress import Progress, RunState
+    from thbridge.experiment.progress import Progress
     from thbridge.experiment.recordings import told_leftovers
     from thbridge.experiment.store.event_log import read_log
+    from thbridge.experiment.store.events import RunState
 
     with bad_input():
         place = ExperimentFolder(folder)

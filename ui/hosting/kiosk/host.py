@@ -21,9 +21,9 @@ from thbridge.experiment.conductor import Conductor, unfinished
 from thbridge.experiment.design.experiment_file import ExperimentDesign, WhoBegins
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import ResumeRule, StepKind
-from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, options_shown, resumes
+from thbridge.experiment.progress import Progress, Run, options_shown, resumes
 from thbridge.experiment.questionnaires.form import Form, Item
-from thbridge.experiment.store.events import Actor, Clocks, JsonValue
+from thbridge.experiment.store.events import Actor, Clocks, EventKind, JsonValue, RunState, StepOutcome
 from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.sockets.addresses import ListeningAddress

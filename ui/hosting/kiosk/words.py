@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.steps import StepKind
-from thbridge.experiment.progress import Run, RunState, StepOutcome
-from thbridge.experiment.store.events import JsonValue
+from thbridge.experiment.progress import Run
+from thbridge.experiment.store.events import JsonValue, RunState, StepOutcome
 from ui.model.kiosk import ConsentToAsk, FormToFill, GamePrepared, GameRecorded, GameToJoin, TextToRead, ToKiosk
 
 CALL = "Please tell the researcher."

@@ -7,8 +7,8 @@ from datetime import datetime
 
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.progress import EventKind, Progress, Run, RunState
-from thbridge.experiment.store.events import LogEntry, LoggedEvent, NewEvent
+from thbridge.experiment.progress import Progress, Run
+from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, NewEvent, RunState
 from ui.model.desk.messages import DeskCell, DeskEvent, DeskNote, DeskRun, DeskState
 
 NO_PLACE = {

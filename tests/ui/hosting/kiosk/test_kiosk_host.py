@@ -11,8 +11,8 @@ import pytest
 from tests.system.small_disk import SmallDisk, why_not
 from tests.ui.hosting.kiosk.laboratory import KilledError, Laboratory, Person, headings
 from thbridge.experiment.export.tables import tables_of
-from thbridge.experiment.progress import EventKind, RunState
 from thbridge.experiment.store.event_log import read_log
+from thbridge.experiment.store.events import EventKind, RunState
 from thbridge.files.errors import BadFile
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.games import KioskStopped

@@ -14,8 +14,9 @@ from tests.ui.model.rehearsed import Study, clocks, rehearse
 from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
 from tests.ui.windows.walking import against_the_eye, nameless, stops
 from thbridge.experiment.conductor import Conductor
-from thbridge.experiment.progress import EventKind, Progress
+from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.experiment.store.events import EventKind
 from ui.model.desk.messages import DeskClosed, DeskState, EndRun, ExcludeRun, NextParticipant, ShowRun, WriteNote
 from ui.model.desk.state import ToldToDesk, desk_state
 from ui.sources.experiment import ExperimentSource

@@ -17,8 +17,8 @@ from thbridge.experiment.export.families.described import (
     text,
     whole,
 )
-from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome
-from thbridge.experiment.store.events import JsonValue, LoggedEvent
+from thbridge.experiment.progress import Progress, Run
+from thbridge.experiment.store.events import EventKind, JsonValue, LoggedEvent, RunState, StepOutcome
 
 NO_DATA = frozenset({StepKind.PRACTICE, StepKind.CHECK})
 """Kinds of steps that never count as data."""

@@ -14,8 +14,8 @@ from thbridge.experiment.export.families.described import (
     time,
     whole,
 )
-from thbridge.experiment.progress import Progress, RunState
-from thbridge.experiment.store.events import LoggedEvent
+from thbridge.experiment.progress import Progress
+from thbridge.experiment.store.events import LoggedEvent, RunState
 
 LEFT_OUT = frozenset({"external_id", "code"})
 """What is said of events but never exported: people could be found by it."""

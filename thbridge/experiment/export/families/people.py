@@ -13,7 +13,8 @@ from thbridge.experiment.export.families.attempts import (
     run_columns,
 )
 from thbridge.experiment.export.families.described import ExperimentTable, TableOf, count, flag, seconds, text, time
-from thbridge.experiment.progress import Progress, Run, StepOutcome
+from thbridge.experiment.progress import Progress, Run
+from thbridge.experiment.store.events import StepOutcome
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,8 +19,8 @@ from thbridge.experiment.export.families.described import (
     time,
     whole,
 )
-from thbridge.experiment.progress import Run, StepOutcome
-from thbridge.experiment.store.events import JsonValue
+from thbridge.experiment.progress import Run
+from thbridge.experiment.store.events import JsonValue, StepOutcome
 from thbridge.recording.recordings import digest_of
 
 
