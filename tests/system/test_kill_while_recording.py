@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import run_peer
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.recordings import ACTIVE, parts_of
@@ -108,7 +109,7 @@ def kill_and_recover(folder: Path, whole: dict[int, Said], case: int) -> tuple[s
             environment = {**os.environ, "HOME": str(folder)}
             environment.pop("PYTHONPATH", None)
             broken = theirs / path.name.removesuffix(ACTIVE)
-            subprocess.run(["rosbag", "reindex", "-q", str(broken)], check=True, env=environment)
+            run_peer(["rosbag", "reindex", "-q", str(broken)], env=environment).check_returncode()
         lost_to_ros = lost_seconds(theirs / "a.bag", whole, recorded, killed)
     return f"{compression}{', split' if split else ''}, rate {rate}", lost, lost_to_ros
 

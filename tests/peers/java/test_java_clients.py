@@ -2,7 +2,6 @@
 
 import asyncio
 import shutil
-import subprocess
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import run_peer, skip_if_crashed
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_ring import KeyRing
 from thbridge.protocols.text import legacy
@@ -37,7 +37,8 @@ pytestmark = pytest.mark.skipif(
 def classes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The compiled programs."""
     folder = tmp_path_factory.mktemp("java")
-    subprocess.run(["javac", "-encoding", "UTF-8", "-Xlint:all", "-Werror", "-d", folder, *SOURCES], check=True)
+    done = run_peer(["javac", "-encoding", "UTF-8", "-Xlint:all", "-Werror", "-d", folder, *SOURCES])
+    assert done.returncode == 0, done.stdout + done.stderr
     return folder
 
 
@@ -96,6 +97,8 @@ async def hunt(classes: Path, simr: SimR, visits: list[str]) -> Understood:
             tabui_said, _ = await tabui.communicate()
         await server.stop()
         hider_said, _ = await hider.communicate()
+    for program, ended in (("Hider", hider), ("TabUi", tabui)):
+        skip_if_crashed(f"java {program}", ended.returncode)
     assert hider.returncode == 0
     return Understood(
         tabui_said.decode().splitlines(),

@@ -3,10 +3,13 @@
 import json
 import shutil
 import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import run_peer, skipping_if_crashed
 from tests.system import programs
 from thbridge.recording.bag.reading.reader import messages
 
@@ -22,7 +25,8 @@ pytestmark = pytest.mark.skipif(
 @pytest.fixture(scope="module")
 def classes(tmp_path_factory):
     folder = tmp_path_factory.mktemp("java")
-    subprocess.run(["javac", "-encoding", "UTF-8", "-d", folder, *SOURCES], check=True)
+    done = run_peer(["javac", "-encoding", "UTF-8", "-d", folder, *SOURCES])
+    assert done.returncode == 0, done.stdout + done.stderr
     return folder
 
 
@@ -40,20 +44,32 @@ def robots(tmp_path):
             program.close()
 
 
-def java(classes: Path, name: str, port: int, *arguments: str, **options) -> subprocess.Popen[str]:
+def java(classes: Path, name: str, port: int, *arguments: str) -> list[str]:
     command = ["java", "-Xmx32m", "-XX:TieredStopAtLevel=1", "-cp", str(classes), name, "127.0.0.1", str(port)]
-    return subprocess.Popen([*command, *arguments], stdout=subprocess.PIPE, text=True, **options)
+    return [*command, *arguments]
+
+
+def tabui_says(classes: Path, port: int, *visits: str) -> str:
+    return run_peer(java(classes, "TabUi", port, *visits), timeout=120).stdout
+
+
+@contextmanager
+def old_hider(classes: Path, port: int, *treasures: str) -> Iterator[None]:
+    command = java(classes, "Hider", port, *treasures)
+    hider = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        with skipping_if_crashed("java Hider", hider):
+            assert hider.stdout.readline() == "acknowledged\n"
+            yield
+    finally:
+        hider.kill()
+        hider.communicate()
 
 
 def test_old_participant_and_old_hider(classes, robots, tmp_path):
     port, running = robots
-    hider = java(classes, "Hider", port, "3:Orange:Round and Large:10:Orange Bottle:rsz_t1.jpg")
-    try:
-        assert hider.stdout.readline() == "acknowledged\n"
-        said, _ = java(classes, "TabUi", port, "0:3:Orange Bottle").communicate(timeout=120)
-    finally:
-        hider.kill()
-        hider.communicate()
+    with old_hider(classes, port, "3:Orange:Round and Large:10:Orange Bottle:rsz_t1.jpg"):
+        said = tabui_says(classes, port, "0:3:Orange Bottle")
     assert said.splitlines() == [
         "reached robot=0 room=3",
         "found room=3 [Colour: Orange Footprint: Round and Large]",
@@ -76,7 +92,7 @@ def test_old_participant_and_our_hider(classes, robots, tmp_path):
     running.append(Program(tmp_path, "hider", "--server", f"127.0.0.1:{port}"))
     until("the treasures to be hidden", lambda: "hidden" in kinds(tmp_path), running)
     treasure = next(event for event in journal(tmp_path) if event["event"] == "hidden")["treasures"][6]
-    said, _ = java(classes, "TabUi", port, f"1:6:{treasure['name']}").communicate(timeout=120)
+    said = tabui_says(classes, port, f"1:6:{treasure['name']}")
     assert said.splitlines() == [
         "reached robot=1 room=6",
         f"found room=6 [Colour: {treasure['colour']} Footprint: {treasure['footprint']}]",
@@ -90,15 +106,10 @@ def test_old_participant_and_our_hider(classes, robots, tmp_path):
 def test_our_participant_and_old_hider(classes, robots, tmp_path):
     port, running = robots
     rooms = [f"{room}:Orange:Round and Large:10:Orange Bottle:rsz_t1.jpg" for room in range(8)]
-    hider = java(classes, "Hider", port, *rooms)
-    try:
-        assert hider.stdout.readline() == "acknowledged\n"
+    with old_hider(classes, port, *rooms):
         tabui = Program(tmp_path, "tabui", "--server", f"127.0.0.1:{port}", "--json")
         running.append(tabui)
         until("the end of the hunt", lambda: tabui.process.poll() is not None, running, 200)
-    finally:
-        hider.kill()
-        hider.communicate()
     told = json.loads(tabui.text.splitlines()[-1])
     assert told["rooms_visited"] == 8
     assert told["score"] == 80
@@ -116,7 +127,7 @@ def test_old_participant_joins_play_which_is_then_stopped(classes, tmp_path):
         (record,) = (tmp_path / "a.journal").glob("*.jsonl")
         events = [json.loads(line) for line in record.read_text().splitlines()]
         treasure = next(event for event in events if event["event"] == "hidden")["treasures"][3]
-        said, _ = java(classes, "TabUi", port, f"0:3:{treasure['name']}").communicate(timeout=120)
+        said = tabui_says(classes, port, f"0:3:{treasure['name']}")
         assert said.splitlines()[-1] == f"total {treasure['points']}"
         assert play.stop() == 1
     finally:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import skip_if_crashed
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import read_experiment
@@ -58,6 +59,7 @@ def test_a_recorder_hears_each_event_with_the_times_of_the_log(tmp_path: Path) -
             conductor.end(run.participant, conductor.begin(run.participant))
             conductor.note("the last one")
         told = [json.loads(line) for line in recorder.stdout]
+        skip_if_crashed("the recorder of LSL", recorder.wait(PATIENCE))
         assert recorder.wait(PATIENCE) == 0
     finally:
         recorder.kill()

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 from typing import Self
 
+from tests.peers.crashes import skip_if_crashed, skipping_if_crashed
 from tests.peers.mavlink.rovers import PEERS
 
 MODULES = "link,param,wp,mode,cmdlong,arm,log,signing,misc"
@@ -34,7 +35,8 @@ class MavProxy:
 
     def types(self, line: str) -> None:
         assert self.process.stdin is not None
-        self.process.stdin.write(f"{line}\n")
+        with skipping_if_crashed("MAVProxy", self.process):
+            self.process.stdin.write(f"{line}\n")
 
     def says(self, pattern: str, again: str = "") -> re.Match[str]:
         """Waits for words that it has not said before, and takes all up to them as read.
@@ -48,6 +50,7 @@ class MavProxy:
             if found is not None:
                 self._read += found.end()
                 return found
+            skip_if_crashed("MAVProxy", self.process.poll(), text)
             if time.monotonic() > end:
                 raise TimeoutError(f"waited {PATIENCE} s for {pattern!r} in\n{text}")
             if again and time.monotonic() > typed + 1.0:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from tests.peers.crashes import run_peer
 from tests.peers.mavlink.rovers import ORIGIN, PEERS, degrees, free_udp_port, metres, needs, rovers, truth
 from tests.system.programs import THBRIDGE, until
 
@@ -50,9 +51,9 @@ def judged(folder: Path, identity: str, room: tuple[float, float] | None = None)
     with rovers(folder, (), "--udp", f"127.0.0.1:{port}/1", "--identity", identity) as play:
         # It has no patience with robots whose code is being compiled.
         until("the game to begin", lambda: "Game 1 begins" in play.text, [play])
-        done = subprocess.run(
+        done = run_peer(
             [PEERS / "dronekit" / "bin" / "python", SCRIPT],
-            input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,
+            input=json.dumps(orders), timeout=PATIENCE,
         )  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr + play.text
     return Judged(json.loads(done.stdout.splitlines()[-1]), folder / "a.bag")

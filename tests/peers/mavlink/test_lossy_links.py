@@ -2,13 +2,13 @@
 
 import json
 import os
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from pymavlink.mavftp import MAVFTP
 
+from tests.peers.crashes import run_peer
 from tests.peers.mavlink.lossy import LossyLink, lossy_link
 from tests.peers.mavlink.rovers import PEERS, free_udp_port, needs, rovers
 from tests.peers.mavlink.scripting import Script, mav
@@ -110,9 +110,9 @@ def test_a_script_s_files_arrive(lossy: tuple[Program, int, int, tuple[LossyLink
 def test_mavsdk_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]]) -> None:
     play, _, port, (_, link) = lossy
     orders = {"url": f"udpin://127.0.0.1:{port}", "robot": 2, "places": PLACES}
-    done = subprocess.run(
+    done = run_peer(
         [PEERS / "mavsdk" / "bin" / "python", STATION],
-        input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,
+        input=json.dumps(orders), timeout=PATIENCE,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr + play.text
     told = json.loads(done.stdout.splitlines()[-1])
@@ -127,9 +127,9 @@ def test_mavsdk_s_files_and_metadata_arrive(
 ) -> None:
     play, _, port, _ = lossy
     orders = {"url": f"udpin://127.0.0.1:{port}", "robot": 2, "folder": str(tmp_path), "bursts": [True]}
-    done = subprocess.run(
+    done = run_peer(
         [PEERS / "mavsdk" / "bin" / "python", STATION.with_name("mavsdk_reader.py")],
-        input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,
+        input=json.dumps(orders), timeout=PATIENCE,
         env={**os.environ, "HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")},
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr + play.text

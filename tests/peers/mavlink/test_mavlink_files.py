@@ -2,7 +2,6 @@
 
 import json
 import os
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import pytest
 from pymavlink.mavftp import MAVFTP, FtpError
 
+from tests.peers.crashes import run_peer
 from tests.peers.mavlink.mavproxy import MavProxy
 from tests.peers.mavlink.rovers import PEERS, free_udp_port, needs, rovers
 from tests.peers.mavlink.scripting import Script
@@ -69,9 +69,9 @@ def test_mavsdk_gets_them_and_the_metadata_by_itself(
     files: dict[str, bytes], play: Program, ports: tuple[int, int, int], tmp_path: Path
 ) -> None:
     orders = {"url": f"udpin://127.0.0.1:{ports[1]}", "robot": 2, "folder": str(tmp_path), "bursts": [False, True]}
-    done = subprocess.run(
+    done = run_peer(
         [PEERS / "mavsdk" / "bin" / "python", READER],
-        input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,
+        input=json.dumps(orders), timeout=PATIENCE,
         env={**os.environ, "HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")},
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr + play.text

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from tests.peers.crashes import run_peer
 from tests.peers.mavlink.mavlink_hunter import OWN, Hunter
 from tests.peers.mavlink.rovers import free_udp_port
 from tests.peers.ros.beside import NEEDS_ROS, Ros, clean
@@ -209,7 +210,7 @@ def test_with_another_seed_they_come_to_something_else_and_it_is_told(followed: 
 @NEEDS_ROS
 def test_a_recording_without_what_came_from_outside_still_has_the_frames(followed: Followed) -> None:
     filtered = ["rosbag", "filter", "hunt.bag", "filtered.bag", "topic != '/inputs'"]
-    subprocess.run(filtered, cwd=followed.folder, env=clean(), check=True, capture_output=True)
+    run_peer(filtered, cwd=followed.folder, env=clean()).check_returncode()
     done = thbridge(followed.folder, "replay", "filtered.bag")
     assert done.returncode == 1
     assert "thbridge mavlink replay" in done.stderr

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import run_peer
 from tests.peers.mavlink.rovers import PEERS, degrees, free_udp_port, needs, rovers
 from tests.peers.mavlink.scripting import Script, mav
 from tests.system.programs import THBRIDGE, until
@@ -66,7 +67,7 @@ def test_the_manuals_example_brings_a_robot_into_a_room(
     (tmp_path / "example.py").write_text(example)
     with rovers(tmp_path, (), "--udp", f"127.0.0.1:{port}{robots}", "--identity", identity) as play:
         command = [PEERS / client.lower() / "bin" / "python", "example.py"]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+        done = run_peer(command, cwd=tmp_path, timeout=120)
         assert done.returncode == 0, done.stdout + done.stderr
         assert "Arrived." in done.stdout.splitlines()
         until("the robot to be there", lambda: "is in room 2." in play.text, [play])

@@ -1,9 +1,9 @@
 """pymavlink's own tools read our telemetry logs."""
 
-import subprocess
 import sys
 from pathlib import Path
 
+from tests.peers.crashes import run_peer
 from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.traffic import Traffic
@@ -15,7 +15,9 @@ TOOLS = Path(sys.executable).parent
 
 def ran(tool, *arguments):
     command = [sys.executable, TOOLS / tool, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout
+    done = run_peer(command, timeout=60)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 def write(path, ticks):

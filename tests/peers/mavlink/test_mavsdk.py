@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from tests.peers.crashes import run_peer
 from tests.peers.mavlink.rovers import ORIGIN, PEERS, ROBOTS, free_udp_port, metres, needs, rovers, truth
 from tests.system.programs import THBRIDGE
 
@@ -47,9 +48,9 @@ def judged(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
         "mission": MISSION,
     }
     with rovers(folder, (port,), "--identity", request.param) as play:
-        done = subprocess.run(
+        done = run_peer(
             [PEERS / "mavsdk" / "bin" / "python", STATION],
-            input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,
+            input=json.dumps(orders), timeout=PATIENCE,
         )  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr + play.text
     return Judged(json.loads(done.stdout.splitlines()[-1]), folder / "a.bag")

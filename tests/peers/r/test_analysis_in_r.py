@@ -2,12 +2,12 @@
 
 import runpy
 import shutil
-import subprocess
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from tests.peers.crashes import run_peer
 from tests.thbridge.experiment.test_analysis import rehearsed_export
 
 pytestmark = pytest.mark.skipif(shutil.which("Rscript") is None, reason="R is not installed")
@@ -35,7 +35,7 @@ def export(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_r_and_pandas_say_the_same(export: Path) -> None:
     runpy.run_path(str(export / "analysis.py"), run_name="__main__")
-    subprocess.run(["Rscript", "analysis.R"], capture_output=True, check=True, cwd=export)
+    run_peer(["Rscript", "analysis.R"], cwd=export).check_returncode()
     for name in ("cells", "tests"):
         python, r = (pd.read_csv(export / "results" / f"{name}-{one}.csv") for one in ("python", "r"))
         pd.testing.assert_frame_equal(python, r, check_dtype=False, rtol=1e-4, atol=1e-9)
@@ -44,5 +44,5 @@ def test_r_and_pandas_say_the_same(export: Path) -> None:
 
 
 def test_r_reads_columns_as_their_types(export: Path) -> None:
-    done = subprocess.run(["Rscript", "-e", TYPES], capture_output=True, text=True, cwd=export, check=False)
+    done = run_peer(["Rscript", "-e", TYPES], cwd=export)
     assert done.returncode == 0, done.stderr

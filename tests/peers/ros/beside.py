@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import run_peer, skipping_if_crashed
 from tests.system.ports import free_port
 from tests.system.programs import Program, until
 
@@ -53,9 +54,7 @@ class Ros:
         }
 
     def says(self, *command: str) -> str:
-        done = subprocess.run(
-            command, env=self.environment, capture_output=True, text=True, timeout=PATIENCE, check=False
-        )
+        done = run_peer(command, env=self.environment, timeout=PATIENCE)
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 
@@ -69,7 +68,8 @@ class Ros:
             cwd=cwd, start_new_session=True,
         )  # fmt: skip
         try:
-            yield process
+            with skipping_if_crashed(command[0], process):
+                yield process
         finally:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGINT)

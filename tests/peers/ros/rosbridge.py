@@ -2,13 +2,13 @@
 
 import os
 import shutil
-import subprocess
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import run_peer
 from tests.peers.ros.beside import PYTHON, Ros, knows
 
 SOURCES = Path(os.environ.get("ROSBRIDGE_SRC", ""))
@@ -34,8 +34,8 @@ def _generate(generator: str, package: str, files: Path, out: Path, *, kind: str
         f"/usr/lib/genpy/{generator}",
         [f"-I{package}:{files.parent / 'msg'}", "-Istd_msgs:/usr/share/std_msgs/msg"],
     )
-    subprocess.run([PYTHON, tool, "-p", package, *own, "-o", out, *files.glob(f"*.{kind}")], check=True)
-    subprocess.run([PYTHON, "/usr/lib/genpy/genmsg_py.py", "--initpy", "-p", package, "-o", out], check=True)
+    run_peer([PYTHON, tool, "-p", package, *own, "-o", out, *files.glob(f"*.{kind}")]).check_returncode()
+    run_peer([PYTHON, "/usr/lib/genpy/genmsg_py.py", "--initpy", "-p", package, "-o", out]).check_returncode()
 
 
 def _install(folder: Path) -> dict[str, str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from sim.common.geometry import IDENTITY
+from tests.peers.crashes import run_peer
 from tests.thbridge.analysis.planting import (
     SCAN_LINE,
     START,
@@ -35,7 +36,7 @@ pytestmark = needs_ros
 
 def run(*command: str) -> subprocess.CompletedProcess[str]:
     kept = {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")}
-    return subprocess.run(command, env=kept, capture_output=True, text=True, timeout=60, check=False)
+    return run_peer(command, env=kept, timeout=60)
 
 
 def info(path: Path) -> str:

@@ -3,7 +3,6 @@
 import json
 import os
 import random
-import subprocess
 from itertools import count
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from sim.common.observations import STANDSTILL
 from sim.inputs import SendGoal
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
 from sim.robot.navigator.navigation import Navigation
+from tests.peers.crashes import run_peer
 from thbridge.ros.actionlib import STATUS_PERIOD, ActionRequest, GoalEnded, MoveBaseServer, StatusList
 from thbridge.ros.messages.records import CancelRequest, GoalRequest
 from thbridge.ros.messages.stamps import stamp_ns
@@ -124,9 +124,7 @@ def script(seed: int, steps: int, early_cancels: bool) -> list[Step]:
 
 def theirs(steps: list[Step]) -> list[list[list[object]]]:
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL"))}
-    done = subprocess.run(
-        [PYTHON, "-c", ROS_SIDE], input=json.dumps(steps), env=environment, capture_output=True, text=True, check=False
-    )
+    done = run_peer([PYTHON, "-c", ROS_SIDE], input=json.dumps(steps), env=environment)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

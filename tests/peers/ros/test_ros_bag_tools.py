@@ -17,6 +17,7 @@ import pytest
 import rosbag
 from rosbags.rosbag1 import Reader
 
+from tests.peers.crashes import run_peer, skipping_if_crashed
 from tests.system.ports import free_port
 from tests.thbridge.recording.bag.writing.inline_queue import InlineQueue
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
@@ -59,9 +60,7 @@ PATIENCE = 60.0
 
 
 def run(*command: str, master: str = "") -> str:
-    done = subprocess.run(
-        command, env=_environment(master), capture_output=True, text=True, timeout=PATIENCE, check=False
-    )
+    done = run_peer(command, env=_environment(master), timeout=PATIENCE)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -147,7 +146,8 @@ def first_on(bag: Path, topic: str, folder: Path) -> str:
         (folder / package / "__init__.py").write_text("raise ImportError")
     command = ["rostopic", "echo", "-b", str(bag), "-n", "1", topic]
     environment = {**_environment(""), "PYTHONPATH": str(folder)}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    done = run_peer(command, env=environment, timeout=PATIENCE)
+    assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 
@@ -390,7 +390,8 @@ def master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         stderr=subprocess.DEVNULL,
     )
     try:
-        eventually(lambda: "/rosout" in subscribed(uri), "roscore to start")
+        with skipping_if_crashed("roscore", core):
+            eventually(lambda: "/rosout" in subscribed(uri), "roscore to start")
         yield uri
     finally:
         ended(core)
@@ -427,7 +428,8 @@ def playing(master: str, *options: str) -> Iterator[subprocess.Popen[bytes]]:
         start_new_session=True,
     )
     try:
-        yield player
+        with skipping_if_crashed("rosbag play", player):
+            yield player
     finally:
         ended(player)
 
@@ -473,7 +475,8 @@ def test_rostopic_hz_finds_odometry_at_fifty_hertz(bag: Path, master: str) -> No
         assert hz.stdout is not None
         try:
             rates = (float(line.split()[-1]) for line in hz.stdout if line.startswith("average rate"))
-            assert any(45 < rate < 55 for _, rate in zip(range(10), rates, strict=False))
+            with skipping_if_crashed("rostopic hz", hz):
+                assert any(45 < rate < 55 for _, rate in zip(range(10), rates, strict=False))
         finally:
             hz.kill()
             hz.wait()

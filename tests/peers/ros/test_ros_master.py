@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import run_peer, skipping_if_crashed
 from tests.system import programs
 
 PYTHON = "/usr/bin/python3"
@@ -71,10 +72,7 @@ class Graph:
 
     def says(self, *command: str, typed: str = "", status: int = 0) -> str:
         """All that a command has to say."""
-        done = subprocess.run(
-            command, env=self.environment(), cwd=self.folder, input=typed, capture_output=True, text=True,
-            timeout=PATIENCE, check=False,
-        )  # fmt: skip
+        done = run_peer(command, env=self.environment(), cwd=self.folder, input=typed, timeout=PATIENCE)
         assert done.returncode == status, done.stdout + done.stderr
         return done.stdout
 
@@ -87,7 +85,8 @@ class Graph:
                 stderr=subprocess.STDOUT, start_new_session=True,
             )  # fmt: skip
         try:
-            yield Running(process, output)
+            with skipping_if_crashed(command[0], process):
+                yield Running(process, output)
         finally:
             if process.poll() is None:
                 process.send_signal(signal.SIGINT)

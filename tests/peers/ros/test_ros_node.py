@@ -14,6 +14,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
+from tests.peers.crashes import skip_if_crashed
 from tests.system.ports import free_port
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.protocols.rosgraph.tcpros import encode_header
@@ -102,6 +103,7 @@ class Graph:
                 said, _ = await process.communicate()
         finally:
             await end(process)
+        skip_if_crashed(command[0], process.returncode, said.decode())
         assert process.returncode == 0, said.decode()
         return said.decode()
 
@@ -113,6 +115,8 @@ class Graph:
             async with asyncio.timeout(PATIENCE):
                 while phrase not in said:
                     data = await process.stdout.read(4096)
+                    if not data:
+                        skip_if_crashed(command[0], await process.wait(), said)
                     assert data, said
                     said += data.decode()
         finally:

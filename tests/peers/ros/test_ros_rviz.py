@@ -1,7 +1,6 @@
 """rviz beside a hunt, with the configuration that we write for it, on a screen that nobody sees."""
 
 import shutil
-import signal
 import subprocess
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -13,6 +12,7 @@ import pytest
 from PIL import Image
 
 from sim.numerics.float_array import FloatArray
+from tests.peers.crashes import RestartedPeer
 from tests.peers.ros.beside import Ros
 from tests.peers.windows.desktop import x_server
 from tests.system.ports import free_port
@@ -80,29 +80,29 @@ def sight(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sight]:
         hunt = Program(folder, *played, "--robots", str(ROBOTS), "--ros", "--ros-master", uri, "--bag", "hunt.bag")
         opened.callback(hunt.close)
         until("the hunt", lambda: "sets out" in hunt.text, [hunt])
-        started: list[subprocess.Popen[str]] = []
 
-        def start_rviz() -> None:
-            # rviz 1.14 of Debian now and then dies of a fault of its own (SIGSEGV) before it draws anything.
-            assert [gone.poll() for gone in started] in ([], [-signal.SIGSEGV], [-signal.SIGSEGV] * 2), read_log()
-            rviz = opened.enter_context(ros.running("sh", "-c", f"exec rviz -d {configuration} > {log} 2>&1"))
+        def start_rviz() -> subprocess.Popen[bytes]:
+            command = ["rviz", "-d", configuration]
+            with log.open("wb") as output:
+                rviz = subprocess.Popen(command, env=ros.environment, stdout=output, stderr=subprocess.STDOUT)
             opened.callback(rviz.wait)
             opened.callback(rviz.kill)  # It takes its time to go by itself.
-            started.append(rviz)
+            return rviz
 
         def read_log() -> str:
             return log.read_text(errors="replace")
+
+        # rviz 1.14 of Debian now and then crashes by a fault of its own (SIGSEGV, SIGABRT) before it draws anything.
+        rviz = RestartedPeer("rviz", start_rviz, read_log)
 
         plans = [COLOURS[robot] for robot in range(ROBOTS)]
         seen: list[Sight] = []
 
         def is_drawn() -> bool:
-            if started[-1].poll() is not None:
-                start_rviz()
+            rviz.keep_running()
             seen[:] = [Sight(look(ros, folder / "rviz.png"), read_log())]
             return seen[0].has_walls and all(seen[0].count(colour) > 300 for colour in plans)
 
-        start_rviz()
         try:
             until("the map and both robots to be drawn", is_drawn, [hunt], 150.0)
         except TimeoutError as late:

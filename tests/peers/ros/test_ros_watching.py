@@ -4,11 +4,11 @@ import asyncio
 import dataclasses
 import json
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import run_peer
 from tests.peers.ros.beside import NEEDS_ROS, PYTHON, clean
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
@@ -56,7 +56,7 @@ def captured(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(*command: str) -> str:
-    done = subprocess.run(command, env=clean(), capture_output=True, text=True, timeout=60, check=False)
+    done = run_peer(command, env=clean(), timeout=60)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

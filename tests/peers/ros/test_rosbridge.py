@@ -1,12 +1,12 @@
 """Dashboards: roslibpy and roslibjs on the graph of a session, through rosbridge_suite."""
 
 import json
-import subprocess
 from collections.abc import Iterator
 from contextlib import ExitStack
 
 import pytest
 
+from tests.peers.crashes import run_peer
 from tests.peers.node import NEEDS_NODE, run_script
 from tests.peers.ros.beside import NEEDS_ROS, session
 from tests.peers.ros.rosbridge import NEEDS_ROSBRIDGE, ROSLIBPY, rosbridge
@@ -91,7 +91,7 @@ def port(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
 @pytest.mark.skipif(not ROSLIBPY.exists(), reason="roslibpy is not installed (see scripts/install_peers.sh)")
 def test_roslibpy_hears_asks_and_drives(port: int) -> None:
     command = [str(ROSLIBPY), "-c", BY_ROSLIBPY, str(port)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
+    done = run_peer(command, timeout=200)
     assert done.returncode == 0, done.stdout + done.stderr
     said = json.loads(done.stdout.splitlines()[-1])
     assert said["map"] == [320, 320 * 240, 320]

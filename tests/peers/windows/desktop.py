@@ -16,10 +16,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.peers.crashes import skip_if_crashed, skipping_if_crashed
+
 DEBIAN_PYTHON = "/usr/bin/python3"
 LAUNCHER = Path("/usr/libexec/at-spi-bus-launcher")
 PATIENCE = 120.0
 """Seconds; others may want the machine, too."""
+Servers = dict[str, subprocess.Popen[bytes]]
 
 
 def _missing() -> str | None:
@@ -61,18 +64,33 @@ class Seen:
 
 
 class Desktop:
-    """One X display with a session bus."""
+    """One X display with a session bus.
 
-    def __init__(self, environment: dict[str, str], eyes: subprocess.Popen[str]) -> None:
+    Args:
+        environment: of programs that shall be seen there.
+        eyes: the screen reader.
+        servers: programs that the desktop needs, by name.
+    """
+
+    def __init__(self, environment: dict[str, str], eyes: subprocess.Popen[str], servers: Servers) -> None:
         self.environment = environment
         self._eyes = eyes
+        self._servers = servers
 
     def look(self) -> list[Seen]:
         """Everything that shows."""
         assert self._eyes.stdin is not None and self._eyes.stdout is not None
-        self._eyes.stdin.write("look\n")
-        self._eyes.stdin.flush()
-        return [Seen(**fields) for fields in json.loads(self._eyes.stdout.readline())]
+        with self._skipping_if_crashed():
+            self._eyes.stdin.write("look\n")
+            self._eyes.stdin.flush()
+            return [Seen(**fields) for fields in json.loads(self._eyes.stdout.readline())]
+
+    @contextmanager
+    def _skipping_if_crashed(self) -> Iterator[None]:
+        with ExitStack() as checked:
+            for name, process in {**self._servers, "the screen reader": self._eyes}.items():
+                checked.enter_context(skipping_if_crashed(name, process))
+            yield
 
     def find(self, name: str, role: str | None = None) -> Seen | None:
         """The first thing whose name begins so, whatever else it says."""
@@ -86,8 +104,9 @@ class Desktop:
         end = time.monotonic() + seconds
         while not condition():
             if time.monotonic() > end:
-                shown = "\n".join(f"{seen.role}: {seen.name} | {seen.text[:80]}" for seen in self.look() if seen.name)
-                raise TimeoutError(f"waited {seconds} s for {what}; there is\n{shown}")
+                with self._skipping_if_crashed():
+                    shown = "\n".join(f"{one.role}: {one.name} | {one.text[:80]}" for one in self.look() if one.name)
+                    raise TimeoutError(f"waited {seconds} s for {what}; there is\n{shown}")
             time.sleep(0.1)
 
     def found(self, name: str, role: str | None = None, seconds: float = PATIENCE) -> Seen:
@@ -162,16 +181,18 @@ class Desktop:
 @contextmanager
 def desktop(width: int = 1280, height: int = 860) -> Iterator[Desktop]:
     """A desktop, gone at the end with all that was started for it."""
+    servers: Servers = {}
     with ExitStack() as opened:
         environment = {
             **{key: value for key, value in os.environ.items() if key not in ("QT_QPA_PLATFORM", "WAYLAND_DISPLAY")},
-            "DISPLAY": opened.enter_context(x_server(width, height)),
+            "DISPLAY": opened.enter_context(x_server(width, height, servers)),
             "PYTHONUNBUFFERED": "1",
             "QT_LINUX_ACCESSIBILITY_ALWAYS_ON": "1",
         }
-        bus = _asked_for(opened, ["dbus-daemon", "--session", "--nofork", "--nopidfile", "--print-address", "{}"])
-        environment["DBUS_SESSION_BUS_ADDRESS"] = bus
-        opened.callback(_end, _started([str(LAUNCHER), "--launch-immediately"], environment))
+        command = ["dbus-daemon", "--session", "--nofork", "--nopidfile", "--print-address", "{}"]
+        environment["DBUS_SESSION_BUS_ADDRESS"] = _asked_for(opened, command, servers)
+        servers[LAUNCHER.name] = _started([str(LAUNCHER), "--launch-immediately"], environment)
+        opened.callback(_end, servers[LAUNCHER.name])
         eyes = subprocess.Popen(
             [DEBIAN_PYTHON, str(Path(__file__).parent / "eyes.py")],
             env={key: value for key, value in environment.items() if key != "PYTHONPATH"},
@@ -181,29 +202,34 @@ def desktop(width: int = 1280, height: int = 860) -> Iterator[Desktop]:
             text=True,
         )
         opened.callback(_end, eyes)
-        yield Desktop(environment, eyes)
+        yield Desktop(environment, eyes, servers)
 
 
 @contextmanager
-def x_server(width: int, height: int) -> Iterator[str]:
-    """An X server without a screen, which chooses its name itself: what DISPLAY has to be."""
+def x_server(width: int, height: int, servers: Servers | None = None) -> Iterator[str]:
+    """An X server without a screen, which chooses its name itself: what DISPLAY has to be; it joins the `servers`."""
+    servers = {} if servers is None else servers
     screen = f"{width}x{height}x24"
     with ExitStack() as opened:
         command = ["Xvfb", "-displayfd", "{}", "-screen", "0", screen, "-nolisten", "tcp", "-noreset"]
-        yield f":{_asked_for(opened, command)}"
+        display = _asked_for(opened, command, servers)
+        with skipping_if_crashed("Xvfb", servers["Xvfb"]):
+            yield f":{display}"
 
 
-def _asked_for(opened: ExitStack, command: list[str]) -> str:
+def _asked_for(opened: ExitStack, command: list[str], servers: Servers) -> str:
     """Start a server that writes where it is to a file descriptor of ours; the place."""
     reading, writing = os.pipe()
     server = subprocess.Popen(
         [word.format(writing) for word in command], pass_fds=(writing,), stderr=subprocess.DEVNULL
     )
+    servers[command[0]] = server
     opened.callback(_end, server)
     os.close(writing)
     with os.fdopen(reading) as answer:
         place = answer.readline().strip()
     if not place:
+        skip_if_crashed(command[0], server.wait())
         raise RuntimeError(f"{command[0]} does not start")
     return place
 

@@ -20,6 +20,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from tests.peers.crashes import run_peer
 from tests.system.study.power_cut import cut_power
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind
@@ -313,7 +314,7 @@ def analysed(folder: ExperimentFolder) -> pd.DataFrame:
     assert table("trials").counts.all()
     tests = pd.read_csv(export / "results" / "tests-python.csv")
     if shutil.which("Rscript") is not None:
-        subprocess.run(["Rscript", "analysis.R"], capture_output=True, check=True, cwd=export)
+        run_peer(["Rscript", "analysis.R"], cwd=export).check_returncode()
         r = pd.read_csv(export / "results" / "tests-r.csv")
         pd.testing.assert_frame_equal(tests, r, check_dtype=False, rtol=1e-4, atol=1e-9)
     return tests
