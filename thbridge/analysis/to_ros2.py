@@ -28,6 +28,7 @@ from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.msg import normalize_msgtype
 
 from thbridge.analysis.to_mcap import METADATA, STUDY
+from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.recording.bag.records import BagConnection
@@ -73,7 +74,8 @@ def to_ros2(bag: Path, out: Path, packed: bool = True) -> Ros2Result:
     part = out.with_name(out.name + ".part")
     try:
         shutil.rmtree(part, ignore_errors=True)
-        part.mkdir(parents=True)
+        make_folder(out.absolute().parent)
+        part.mkdir()
         result = _write(bag, part / out.name, packed)
         (part / out.name).rename(out)
     except OSError as error:

@@ -26,6 +26,7 @@ from thbridge.batch.results import (
     write_verified,
 )
 from thbridge.batch.settings import SettingCache
+from thbridge.files.disk.own_links import own_target
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.append import append_whole
 from thbridge.recording.recordings import active_of
@@ -183,7 +184,7 @@ def _note(journal: Path, line: str) -> None:
     """Append a line to a journal of attempts. Raises BadFile: it cannot be written."""
     try:
         journal.parent.mkdir(parents=True, exist_ok=True)
-        with journal.open("ab", buffering=0) as file:
+        with own_target(journal).open("ab", buffering=0) as file:
             append_whole(file, f"{line}\n".encode(), synced=False)
     except OSError as error:
         raise BadFile(journal, f"it cannot be written ({reason_of(error)})", "make room, then go on") from None

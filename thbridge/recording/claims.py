@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 from typing import IO
 
+from thbridge.files.disk.own_links import own_target
 from thbridge.files.errors import BadFile
 
 _claims: dict[Path, IO[str]] = {}
@@ -26,14 +27,15 @@ def claim(bag: Path) -> None:
     """Claim the name of a recording, with its parts, journal and telemetry log; to claim it again does nothing.
 
     Raises:
-        BadFile: it belongs to another running program; the message says to which, and since when.
+        BadFile: it belongs to another running program; the message says to which, and since when. Or a link of another
+            account leads to its folder.
         OSError: there is no such folder, or it cannot be written.
     """
-    path = lock_of(bag).resolve()
+    path = _lock_path(bag)
     if path in _claims:
         return
     while True:
-        file = path.open("a+", encoding="utf-8")
+        file = open(path, "a+", encoding="utf-8", opener=_without_links)  # noqa: SIM115 - it is held
         try:
             fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -58,8 +60,17 @@ def claim(bag: Path) -> None:
 
 def release(bag: Path) -> None:
     """Give the name of a recording free; without a claim this does nothing."""
-    path = lock_of(bag).resolve()
+    path = _lock_path(bag)
     file = _claims.pop(path, None)
     if file is not None:
         path.unlink(missing_ok=True)
         file.close()
+
+
+def _lock_path(bag: Path) -> Path:
+    return own_target(bag.parent) / lock_of(bag).name
+
+
+def _without_links(path: str, flags: int) -> int:
+    """Open a lock file, which is emptied afterwards: a link in its place could lead to any file."""
+    return os.open(path, flags | os.O_NOFOLLOW, 0o666)

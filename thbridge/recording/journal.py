@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Self
 
+from thbridge.files.disk.own_links import own_target
 from thbridge.files.disk.regular_files import content_of
 from thbridge.files.disk.synced import make_folder, put_in_free_place
 from thbridge.files.errors import BadFile
@@ -166,7 +167,7 @@ class Journal:
             BadFile: as for `read_journal`; or another program is writing it.
         """
         try:
-            file = path.open("r+b", buffering=0)
+            file = own_target(path).open("r+b", buffering=0)
         except OSError as error:
             raise _not_writable(path, error) from None
         journal = cls(path, file)

@@ -22,6 +22,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from thbridge.app.session import inputs
 from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.session import TickRecord
+from thbridge.files.disk.own_links import own_target
 from thbridge.files.disk.synced import make_folder, sync_folder
 from thbridge.files.errors import BadFile
 from thbridge.json_text import json_of
@@ -70,7 +71,7 @@ class InputLog:
         self._path = path
         try:
             make_folder(path.parent)
-            self._file = path.open("a+b", buffering=0)
+            self._file = own_target(path).open("a+b", buffering=0)
             with ExitStack() as opened:
                 opened.callback(self._file.close)
                 fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)

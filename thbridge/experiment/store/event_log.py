@@ -32,6 +32,7 @@ from thbridge.experiment.store.events import (
     NewEvent,
     Tombstone,
 )
+from thbridge.files.disk.own_links import own_target
 from thbridge.files.disk.synced import sync_folder
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
@@ -438,7 +439,7 @@ def lock_log(path: Path) -> IO[bytes]:
         BadFile: another program has the log open, or the folder cannot be written.
     """
     try:
-        file = path.with_name(path.name + "-lock").open("ab")
+        file = own_target(path.with_name(path.name + "-lock")).open("ab")
     except OSError as error:
         raise BadFile(path, f"cannot be opened ({_reason(error)})", "look at the folder's rights") from None
     try:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from thbridge.files.disk.own_links import own_target
 from thbridge.files.disk.synced import put_in_place
 from thbridge.files.errors import BadFile, reason_of
 
@@ -21,7 +22,7 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
         overwrite: True to replace an existing file.
 
     Raises:
-        BadFile: the file exists already, or it cannot be written.
+        BadFile: the file exists already, it cannot be written, or a link of another account leads to its folder.
     """
     if path.exists() and source.exists() and path.samefile(source):
         raise BadFile(path, "this is the recording itself", "choose another file by --to")
@@ -30,6 +31,7 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
         raise BadFile(path, "there is such a file already", remedy)
     if path.exists() and not path.is_file():
         raise BadFile(path, "this is no file", "choose another name by --to")
+    own_target(path.parent)
     part = path.with_name(path.name + UNFINISHED)
     try:
         part.unlink(missing_ok=True)

@@ -10,6 +10,8 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from thbridge.files.disk.own_links import own_target
+
 # Errors of file systems that have nothing to sync in a folder.
 _CANNOT = {errno.EINVAL, errno.ENOTSUP, errno.EBADF}
 
@@ -34,8 +36,10 @@ def make_folder(folder: Path) -> None:
     """Make a folder, with those above it, where it is not there; it outlives a power cut when this returns.
 
     Raises:
+        BadFile: a link of another account leads to it.
         OSError: it cannot be made.
     """
+    own_target(folder)
     new = [each for each in (folder, *folder.parents) if not each.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     for each in new:

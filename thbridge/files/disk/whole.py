@@ -7,6 +7,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
+from thbridge.files.disk.own_links import own_target
 from thbridge.files.disk.synced import make_folder, put_in_free_place, put_in_place, sync_file, sync_folder
 from thbridge.files.errors import BadFile, reason_of
 
@@ -28,7 +29,8 @@ def whole_file(
 ) -> Iterator[IO[bytes]]:
     """Yield a file to write; when the block is left without an error, it is on the disk under its name.
 
-    A file of that name is replaced in one step; links and permissions are kept. Devices and pipes are written to.
+    A file of that name is replaced in one step; links and permissions are kept. Devices and pipes are written to. Links
+    are followed if they belong to this account or to root.
 
     Args:
         path: its name.
@@ -40,9 +42,9 @@ def whole_file(
 
     Raises:
         FileExistsError: there is such a file, and `exclusive`.
-        BadFile: it cannot be written; then the file is unchanged.
+        BadFile: it cannot be written, or a link of another account leads to it; then the file is unchanged.
     """
-    target, part = path.resolve(), None
+    target, part = own_target(path), None
     try:
         if folders:
             make_folder(target.parent)
@@ -95,6 +97,7 @@ def new_folder(folder: Path, remedy: str = "choose another folder", *, empty: bo
     Raises:
         BadFile: there is such a folder or file already, or it cannot be written; then there is nothing of it.
     """
+    own_target(folder)
     there = folder.is_dir() and empty
     if there and next(folder.iterdir(), None) is not None:
         raise BadFile(folder, "there is something in this folder", remedy)

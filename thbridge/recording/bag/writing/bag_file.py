@@ -52,7 +52,8 @@ class ChunkFile:
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
         # The file gets its name with its first record: a kill before that leaves no file that is not a bag.
         nameless = path.with_name(path.name + NAMELESS)
-        self._file = nameless.open("wb", buffering=0)
+        nameless.unlink(missing_ok=True)
+        self._file = nameless.open("xb", buffering=0)
         try:
             self._append(MAGIC + bag_header(0, 0, 0))
             nameless.rename(path)

@@ -1,0 +1,56 @@
+"""Links on the path of an output: only links that belong to this account or to root are followed.
+
+Linux refuses the links of others in folders such as /tmp only where it follows them itself (fs.protected_symlinks), not
+where a program resolves a path and then writes to the result. This rule holds in every folder.
+"""
+
+import os
+import stat
+from pathlib import Path
+
+from thbridge.files.errors import BadFile, reason_of
+
+MOST_LINKS = 40
+"""Most links on one path, as in Linux."""
+
+
+def own_target(path: Path) -> Path:
+    """Return the path of an output with its links resolved; what does not exist yet stays as it is.
+
+    Raises:
+        BadFile: a link on the path belongs to another account, there are too many links, or the path has a NUL.
+    """
+    trusted = {0, os.geteuid()}
+    real, left, links = Path("/"), _reversed_parts(path.absolute()), 0
+    while left:
+        name = left.pop()
+        if name == "..":
+            real = real.parent
+            continue
+        link = real / name
+        try:
+            found = link.lstat()
+            if not stat.S_ISLNK(found.st_mode):
+                real = link
+                continue
+            target = link.readlink()
+        except ValueError:
+            raise BadFile(path, "no file has a NUL in its name", "Check the name") from None
+        except OSError as error:
+            if isinstance(error, FileNotFoundError | NotADirectoryError | PermissionError):
+                real = link  # opening it will show what is wrong
+                continue
+            raise BadFile(path, f"it cannot be written ({reason_of(error)})", "Choose another name") from None
+        if found.st_uid not in trusted:
+            problem = f"the link {link} belongs to another account (user id {found.st_uid})"
+            raise BadFile(path, problem, f"If you trust it, name what it leads to: {target}")
+        links += 1
+        if links > MOST_LINKS:
+            raise BadFile(path, "its links lead in a circle", "Choose another name")
+        real = Path("/") if target.is_absolute() else real
+        left += _reversed_parts(target)
+    return real
+
+
+def _reversed_parts(path: Path) -> list[str]:
+    return [*reversed(path.parts[1:] if path.is_absolute() else path.parts)]
