@@ -20,6 +20,9 @@ from thbridge.files.errors import BadFile, reason_of, visible
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer as Buffer
 
+THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")
+"""The command of this very program."""
+
 FAILED = 1
 BAD_INPUT = 2
 DECLINED = 3

@@ -21,10 +21,10 @@ from ui.display import why_no_window
 from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames
 from ui.hosting.kiosk.host import KioskHost, StudyClock
-from ui.hosting.window_process import THBRIDGE, WindowProcess
+from ui.hosting.window_process import WindowProcess
 from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
 from ui.open_doors import check_doors
-from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
+from ui.terminal import BAD_INPUT, FAILED, THBRIDGE, bad_input, command, fail, note
 
 
 def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: tuple[str, ...] = ()) -> None:

@@ -8,7 +8,7 @@ from typing import Protocol
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.files.errors import BadFile
 from thbridge.timing.wall_clock import utc_now
-from ui.hosting.window_process import THBRIDGE, WindowProcess
+from ui.hosting.window_process import WindowProcess
 from ui.model.desk.messages import (
     DESK,
     DeskClosed,
@@ -21,6 +21,7 @@ from ui.model.desk.messages import (
     WriteNote,
 )
 from ui.sources.experiment import ExperimentSource
+from ui.terminal import THBRIDGE
 
 GATHERED = 0.2
 """Seconds within which events are told together."""

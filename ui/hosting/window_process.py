@@ -1,7 +1,6 @@
 """Process of a window: started, exchanging messages, and opened again should it crash."""
 
 import asyncio
-import sys
 from asyncio.subprocess import PIPE, Process
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -10,10 +9,7 @@ from typing import Generic
 import msgspec
 
 from ui.model.window_protocol import FromHostT, FromWindowT, WindowProtocol
-from ui.terminal import note
-
-THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")
-"""The command of this very program."""
+from ui.terminal import THBRIDGE, note
 
 WINDOW = (*THBRIDGE, "tabui", "--hosted")
 """The command that opens the participant's window."""

@@ -20,12 +20,15 @@ class ExperimentSource:
         folder: of the study.
         now: the date and time of day, ISO 8601 in UTC.
 
+    Attributes:
+        folder: of the study.
+
     Raises:
         BadFile: its design cannot be read.
     """
 
     def __init__(self, folder: ExperimentFolder, now: Callable[[], str]) -> None:
-        self._folder = folder
+        self.folder = folder
         self._now = now
         self._design = folder.read()
         self._follower = LogFollower(folder.log)
@@ -60,4 +63,4 @@ class ExperimentSource:
 
     def _look_at_freeze(self) -> None:
         """See whether all is as it was frozen; this reads all that was planned."""
-        self._changed = deviations(self._folder, versions())
+        self._changed = deviations(self.folder, versions())

@@ -13,8 +13,9 @@ from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import RunState
 from ui.actions.study_run import _keep_desk
 from ui.hosting.desk import Desk
-from ui.hosting.window_process import THBRIDGE, WindowProcess
+from ui.hosting.window_process import WindowProcess
 from ui.model.desk.messages import DESK, DeskState
+from ui.terminal import THBRIDGE
 
 
 class RunningStudy:

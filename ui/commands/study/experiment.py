@@ -104,7 +104,7 @@ def study_watch(
         raise typer.Exit(show_folder(source, look.value))
     from ui.windows.desk.program import show_hosted
 
-    raise typer.Exit(show_hosted(look.value))
+    raise typer.Exit(show_hosted(ExperimentFolder(folder), look.value))
 
 
 def study_run(

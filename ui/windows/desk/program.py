@@ -2,6 +2,7 @@
 
 from PySide6.QtCore import QObject, QTimer
 
+from thbridge.experiment.folder import ExperimentFolder
 from ui.model.desk.messages import DESK, DeskState, FromDesk, ShowRun
 from ui.sources.experiment import ExperimentSource
 from ui.windows.application import application
@@ -15,8 +16,8 @@ POLL = 1000
 RENEWED = 20
 """So many looks at a log without anything new, and minutes are counted anew."""
 READ_ONLY = (
-    "Nothing can be asked from here: this window only watches the log. The window that `thbridge study run` opens has "
-    "its buttons."
+    "Runs and notes cannot be changed from here: this window only watches the log. Use the window that "
+    "`thbridge study run --desk` opens."
 )
 CLOSING = (
     "Close the desk? The study goes on at the kiosk, but nobody can be let in, ended or excluded from here any more. "
@@ -73,11 +74,11 @@ class LogWatch(QObject):
         return self._source.state(shown, read_only=READ_ONLY)
 
 
-def show_hosted(choice: Choice) -> int:
+def show_hosted(folder: ExperimentFolder, choice: Choice) -> int:
     """Open the desk for the host at standard input and output; returns when it is closed."""
     app = application()
     _appearance, text_size = Appearance(app, choice), TextSize(app, user_settings())
-    desk = DeskWindow(CLOSING)
+    desk = DeskWindow(CLOSING, folder)
     text_size.add_keys(desk)
     pipe = HostPipe(DESK)
     desk.asked.connect(pipe.send)
@@ -90,7 +91,7 @@ def show_folder(source: ExperimentSource, choice: Choice) -> int:
     """Open the desk on a study's folder, to watch only; returns when it is closed."""
     app = application()
     _appearance, text_size = Appearance(app, choice), TextSize(app, user_settings())
-    desk = DeskWindow()
+    desk = DeskWindow(folder=source.folder)
     text_size.add_keys(desk)
     watch = LogWatch(desk, source)
     desk.show()

@@ -1,5 +1,6 @@
 """The window of the desk: cells, runs, events of the run selected, notes, and what can be asked of the host."""
 
+import os
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
@@ -24,6 +25,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.timing.wall_clock import utc_now
 from ui.model.desk.messages import (
     DeskClosed,
     DeskRun,
@@ -50,6 +53,7 @@ from ui.model.desk.rows import (
     run_words,
 )
 from ui.windows.controls import CheckBox
+from ui.windows.desk.commands import CommandBox, TargetBox, latest_backup, new_export
 from ui.windows.desk.questions import ReasonBox
 from ui.windows.flow import FlowLayout
 from ui.windows.key_sheet import KeyLines, KeySheet
@@ -67,6 +71,14 @@ KEYS: tuple[tuple[str, KeyLines], ...] = (
         ),
     ),
     (
+        "Study",
+        (
+            ("Ctrl+Shift+S", "show its status"),
+            ("Ctrl+Shift+E", "export tables; asks for the folder"),
+            ("Ctrl+Shift+B", "write a backup, or bring one up to date; asks for the folder"),
+        ),
+    ),
+    (
         "Window",
         (
             ("F6", "to the next part of the window; with Shift the one before"),
@@ -74,7 +86,7 @@ KEYS: tuple[tuple[str, KeyLines], ...] = (
             ("F1", "this sheet"),
         ),
     ),
-    ("Notes", (("Ctrl+M", "write a note; Enter takes it down in the log"),)),
+    ("Notes", (("Ctrl+M", "write a note; Enter adds it to the log"),)),
 )
 _WANTED = QSize(1280, 860)
 _NO_RUN = "Select a run in the table first."
@@ -87,6 +99,7 @@ class DeskWindow(QMainWindow):
 
     Args:
         closing: the question when it is closed; empty: it closes at once.
+        folder: of the study, for commands on it; None: there are none.
 
     Attributes:
         state: what is shown; None before the first.
@@ -95,9 +108,10 @@ class DeskWindow(QMainWindow):
 
     asked = Signal(object)
 
-    def __init__(self, closing: str = "") -> None:
+    def __init__(self, closing: str = "", folder: ExperimentFolder | None = None) -> None:
         super().__init__()
         self.setWindowTitle("thbridge study")
+        self._folder = folder
         open_within_screen(self, _WANTED)
         self._closing = closing
         self._chosen = ""
@@ -123,15 +137,18 @@ class DeskWindow(QMainWindow):
             table.horizontalHeader().setStretchLastSection(True)
         self.runs.selectionModel().currentRowChanged.connect(self._row_chosen)
         self.details = label("No run is selected.")
-        self.note = QLineEdit(placeholderText="A note for the log; Enter takes it down")
+        self.note = QLineEdit(placeholderText="A note for the log; Enter adds it")
         self.note.setAccessibleName("Note")
         self.note.returnPressed.connect(self._write_note)
         self.about = CheckBox("about the run selected")
         self.next = self._button("Next participant ...", "Ctrl+N", self._ask_next)
         self.end = self._button("End run ...", "Ctrl+E", self._ask_end)
         self.exclude = self._button("Exclude run ...", "Ctrl+D", self._ask_exclude)
-        self.take_down = QPushButton("Take down")
-        self.take_down.clicked.connect(self._write_note)
+        self.add_note = QPushButton("Add note")
+        self.add_note.clicked.connect(self._write_note)
+        self.status = self._button("Status ...", "Ctrl+Shift+S", self._show_status)
+        self.export = self._button("Export ...", "Ctrl+Shift+E", self._ask_export)
+        self.back_up = self._button("Back up ...", "Ctrl+Shift+B", self._ask_backup)
         self._keys = self._button("Keys", "F1", lambda: KeySheet(self, KEYS).open())
         self._lay_out()
         for key, do in (
@@ -216,7 +233,11 @@ class DeskWindow(QMainWindow):
         _allow(
             self.exclude, no_run or ("" if run and run.state != "excluded" else _EXCLUDED), "It does not count any more"
         )
-        _allow(self.take_down, off, "Take the note down in the log")
+        no_folder = "" if self._folder is not None else "This window does not know the folder of the study."
+        _allow(self.status, no_folder, "Show who has taken part, and what is missing")
+        _allow(self.export, no_folder, "Write tables for pandas and R")
+        _allow(self.back_up, no_folder, "Copy the study to another disk")
+        _allow(self.add_note, off, "Write the note into the log")
         self.note.setEnabled(not off)
         self.note.setToolTip(off)
         self.about.setEnabled(not no_run)
@@ -250,6 +271,33 @@ class DeskWindow(QMainWindow):
             if box.exec():
                 self.asked.emit(ExcludeRun(run.participant, box.reason.text().strip()))
 
+    def _show_status(self) -> None:
+        self._run("Status", "study", "status")
+
+    def _ask_export(self) -> None:
+        if self._folder is not None:
+            words = "Write tables, scripts and the methods text to a new or empty folder. People may go on meanwhile."
+            target = os.fspath(new_export(self._folder, utc_now()[:10]))
+            self._run_to("Export", words, target, "export")
+
+    def _ask_backup(self) -> None:
+        if self._folder is not None:
+            words = (
+                "Copy log, recordings and files to a folder on another disk: a new one, or an earlier backup, which is "
+                "brought up to date. People may go on meanwhile."
+            )
+            self._run_to("Back up", words, latest_backup(self._folder), "backup")
+
+    def _run_to(self, title: str, question: str, suggested: str, command: str) -> None:
+        box = TargetBox(self, title, question, suggested, title)
+        if box.exec():
+            self._run(title, "study", command, "--to", box.folder.text().strip())
+
+    def _run(self, title: str, *arguments: str) -> None:
+        """Run a command on the study's folder, and show what it prints."""
+        if self._folder is not None:
+            CommandBox(self, title, *arguments, os.fspath(self._folder.root.absolute())).open()
+
     def _do_if(self, box: QMessageBox, yes: str, message: FromDesk) -> None:
         box.setObjectName("question")
         agree = box.addButton(yes, QMessageBox.ButtonRole.AcceptRole)
@@ -260,7 +308,7 @@ class DeskWindow(QMainWindow):
 
     def _write_note(self) -> None:
         text, run = self.note.text().strip(), self.run()
-        if text and self.take_down.isEnabled():
+        if text and self.add_note.isEnabled():
             about = run.participant if run is not None and self.about.isChecked() else ""
             self.asked.emit(WriteNote(text, about))
             self.note.clear()
@@ -295,7 +343,7 @@ class DeskWindow(QMainWindow):
     def _lay_out(self) -> None:
         buttons = FlowLayout()
         buttons.setSpacing(GAP)
-        for button in (self.next, self.end, self.exclude, self._keys):
+        for button in (self.next, self.end, self.exclude, self.status, self.export, self.back_up, self._keys):
             buttons.addWidget(button)
         left, right = QWidget(), _Column()
         column = spaced(QVBoxLayout(left), GAP, 0)
@@ -307,7 +355,7 @@ class DeskWindow(QMainWindow):
         column.addWidget(self.notes, 1)
         writing = FlowLayout()
         writing.setSpacing(GAP)
-        for part in (self.note, self.about, self.take_down):
+        for part in (self.note, self.about, self.add_note):
             writing.addWidget(part)
         column.addLayout(writing)
         body = _Body(Qt.Orientation.Horizontal)
@@ -331,8 +379,9 @@ class DeskWindow(QMainWindow):
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setCentralWidget(area)
         self._parts = (self.next, self.cells, self.runs, self.events, self.notes, self.note)
-        order = (self.next, self.end, self.exclude, self._keys, self.cells, self.runs, self.events, self.notes)
-        for before, after in pairwise((*order, self.note, self.about, self.take_down)):
+        order = (self.next, self.end, self.exclude, self.status, self.export, self.back_up, self._keys)
+        tables = (self.cells, self.runs, self.events, self.notes)
+        for before, after in pairwise((*order, *tables, self.note, self.about, self.add_note)):
             self.setTabOrder(before, after)
         self.runs.setFocus()
 

@@ -1,11 +1,12 @@
 """The desk's window: it shows what the host tells, and asks before anything final."""
 
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from msgspec import structs
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QProcess, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialog, QMessageBox
 from pytestqt.qtbot import QtBot
@@ -14,13 +15,15 @@ from tests.ui.model.rehearsed import Study, clocks, rehearse
 from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
 from tests.ui.windows.walking import against_the_eye, nameless, stops
 from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress
-from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import EventKind
 from ui.model.desk.messages import DeskClosed, DeskState, EndRun, ExcludeRun, NextParticipant, ShowRun, WriteNote
 from ui.model.desk.state import ToldToDesk, desk_state
 from ui.sources.experiment import ExperimentSource
 from ui.windows import look
+from ui.windows.desk.commands import CommandBox, TargetBox, latest_backup
 from ui.windows.desk.program import READ_ONLY, LogWatch
 from ui.windows.desk.questions import ReasonBox
 from ui.windows.desk.window import DeskWindow
@@ -167,7 +170,7 @@ def test_buttons_say_why_they_are_off(desk: DeskWindow, state: DeskState) -> Non
     assert not desk.end.isEnabled() and desk.exclude.isEnabled()
     assert desk.end.toolTip() == "This run is over."
     desk.receive(structs.replace(state, read_only=READ_ONLY))
-    for button in (desk.next, desk.end, desk.exclude, desk.take_down):
+    for button in (desk.next, desk.end, desk.exclude, desk.add_note):
         assert not button.isEnabled()
         assert button.toolTip() == READ_ONLY
     assert not desk.note.isEnabled()
@@ -247,3 +250,77 @@ def test_nothing_is_cut_off_or_covered(desk: DeskWindow, state: DeskState, qapp:
                 assert misfits(desk) == [], size
     finally:
         look.apply_text_size(qapp, 1.0)
+
+
+@pytest.fixture
+def at_folder(qtbot: QtBot, study: Study, state: DeskState, tmp_path: Path) -> Iterator[DeskWindow]:
+    """The desk of a copy of the study, on whose folder commands are run."""
+    shutil.copytree(study.folder.root, tmp_path / "study")
+    made = DeskWindow(folder=ExperimentFolder(tmp_path / "study"))
+    qtbot.addWidget(made)
+    made.show()
+    made.receive(state)
+    yield made
+    made.leave()
+
+
+def finished(desk: DeskWindow, qtbot: QtBot) -> tuple[str, str]:
+    """How the command of the desk ended, and what it printed."""
+    (box,) = desk.findChildren(CommandBox)
+    qtbot.waitUntil(lambda: "done" in box.words.text(), timeout=60_000)
+    told = box.words.text(), box.output.toPlainText()
+    box.accept()
+    qtbot.waitUntil(lambda: not desk.findChildren(CommandBox))
+    return told
+
+
+def to_folder(folder: Path | None) -> None:
+    """Answer the next question for a folder: this one, or the one suggested."""
+
+    def answer() -> None:
+        box = QApplication.activeModalWidget()
+        assert isinstance(box, TargetBox)
+        if folder is not None:
+            box.folder.setText(str(folder))
+        box.agree.click()
+
+    QTimer.singleShot(0, answer)
+
+
+def test_status_export_and_backup_are_commands_of_the_desk(
+    at_folder: DeskWindow, qtbot: QtBot, tmp_path: Path, study: Study
+) -> None:
+    at_folder.status.click()
+    words, printed = finished(at_folder, qtbot)
+    assert words == "Status: done."
+    assert all(run.participant in printed for run in at_folder.state.runs)
+    to_folder(tmp_path / "backup")
+    at_folder.back_up.click()
+    assert finished(at_folder, qtbot)[0] == "Back up: done."
+    assert read_log(tmp_path / "backup" / "store" / "log") == read_log(tmp_path / "study" / "store" / "log")
+    assert latest_backup(ExperimentFolder(tmp_path / "study")) == str(tmp_path / "backup")
+    to_folder(None)
+    at_folder.export.click()
+    assert finished(at_folder, qtbot)[0] == "Export: done."
+    (written,) = (tmp_path / "study" / "exports").iterdir()
+    assert (written / "tables" / "participants.parquet").exists()
+    to_folder(written)
+    at_folder.export.click()
+    words, printed = finished(at_folder, qtbot)
+    assert words == "Export: not done. The reason is below."
+    assert str(written) in "".join(printed.split())
+
+
+def test_a_command_ends_with_its_box(at_folder: DeskWindow, qtbot: QtBot) -> None:
+    at_folder.status.click()
+    (box,) = at_folder.findChildren(CommandBox)
+    process = box.findChild(QProcess)
+    assert process.waitForStarted()
+    box.reject()
+    assert process.state() is QProcess.ProcessState.NotRunning
+
+
+def test_a_desk_without_a_folder_has_no_commands(desk: DeskWindow) -> None:
+    for button in (desk.status, desk.export, desk.back_up):
+        assert not button.isEnabled()
+        assert "folder" in button.accessibleDescription()

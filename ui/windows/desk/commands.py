@@ -1,0 +1,147 @@
+"""Commands on a study's folder that the desk starts: status, export, backup. Each runs in a process of its own."""
+
+from pathlib import Path
+
+from PySide6.QtCore import QProcess, Qt
+from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QTextCursor
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QFileDialog,
+    QHBoxLayout,
+    QLineEdit,
+    QPlainTextEdit,
+    QProgressBar,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.files.errors import BadFile
+from ui.terminal import THBRIDGE
+from ui.windows.look import GAP, fixed_font, follow_text, label, px, spaced
+
+STOP_TIMEOUT = 5000
+"""Milliseconds after which a command that does not stop is killed."""
+
+
+class CommandBox(QDialog):
+    """Runs a command and shows what it prints; closing the box stops it.
+
+    Args:
+        parent: the window.
+        title: of the box.
+        arguments: of `thbridge`.
+
+    Attributes:
+        output: what the command printed.
+        words: one sentence: that it runs, or how it ended.
+    """
+
+    def __init__(self, parent: QWidget, title: str, *arguments: str) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(title)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.words = label(f"{title}: under way ...", bold=True)
+        self.output = QPlainTextEdit(readOnly=True)
+        self.output.setAccessibleName("Output")
+        follow_text(self.output, lambda it: it.setFont(fixed_font()))
+        self._bar = QProgressBar(textVisible=False)
+        self._bar.setRange(0, 0)
+        self._buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
+        self._buttons.rejected.connect(self.reject)
+        column = spaced(QVBoxLayout(self), GAP, 2 * GAP)
+        for part in (self.words, self.output, self._bar, self._buttons):
+            column.addWidget(part, part is self.output)
+        follow_text(self, lambda it: it.resize(px(720), px(380)))
+        self._process = QProcess(self)
+        self._process.setProcessChannelMode(QProcess.ProcessChannelMode.MergedChannels)
+        self._process.setStandardInputFile(QProcess.nullDevice())
+        self._process.readyReadStandardOutput.connect(self._read)
+        self._process.finished.connect(self._finish)
+        self._process.start(THBRIDGE[0], [*THBRIDGE[1:], *arguments])
+
+    def done(self, result: int) -> None:
+        """Stop the command if it still runs, and close."""
+        if self._process.state() is not QProcess.ProcessState.NotRunning:
+            self._process.finished.disconnect(self._finish)
+            self._process.terminate()
+            if not self._process.waitForFinished(STOP_TIMEOUT):
+                self._process.kill()
+                self._process.waitForFinished(STOP_TIMEOUT)
+        super().done(result)
+
+    def _read(self) -> None:
+        text = bytes(self._process.readAllStandardOutput().data()).decode(errors="replace")
+        self.output.moveCursor(QTextCursor.MoveOperation.End)
+        self.output.insertPlainText(text)
+
+    def _finish(self, code: int, status: QProcess.ExitStatus) -> None:
+        self._read()
+        is_done = status is QProcess.ExitStatus.NormalExit and code == 0
+        self.words.setText(f"{self.windowTitle()}: {'done.' if is_done else 'not done. The reason is below.'}")
+        self._bar.hide()
+        self._buttons.setStandardButtons(QDialogButtonBox.StandardButton.Close)
+        self._buttons.button(QDialogButtonBox.StandardButton.Close).setFocus()
+        QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, self.words.text()))
+
+
+class TargetBox(QDialog):
+    """Asks for the folder to write.
+
+    Args:
+        parent: the window.
+        title: of the box.
+        question: what is written, and which folders will do.
+        suggested: the folder that the line begins with; empty: none.
+        yes: words of the button that starts it.
+
+    Attributes:
+        folder: the line with the folder.
+    """
+
+    def __init__(self, parent: QWidget, title: str, question: str, suggested: str, yes: str) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(title)
+        self.setObjectName("question")
+        self.folder = QLineEdit(suggested)
+        self.folder.setAccessibleName("Folder")
+        browse = QPushButton("Browse ...")
+        browse.setAutoDefault(False)
+        browse.clicked.connect(self._browse)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
+        self.agree = buttons.addButton(yes, QDialogButtonBox.ButtonRole.AcceptRole)
+        self.folder.textChanged.connect(lambda text: self.agree.setEnabled(bool(text.strip())))
+        self.agree.setEnabled(bool(suggested))
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        words = label(question)
+        follow_text(words, lambda it: it.setMinimumWidth(px(420)))
+        column = spaced(QVBoxLayout(self), GAP, 2 * GAP)
+        column.addWidget(words)
+        line = QHBoxLayout()
+        line.addWidget(self.folder, 1)
+        line.addWidget(browse)
+        column.addLayout(line)
+        column.addWidget(buttons)
+        self.folder.setFocus()
+
+    def _browse(self) -> None:
+        if chosen := QFileDialog.getExistingDirectory(self, self.windowTitle(), self.folder.text()):
+            self.folder.setText(chosen)
+
+
+def new_export(study: ExperimentFolder, today: str) -> Path:
+    """Return a folder that is not there yet, for the export of a day (YYYY-MM-DD)."""
+    names = (today, *(f"{today}-{number}" for number in range(2, 1000)))
+    return next((path for path in map(study.export, names) if not path.exists()), study.export(today))
+
+
+def latest_backup(study: ExperimentFolder) -> str:
+    """Return the folder of the backup written last; empty if there is none."""
+    try:
+        known = study.backups_known.paths()
+    except BadFile:
+        return ""
+    return str(known[-1]) if known else ""
