@@ -44,6 +44,7 @@ from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.text.server import TextServer
 from thbridge.timing.keepalive import kept_alive
 from thbridge.timing.loop import LoopResult, run_ticks
+from thbridge.timing.pace_meter import PaceMeter
 from thbridge.timing.pacer import Pacer
 
 _log = logging.getLogger(__name__)
@@ -132,6 +133,7 @@ class PlayOptions:
         mavlink: ports of the MAVLink links; None for none.
         inputs: path of the log of inputs; a game whose log is there already goes on where that ends, and a simulated
             participant in this process decides anew as it did. None: no log.
+        meter: measures the real time of this game, where there is a log of inputs; None for one that nobody reads.
         keys: by which programs take part from other machines; None: there are none.
         run: name of this run, unlike all others, for what keys were used in.
     """
@@ -147,6 +149,7 @@ class PlayOptions:
     foxglove: int | None = None
     mavlink: MavlinkPorts | None = None
     inputs: Path | None = None
+    meter: PaceMeter | None = None
     keys: RingKeys | None = None
     run: str = ""
 
@@ -237,7 +240,9 @@ async def play(
             recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(options.bag)))))
         game_inputs: InputLog | None = None
         if options.inputs is not None:
-            game_inputs = opened.enter_context(closing(InputLog(options.inputs, record)))
+            game_inputs = opened.enter_context(
+                closing(InputLog(options.inputs, record, options.meter or PaceMeter(), pacer))
+            )
             # Before all others: what they record follows from it.
             recorders.insert(0, game_inputs)
         session.record_with(recorders, log)

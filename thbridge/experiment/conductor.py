@@ -94,6 +94,8 @@ class Conductor:
         run = self.progress.runs[participant]
         if run.state is RunState.UNDER_WAY:
             data: dict[str, JsonValue] = {"outcome": RunState.COMPLETE, "code": self._word(8)}
+            if (why := _too_slow(run, self._design.file.most_lag)) is not None:
+                data["excluded"] = why
             self._append(EventKind.RUN_ENDED, "program", participant, data=data)
         return None
 
@@ -201,6 +203,13 @@ class Conductor:
 
     def _word(self, length: int) -> str:
         return "".join(LETTERS[self._draw(len(LETTERS))] for _ in range(length))
+
+
+def _too_slow(run: Run, most_lag: float | None) -> str | None:
+    """Return why a run does not count whose games were played on a machine that was too slow; None: it does."""
+    if most_lag is None or run.slowest is None or run.lag is None or run.lag <= most_lag:
+        return None
+    return f"{run.slowest.name} was {run.lag:.1f} s behind real time; most_lag is {most_lag:g} s"
 
 
 def unfinished(progress: Progress) -> Sequence[Run]:

@@ -4,7 +4,7 @@ It is nothing but the fold of the log's events: a program that comes back after 
 """
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -51,6 +51,8 @@ class Run:
         agreed_at: wall time at which they agreed to take part; empty: not yet.
         farewell_read: True once they have left the last page.
         cut_off: files of recordings that ended before their games did.
+        lags: largest lag of each game behind real time in seconds, by the number of its step in the plan; games of
+            rehearsals and of earlier releases have none.
     """
 
     participant: str
@@ -74,6 +76,17 @@ class Run:
     agreed_at: str = ""
     farewell_read: bool = False
     cut_off: frozenset[str] = frozenset()
+    lags: Mapping[int, float] = field(default_factory=dict)
+
+    @property
+    def lag(self) -> float | None:
+        """Largest lag of all games behind real time in seconds; None if none is known."""
+        return max(self.lags.values(), default=None)
+
+    @property
+    def slowest(self) -> PlannedStep | None:
+        """Step whose game had the largest lag."""
+        return self.plan[max(self.lags, key=self.lags.__getitem__) - 1] if self.lags else None
 
     @property
     def holds_place(self) -> bool:
@@ -215,11 +228,15 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             drafts = {other: draft for other, draft in run.drafts.items() if other != item}
             return dataclasses.replace(run, answers=answers, given=given, drafts=drafts)
         case EventKind.GAME_PLAYED:
-            return dataclasses.replace(run, game=data)
+            lag = data.get("most_lag_seconds")
+            lags = {**run.lags, event.step: float(lag)} if isinstance(lag, int | float) else run.lags
+            return dataclasses.replace(run, game=data, lags=lags)
         case EventKind.STEP_ENDED:
             return _ended(run, event.step, StepOutcome(str(data["outcome"])))
         case EventKind.RUN_ENDED:
             state, reason = RunState(str(data["outcome"])), str(data.get("reason", ""))
+            if "excluded" in data:
+                state, reason = RunState.EXCLUDED, str(data["excluded"])
             return dataclasses.replace(run, state=state, reason=reason, code=str(data.get("code", "")))
         case EventKind.RECORDING_CUT_OFF | EventKind.GAME_BROKEN_OFF:
             return dataclasses.replace(run, cut_off=run.cut_off | {str(data["bag"])})
@@ -271,3 +288,16 @@ def options_shown(item: Item) -> dict[str, JsonValue]:
 def resumes(run: Run, step: PlannedStep) -> ResumeRule:
     """Return how a step that was under way when a program died goes on."""
     return step.entry.resume if run.under_way else ResumeRule.BEGINNING
+
+
+def lag_words(progress: Progress) -> Iterator[str]:
+    """Yield a sentence on how far games were behind real time; none where no game has a real time."""
+    measured = [run for run in progress.runs.values() if run.lags]
+    if not measured:
+        return
+    games = sum(len(run.lags) for run in measured)
+    slowest = max(measured, key=lambda run: run.lag or 0.0)
+    bound, most = progress.design.file.most_lag, slowest.lag or 0.0
+    at = "" if slowest.slowest is None else f" ({slowest.participant}, {slowest.slowest.name})"
+    rule = "most_lag is not set" if bound is None else f"most_lag is {bound:g} s"
+    yield f"Games were at most {most:.1f} s behind real time{at}; games measured: {games}; {rule}."

@@ -11,6 +11,7 @@ from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import JsonValue
 from thbridge.recording.recordings import digest_of
+from thbridge.timing.pace_meter import GamePace
 
 
 def setting_of_trial(
@@ -23,14 +24,16 @@ def setting_of_trial(
     return settings.of(replace(study, seed=drawn_seed(design, step.trial)))
 
 
-def played(measures: GameMeasures, bag: Path, root: Path) -> dict[str, JsonValue]:
+def played(measures: GameMeasures, bag: Path, root: Path, pace: GamePace | None = None) -> dict[str, JsonValue]:
     """Return the data of a `GAME_PLAYED`: the recording with its hash, and measures of the game.
 
     Args:
         measures: of the game.
         bag: its recording, closed.
         root: the folder that paths of recordings are relative to.
+        pace: of the game; None in a rehearsal, which has no real time.
     """
+    measured: dict[str, JsonValue] = {} if pace is None else _measured(pace)
     return {
         "bag": bag.relative_to(root).as_posix(),
         "sha256": digest_of(bag),
@@ -40,4 +43,14 @@ def played(measures: GameMeasures, bag: Path, root: Path) -> dict[str, JsonValue
         "identified": measures.identified,
         "sim_seconds": measures.sim_seconds,
         "energy_left": measures.energy_left,
+        **measured,
+    }
+
+
+def _measured(pace: GamePace) -> dict[str, JsonValue]:
+    return {
+        "wall_seconds": pace.wall,
+        "most_lag_seconds": pace.most_lag,
+        "late_seconds": pace.late,
+        "course": [[simulated, wall] for simulated, wall in pace.course],
     }

@@ -62,8 +62,17 @@ class Pacer:
     @property
     def lag(self) -> float:
         """Delay of the ticks against the rate in seconds, with delays that are not made up for."""
-        behind = 0.0 if self._due is None else max(self._clock() - self._due - self._period, 0.0)
-        return self._given_up + behind
+        return self._given_up + self.delay
+
+    @property
+    def delay(self) -> float:
+        """Part of the lag in seconds that later ticks may make up for."""
+        return 0.0 if self._due is None else max(self._clock() - self._due - self.period, 0.0)
+
+    @property
+    def period(self) -> float:
+        """Seconds from one tick to the next at this rate; 0 without a rate."""
+        return TICK / self._rate if self._rate > 0.0 else 0.0
 
     def set_rate(self, rate: float) -> None:
         """Change the rate; a pause goes on. 0 is as fast as the machine can."""
@@ -100,10 +109,6 @@ class Pacer:
             if self._let_go is not None and self._let_go():
                 self._paused = False
 
-    @property
-    def _period(self) -> float:
-        return TICK / self._rate if self._rate > 0.0 else 0.0
-
     async def _keep_time(self) -> None:
         self._ticks += 1
         if self._rate == 0.0:
@@ -112,7 +117,7 @@ class Pacer:
             return
         now = self._clock()
         # Due times are added up, so that delays of single ticks are made up for and do not accumulate.
-        self._due = now if self._due is None else self._due + self._period
+        self._due = now if self._due is None else self._due + self.period
         if now - self._due > _LAG:
             if not self._lagging:
                 _log.warning("this machine is too slow for the rate asked for: simulated time lags behind")

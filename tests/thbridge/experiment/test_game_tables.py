@@ -23,7 +23,7 @@ from thbridge.experiment.export.families.game_recording import (
     TimedUtterance,
     read_game,
 )
-from thbridge.experiment.export.tables import game_tables, records_of
+from thbridge.experiment.export.tables import game_tables, log_tables, records_of
 from thbridge.experiment.progress import Run
 from thbridge.experiment.questionnaires.form import Item, Scoring
 from thbridge.experiment.rehearsal.people import SimulatedPeople
@@ -269,3 +269,47 @@ def test_a_room_that_was_argued_for_is_right_when_the_same_advice_would_have_bee
     assert [each.is_right for each in told[0]] == [each.is_right for each in told[1]]
     assert {each.is_right for each in told[0]} == {True, False}
     assert {each.advice_from for each in told[1]} == {"argued"}
+
+
+def test_decisions_and_replies_have_their_real_time_where_the_log_has_it(tmp_path: Path) -> None:
+    text = TEXT.replace("robots: [1, 2]", "robots: [1]").replace("max_seconds: 60", "max_seconds: 30")
+    folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.0), 1, text)
+    entries = read_log(folder.log)
+    (played,) = (entry for entry in entries if entry.event.kind == EventKind.GAME_PLAYED)
+
+    def tables(course: list | None) -> dict[str, pd.DataFrame]:
+        told = {} if course is None else {"course": course, "wall_seconds": 40.0, "most_lag_seconds": 10.0}
+        event = replace(played.event, data={**(played.event.data or {}), **told})
+        with_course = [replace(entry, event=event) if entry is played else entry for entry in entries]
+        records = records_of(folder.read(), with_course, folder.root)
+        pieces = (*log_tables(records), *game_tables(records))
+        return {piece.name: pd.DataFrame(piece.rows) for piece in pieces if not isinstance(piece, str) and piece.rows}
+
+    # Rehearsals have no real time, and neither have games of earlier releases.
+    none = tables(None)
+    assert "most_lag_seconds" not in played.event.data
+    assert none["decisions"].filter(like="_wall_s").isna().all(axis=None)
+    assert none["moves"].reply_wall_s.isna().all()
+    assert none["trials"][["wall_seconds", "most_lag_s", "late_share"]].isna().all(axis=None)
+    begins = read_game(next(folder.recordings.rglob("*.bag"))).began
+    made = none["decisions"]
+    last = round(begins + (made.shown_s + made.decision_s).max(), 2)
+    even = tables([[0.0, 0.0], [last, last]])
+    made = even["decisions"]
+    assert len(made) > 1
+    for name in ("shown", "decision", "after_advice"):
+        assert made[f"{name}_wall_s"].tolist() == pytest.approx(made[f"{name}_s"].tolist(), nan_ok=True)
+    # The machine stood still for ten seconds while somebody waited for a reply in a decision.
+    waits = even["moves"].reply_s
+    row = waits.idxmax()
+    stops = even["moves"].time_s[row] - waits[row] / 2.0
+    # Real time counts from the first tick of the session, in which the game may not have begun yet.
+    stall = tables([[0.0, 0.0], [begins + stops] * 2, [begins + stops + 0.001, begins + stops + 10.001], [30.0, 40.0]])
+    late = stall["moves"].reply_wall_s - waits
+    assert late.dropna().tolist() == pytest.approx([10.0 * (each == row) for each in late.dropna().index], abs=1e-6)
+    late = stall["decisions"].decision_wall_s - made.decision_s
+    inside = (made.shown_s < stops) & (stops + 0.001 < made.shown_s + made.decision_s)
+    assert inside.sum() == 1
+    assert late.tolist() == pytest.approx((10.0 * inside).tolist(), abs=1e-6)
+    (trial,) = stall["trials"].to_dict("records")
+    assert (trial["wall_seconds"], trial["most_lag_s"]) == (40.0, 10.0)

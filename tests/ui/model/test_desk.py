@@ -79,6 +79,25 @@ def test_sentences(study: Study) -> None:
     assert [row[1] for row in note_rows(state.notes)] == ["the study", state.runs[0].participant]
 
 
+def test_lag_behind_real_time_is_shown_of_each_run_and_of_the_study(study: Study) -> None:
+    assert seen(study, len(study.entries))[0].pace == "", "a rehearsal has no real time"
+    person = next(entry.event.participant for entry in study.entries if entry.event.kind == EventKind.RUN_BEGUN)
+    length = next(
+        number
+        for number, entry in enumerate(study.entries, start=1)
+        if (entry.event.participant, entry.event.kind) == (person, EventKind.STEP_BEGUN)
+    )
+    data = {"bag": "x.bag", "sha256": "", "score": 3, "most_lag_seconds": 2.25}
+    event = NewEvent(EventKind.GAME_PLAYED, "program", clocks(length), person, 1, data=data)
+    entries = (*study.entries[:length], LoggedEvent(length + 1, event))
+    progress = Progress(study.design).after(entries)
+    state = desk_state(study.design, progress, entries, ToldToDesk(clocks(length).wall, shown=person))
+    assert state.pace.startswith(f"Games were at most 2.2 s behind real time ({person}, ")
+    assert "most_lag is not set" in state.pace
+    assert run_words(state.runs[0]).endswith("Games were at most 2.2 s behind real time.")
+    assert state.events[-1].words.endswith("the game is recorded; at most 2.2 s behind real time")
+
+
 def test_kinds_of_events_that_nobody_knows_yet_are_told(study: Study) -> None:
     person = next(entry.event.participant for entry in study.entries if entry.event.kind == EventKind.RUN_BEGUN)
     later = LoggedEvent(len(study.entries) + 1, NewEvent("chair-moved", "robot", clocks(1), person))

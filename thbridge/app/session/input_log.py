@@ -4,9 +4,10 @@ What follows from an input can be computed again, so the inputs are all that mus
 before the tick in which it acts has told anybody of it. A game that goes on is run anew from its study with the inputs
 of its log, as fast as the computer can, up to the last tick that the log knows of.
 
-The file has a line that says of which game it is; then one for each tick with inputs, and one for each second of
-simulated time. Lines of seconds have a digest of the robots' poses and the score: a game that runs another way than
-before is noticed. A torn last line, which was being written when the program died, is dropped.
+The file has a line that says of which game it is; then one for each tick with inputs, events or utterances, one for
+each tick that took long, and one for each second of simulated time. Lines of seconds have a digest of the robots' poses
+and the score: a game that runs another way than before is noticed. All have the real time of their tick, on which no
+game depends. A torn last line, which was being written when the program died, is dropped.
 """
 
 import fcntl
@@ -28,6 +29,8 @@ from thbridge.files.errors import BadFile
 from thbridge.json_text import json_of
 from thbridge.recording.append import append_whole
 from thbridge.ros.messages.session_records import InputRecord, SessionRecord
+from thbridge.timing.pace_meter import LATE, PaceMeter, PaceState
+from thbridge.timing.pacer import Pacer
 
 _MACHINE_TELLS = ("libc", "processor", "compiler", "architecture")
 """Beginnings of the names of what a session record tells of the machine; games are the same on all of them."""
@@ -45,11 +48,13 @@ class LoggedTick:
         tick: its number.
         inputs: that acted in it, in order.
         digest: of poses and score after it; empty: not told.
+        pace: real time up to it; None in logs of earlier releases, and after the end of the game.
     """
 
     tick: int
     inputs: tuple[inputs.Input, ...]
     digest: str = ""
+    pace: PaceState | None = None
 
 
 class InputLog:
@@ -58,6 +63,8 @@ class InputLog:
     Args:
         path: the file; made where there is none, or it holds nothing whole.
         record: of the session whose inputs these are.
+        meter: measures the real time of ticks; goes on where the log ends.
+        pacer: of the session.
 
     Attributes:
         ticks: what was in the log when it was opened, oldest first.
@@ -67,8 +74,9 @@ class InputLog:
         GameDiffers: it is the log of another game, or of another release.
     """
 
-    def __init__(self, path: Path, record: SessionRecord) -> None:
-        self._path = path
+    def __init__(self, path: Path, record: SessionRecord, meter: PaceMeter, pacer: Pacer) -> None:
+        self._path, self._meter, self._pacer = path, meter, pacer
+        self._over = False
         try:
             make_folder(path.parent)
             self._file = own_target(path).open("a+b", buffering=0)
@@ -83,6 +91,7 @@ class InputLog:
             raise BadFile(path, f"it cannot be written ({error.strerror})", "look at the disk") from None
         self._last = self.ticks[-1].tick if self.ticks else -1
         self._digests = {logged.tick: logged.digest for logged in self.ticks if logged.digest}
+        meter.go_on((logged.tick, logged.pace) for logged in self.ticks if logged.pace is not None)
 
     def record(self, record: TickRecord) -> None:
         """See `TickRecorder`; ticks that are in the log already are only compared with it.
@@ -92,16 +101,23 @@ class InputLog:
             GameDiffers: the tick is not the one that was logged.
         """
         digest = _digest(record) if record.tick % TICKS_PER_SECOND == 0 else ""
+        was_over, self._over = self._over, record.game is not None and record.game.ended is not None
         if record.tick <= self._last:
             if digest and self._digests.get(record.tick, digest) != digest:
                 raise self._differs(f"at {record.tick // TICKS_PER_SECOND} s the robots are elsewhere than they were")
             return
-        if not record.inputs and not digest:
+        # After the end of a game nobody acts, and the window takes as long as it likes to show it.
+        pace = None if was_over and self._over else self._meter.measure(record.tick, self._pacer)
+        told_of = pace is not None and (record.events or record.utterances or pace.step > LATE)
+        if not record.inputs and not digest and not told_of:
             return
         given = [[each.kind, each.json] for each in map(to_record, record.inputs)]
-        line = _line({"tick": record.tick, "inputs": given, "digest": digest})
+        line: dict[str, object] = {"tick": record.tick, "inputs": given, "digest": digest}
+        if pace is not None:
+            self._meter.keep()
+            line["pace"] = pace.rounded()
         try:
-            append_whole(self._file, line, synced=bool(given))
+            append_whole(self._file, _line(line), synced=bool(given))
         except OSError as error:
             raise BadFile(self._path, f"it cannot be written ({error.strerror})", "make room on the disk") from None
 
@@ -129,7 +145,8 @@ class InputLog:
         try:
             told = json_of(line)
             given = [from_record(InputRecord(kind, "", "", text)) for kind, text in told["inputs"]]
-            return LoggedTick(told["tick"], tuple(given), told["digest"])
+            pace = PaceState(*map(float, told["pace"])) if "pace" in told else None
+            return LoggedTick(told["tick"], tuple(given), told["digest"], pace)
         except (ValueError, KeyError, TypeError):
             remedy = "Move it away; the game then begins anew"
             raise BadFile(self._path, "it is damaged", remedy, line=number) from None

@@ -80,6 +80,14 @@ class ExperimentFile:
     begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who begins the run of the next person")
     recruiting: RecruitingSection = param(RecruitingSection(), "what people from a recruiting service are asked")
     recruitment: str = param("", "sentence on how people were found and paid, for the methods text")
+    most_lag: float | None = param(
+        None,
+        "largest lag of a game behind real time, on a machine too slow for its rate; a run with a larger one does not "
+        "count, and its place opens again; null: any lag counts",
+        "s",
+        0,
+        3600,
+    )
     markers: bool = param(
         default=False, help="whether each event of the log goes to other recorders (Lab Streaming Layer)"
     )

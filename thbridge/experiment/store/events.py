@@ -123,7 +123,8 @@ class EventKind(StrEnum):
     FAREWELL_READ = "farewell-read"
     """A person has left the last page, with the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
-    """Data: outcome, reason, and of a complete run its completion code."""
+    """Data: outcome, reason, and of a complete run its completion code; excluded, the reason why a run that came to its
+    end does not count."""
     RUN_EXCLUDED = "run-excluded"
     """The experimenter decides that a run does not count. Data: reason."""
     REHEARSED = "rehearsed"

@@ -52,7 +52,7 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
-    from thbridge.experiment.progress import Progress
+    from thbridge.experiment.progress import Progress, lag_words
     from thbridge.experiment.recordings import told_leftovers
     from thbridge.experiment.store.event_log import read_log
     from thbridge.experiment.store.events import RunState
@@ -66,8 +66,9 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
         changed = deviations(place, versions())
     runs = list(progress.runs.values())
     counts = {str(state): sum(run.state is state for run in runs) for state in RunState}
+    most = {run.participant: run.lag for run in runs if run.lag is not None}
     if as_json:
-        told = {"changed": None if changed is None else list(changed), "recordings": left}
+        told = {"changed": None if changed is None else list(changed), "recordings": left, "most_lag_seconds": most}
         print_json({"planned": design.allocation.size, **counts, **told})
         return
     say(f"{design.file.title}: {counts['complete']} of {design.allocation.size} runs that count")
@@ -75,7 +76,7 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
         reason = f" ({run.reason})" if run.reason else ""
         at = f", step {run.step} of {len(run.plan)}" if run.state is RunState.UNDER_WAY else ""
         say(f"  {run.participant}  {run.state}{reason}{at}")
-    for sentence in left:
+    for sentence in (*left, *lag_words(progress)):
         say(sentence)
     if changed is None:
         say("Not frozen.")

@@ -25,6 +25,7 @@ from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.recordings import make_room
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.timing.pace_meter import GamePace, PaceMeter
 from ui.first_start import compile_ahead
 from ui.hosting.games import practice_setting
 
@@ -42,8 +43,8 @@ class GameWatcher(Protocol):
     def ready(self, where: ListeningAddress) -> None:
         """Let the window join the game."""
 
-    def passed(self, seconds: float) -> None:
-        """Take the simulated time, after each tick."""
+    def passed(self, seconds: float, lag: float) -> None:
+        """Take the simulated time after each tick, and by how much it is behind real time; both are seconds."""
 
     def time_is_up(self) -> None:
         """Tell the person that the time of the game is over."""
@@ -126,8 +127,8 @@ class StudyGames:
             raise BadFile(bag, f"cannot be recorded ({reason_of(error)})", "Make room on the disk") from None
         if measures is None:
             return None
-        observer, outcome = measures
-        return await asyncio.to_thread(played, observer.measures(outcome), bag, self._folder.root)
+        observer, outcome, pace = measures
+        return await asyncio.to_thread(played, observer.measures(outcome), bag, self._folder.root, pace)
 
     def _options(self, step: PlannedStep, rate: float | None, bag: Path | None) -> PlayOptions:
         log = None if bag is None else _inputs_of(bag)
@@ -135,9 +136,10 @@ class StudyGames:
 
     async def _play(
         self, setting: StudySetting, options: PlayOptions, watcher: GameWatcher
-    ) -> tuple[GameObserver, HuntOutcome] | None:
+    ) -> tuple[GameObserver, HuntOutcome, GamePace] | None:
         """Play a game; None when it did not come to its end."""
         observer, over_at, last = GameObserver(), 0, int(options.max_seconds * TICKS_PER_SECOND)
+        meter = PaceMeter()
         told = ended = False
 
         def ready(where: ListeningAddress | CannotListen) -> None:
@@ -148,7 +150,7 @@ class StudyGames:
         def progress(moment: TickRecord) -> None:
             nonlocal over_at, told, ended
             observer.record(moment)
-            watcher.passed(moment.tick * TICK)
+            watcher.passed(moment.tick * TICK, meter.state.lag)
             if over_at == 0 and moment.game is not None and moment.game.ended is not None:
                 over_at = moment.tick
             if over_at:
@@ -163,12 +165,12 @@ class StudyGames:
 
         await asyncio.to_thread(compile_ahead, whole_hunt=True)
         try:
-            outcome = await hunt.play(setting, None, replace(options, left=left), ready, progress)
+            outcome = await hunt.play(setting, None, replace(options, left=left, meter=meter), ready, progress)
         except HuntUnfinished as early:
             if early.stopped:
                 raise KioskStopped from None
-            return (observer, early.outcome) if told else None
-        return observer, outcome
+            return (observer, early.outcome, meter.pace()) if told else None
+        return observer, outcome, meter.pace()
 
 
 def _inputs_of(bag: Path) -> Path:

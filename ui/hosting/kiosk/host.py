@@ -145,6 +145,7 @@ class KioskHost:
         self._heard: asyncio.Queue[FromKiosk | _Woken] = asyncio.Queue()
         self._person = ""
         self._page = 0
+        self._lag = 0
         self._admits = self._looks_away = self._closed = False
         self._shown = ""
         conductor.listeners.append(lambda _event: self.changed())
@@ -164,8 +165,12 @@ class KioskHost:
     @property
     def troubles(self) -> tuple[str, ...]:
         """Sentences about what somebody has to look at."""
-        looks_away = self._looks_away and self._person != ""
-        return ("At the kiosk, keys and clicks go to another window.",) if looks_away else ()
+        troubles = []
+        if self._looks_away and self._person:
+            troubles.append("At the kiosk, keys and clicks go to another window.")
+        if self._lag:
+            troubles.append(words.LAGS.format(self._lag))
+        return tuple(troubles)
 
     def admit_next(self) -> str | None:
         """Begin the run of the next person; else return why that cannot be."""
@@ -206,6 +211,12 @@ class KioskHost:
     def _other_in(self, reason: str, participant: str) -> str | None:
         """Return who else is named in a reason, which stays when they withdraw."""
         return next((other for other in self.progress.runs if other in reason and other != participant), None)
+
+    def _note_lag(self, lag: float) -> None:
+        """Show the researcher each whole second by which the game is behind real time."""
+        if int(lag) != self._lag:
+            self._lag = int(lag)
+            self.changed()
 
     def _wake(self) -> None:
         self._heard.put_nowait(_Woken())
@@ -559,6 +570,7 @@ class KioskHost:
             raise _RunOver from None
         finally:
             self._clock.simulated = None
+            self._note_lag(0.0)
             await visit.done()
         visit.check()
         return played
@@ -593,8 +605,9 @@ class _Visit:
         address = WILDCARD_ADDRESSES.get(where.host, where.host)
         self.page = self._send(GameToJoin(0, address, where.port, host._token, self._practice, agreed_at))
 
-    def passed(self, seconds: float) -> None:
+    def passed(self, seconds: float, lag: float) -> None:
         self._host._clock.simulated = None if self._practice else seconds
+        self._host._note_lag(lag)
 
     def time_is_up(self) -> None:
         self._send(GamePrepared(0, words.TIME_IS_UP))

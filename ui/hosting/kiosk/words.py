@@ -30,6 +30,9 @@ NO_PLACES = {
 }
 """Headings and texts for whoever comes when there is no place."""
 
+LAGS = "This computer is too slow: the game is {} s behind real time. Close other programs."
+"""Sentence for the researcher; takes whole seconds."""
+
 NAMES_OTHER = "Do not name {} in the reason: it stays when they withdraw. A note may name them."
 
 RESTARTED = "The study goes on where you were"
@@ -125,7 +128,8 @@ def farewell(run: Run) -> tuple[str, str]:
         "later, tell us this code."
     )
     match run.state:
-        case RunState.COMPLETE:
+        # A code means that they came to the end, also where their run does not count.
+        case _ if run.code:
             told = (
                 "You have completed the study. Everything is kept. If you want it deleted later, tell us the code below"
             )

@@ -43,6 +43,7 @@ class DeskRun(msgspec.Struct, frozen=True):
         since: date and time of day at which that began, or the run ended; ISO 8601 in UTC.
         minutes: from the beginning of the run until now, or until its end.
         missing: ids of the items of the form under way that must be answered and are not.
+        lag: largest lag of the person's games behind real time in seconds; None if none is known.
     """
 
     participant: str
@@ -58,6 +59,7 @@ class DeskRun(msgspec.Struct, frozen=True):
     since: str
     minutes: float
     missing: tuple[str, ...] = ()
+    lag: float | None = None
 
 
 class DeskEvent(msgspec.Struct, frozen=True):
@@ -108,6 +110,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
         no_next: why nobody can begin now; empty: somebody can.
         rehearsal: True when the people are simulated.
         read_only: why nothing can be asked from here; empty: it can.
+        pace: sentence on how far games were behind real time; empty: no game has a real time.
     """
 
     title: str
@@ -124,6 +127,7 @@ class DeskState(msgspec.Struct, frozen=True, tag=True):
     no_next: str = ""
     rehearsal: bool = False
     read_only: str = ""
+    pace: str = ""
 
 
 class NextParticipant(msgspec.Struct, frozen=True, tag=True):

@@ -79,6 +79,8 @@ def run_words(run: DeskRun) -> str:
     """A run in sentences."""
     order = ", then ".join(run.order)
     where = f"In {run.cell}; order: {order}." if run.cell != "everybody" else f"Order: {order}."
+    if run.lag is not None:
+        where += f" Games were at most {run.lag:.1f} s behind real time."
     if run.state != "under way":
         how = _STATES.get(run.state, run.state)
         reason = f": {run.reason}" if run.reason else ""

@@ -7,7 +7,7 @@ from datetime import datetime
 
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.progress import Progress, Run
+from thbridge.experiment.progress import Progress, Run, lag_words
 from thbridge.experiment.store.events import EventKind, LogEntry, LoggedEvent, NewEvent, RunState
 from ui.model.desk.messages import DeskCell, DeskEvent, DeskNote, DeskRun, DeskState
 
@@ -79,6 +79,7 @@ def desk_state(
         no_next=NO_PLACE[place] if isinstance(place, NoPlace) else "",
         rehearsal=any(entry.event.kind == EventKind.REHEARSED for entry in own[""]),
         read_only=told.read_only,
+        pace=" ".join(lag_words(progress)),
     )
 
 
@@ -121,6 +122,7 @@ def _run(design: ExperimentDesign, run: Run, events: Sequence[LoggedEvent], now:
         since=_last(events, _BEGINNINGS if run.under_way and not over else _BUT_NOTES),
         minutes=_minutes(begun, until),
         missing=missing,
+        lag=run.lag,
     )
 
 
@@ -180,11 +182,15 @@ def _words(progress: Progress, event: NewEvent) -> str:
         case EventKind.FAREWELL_READ:
             return "leaves the last page"
         case EventKind.GAME_PLAYED:
-            return f"{step}: the game is recorded"
+            lag = data.get("most_lag_seconds")
+            behind = f"; at most {lag:.1f} s behind real time" if isinstance(lag, int | float) else ""
+            return f"{step}: the game is recorded{behind}"
         case EventKind.STEP_ENDED:
             return f"{step}, ends: {data.get('outcome', '')}"
         case EventKind.RUN_ENDED:
             why = data.get("reason") or (f"code {data['code']}" if data.get("code") else "")
+            if "excluded" in data:
+                why = f"{why}; it does not count: {data['excluded']}"
             return f"the run ends: {data.get('outcome', '')}" + (f", {why}" if why else "")
         case EventKind.RUN_EXCLUDED:
             return f"the run does not count: {data.get('reason', '')}"

@@ -119,6 +119,7 @@ class DeskWindow(QMainWindow):
         self.state: DeskState | None = None
         self._title = label("Reading the study ...", "title", bold=True)
         self._counts, self._frozen, self._kiosk = label(), label("", "small"), label()
+        self._pace = label("", "small")
         self._why = label("", "small", muted=True)
         self.troubles = label("", bold=True)
         style_as_panel(self.troubles)
@@ -170,6 +171,8 @@ class DeskWindow(QMainWindow):
         self._counts.setText(count_words(state))
         self._frozen.setText(freeze_words(state))
         _mark(self._frozen, bad=bool(state.changed))
+        self._pace.setText(state.pace)
+        self._pace.setVisible(bool(state.pace))
         self._kiosk.setText(f"At the kiosk: {state.kiosk}")
         self._kiosk.setVisible(bool(state.kiosk))
         self._show_troubles(state.troubles, () if before is None else before.troubles)
@@ -367,7 +370,7 @@ class DeskWindow(QMainWindow):
             follow_text(table, lambda it: it.setMinimumSize(px(200), px(96)))
         inside, area = QWidget(), QScrollArea(widgetResizable=True)
         head = spaced(QVBoxLayout(), GAP // 2)
-        for words in (self._title, self._counts, self._frozen, self._kiosk, self.troubles):
+        for words in (self._title, self._counts, self._frozen, self._pace, self._kiosk, self.troubles):
             head.addWidget(words)
         column = spaced(QVBoxLayout(inside), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
         column.addLayout(head)

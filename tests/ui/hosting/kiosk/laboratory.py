@@ -229,7 +229,7 @@ class InstantGames:
 
     async def _at(self, watcher) -> None:
         watcher.ready(ListeningAddress("0.0.0.0", 4711))
-        watcher.passed(12.5)
+        watcher.passed(12.5, 0.0)
         self.during()
         for _ in range(10):
             # The window is heard between two ticks.

@@ -2,15 +2,17 @@
 
 import hashlib
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
 from tests.system.small_disk import SmallDisk, why_not
-from tests.ui.hosting.kiosk.laboratory import KilledError, Laboratory, Person, headings
+from tests.ui.hosting.kiosk.laboratory import InstantGames, KilledError, Laboratory, Person, headings
+from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.export.tables import tables_of
+from thbridge.experiment.progress import Progress, lag_words
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import EventKind, RunState
 from thbridge.files.errors import BadFile
@@ -422,6 +424,69 @@ def test_events_in_a_game_have_its_simulated_time(laboratory: Laboratory) -> Non
     (lost,) = [event for event in laboratory.events if event.kind == EventKind.FOCUS_LOST]
     assert (lost.clocks.simulated, lost.step) == (12.5, 4)
     assert all(event.clocks.simulated is None for event in laboratory.events if event is not lost and event.step != 4)
+
+
+BOUND = "title: x\nquota: 1\nmost_lag: 5\nsteps:\n  - {step: trial, name: first}\n  - {step: trial, name: second}\n"
+
+
+class SlowGames(InstantGames):
+    """Games on a machine that is too slow for the second of each person."""
+
+    lags: Mapping[str, float] = {"first": 5.0, "second": 12.25}
+
+    async def play(self, run, step, watcher, *, goes_on: bool):
+        game = await super().play(run, step, watcher, goes_on=goes_on)
+        return {**game, "most_lag_seconds": self.lags[step.name]}
+
+
+def test_a_run_on_a_machine_that_was_too_slow_ends_as_any_other_and_does_not_count(tmp_path: Path) -> None:
+    laboratory, person = Laboratory(tmp_path, BOUND), Person()
+    laboratory.games = SlowGames()
+    laboratory.run(person)
+    (run,) = laboratory.people
+    assert run.state is RunState.EXCLUDED
+    assert run.reason == "second was 12.2 s behind real time; most_lag is 5 s"
+    # The person has done all that was asked for: they are thanked, and get their code.
+    last = next(page for page in person.seen if isinstance(page, TextToRead) and page.code)
+    assert (last.heading, last.code) == ("Thank you", run.code)
+    assert len(run.code) == 8
+    # The place is open again, and a run at the bound counts.
+    laboratory.games.lags = {"first": 5.0, "second": 0.1}
+    laboratory.run(Person())
+    again = laboratory.people[1]
+    assert (again.state, again.place) == (RunState.COMPLETE, run.place)
+    # Who came then keeps the place, whatever the file says later.
+    (tmp_path / "experiment.yaml").write_text(BOUND.replace("most_lag: 5", "most_lag: null"))
+    later = Progress(read_experiment(tmp_path / "experiment.yaml")).after(read_log(tmp_path / "store" / "log"))
+    assert [str(run.state) for run in later.runs.values()] == ["excluded", "complete"]
+
+
+def test_without_a_bound_each_lag_counts(tmp_path: Path) -> None:
+    laboratory = Laboratory(tmp_path, BOUND.replace("most_lag: 5\n", ""))
+    laboratory.games = SlowGames()
+    laboratory.run(Person())
+    (run,) = laboratory.people
+    assert run.state is RunState.COMPLETE
+    (told,) = lag_words(Progress(laboratory.design, {run.participant: run}))
+    most = f"Games were at most 12.2 s behind real time ({run.participant}, second)"
+    assert told == f"{most}; games measured: 2; most_lag is not set."
+
+
+def test_the_researcher_sees_that_a_game_lags(laboratory: Laboratory) -> None:
+    seen: list[tuple[str, ...]] = []
+
+    class Lagging(InstantGames):
+        async def _at(self, watcher) -> None:
+            for lag in (0.4, 3.7, 3.9):
+                watcher.passed(1.0, lag)
+                seen.append(laboratory.host.troubles)
+            await super()._at(watcher)
+
+    laboratory.games = Lagging()
+    laboratory.run(Person(learns=True))
+    told = words.LAGS.format(3)
+    assert seen[:3] == [(), (told,), (told,)]
+    assert laboratory.host.troubles == ()
 
 
 def test_a_reason_names_nobody_who_may_withdraw_later(laboratory: Laboratory) -> None:

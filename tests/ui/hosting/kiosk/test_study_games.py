@@ -2,7 +2,10 @@
 
 import asyncio
 import hashlib
+import json
 from pathlib import Path
+
+import pytest
 
 from thbridge.experiment.design.plan import plan_of
 from thbridge.experiment.folder import ExperimentFolder
@@ -10,6 +13,7 @@ from thbridge.experiment.progress import Run
 from thbridge.recording.bag.reading.reader import info
 from thbridge.recording.recordings import active_of
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.timing.pace_meter import real_time
 from ui.hosting.kiosk.games import StudyGames
 
 STUDY = """\
@@ -34,7 +38,7 @@ class NobodyThere:
     def ready(self, where: ListeningAddress) -> None:
         pass
 
-    def passed(self, seconds: float) -> None:
+    def passed(self, seconds: float, lag: float) -> None:
         self.times.append(seconds)
 
     def time_is_up(self) -> None:
@@ -94,3 +98,32 @@ def test_a_recording_that_was_cut_off_is_told_when_its_game_goes_on(tmp_path: Pa
     bag.rename(active_of(bag))
     host, _ = played(tmp_path, goes_on=True)
     assert host.cut == ["step-1-1.bag.active", "step-1-2.bag.active"], "whoever is told knows which are new"
+
+
+def test_the_log_has_the_real_time_of_a_game_also_where_another_program_went_on_with_it(tmp_path: Path) -> None:
+    (tmp_path / "experiment.yaml").write_text(STUDY)
+    _, game = played(tmp_path, goes_on=False)
+    times, walls = zip(*game["course"], strict=True)
+    assert (times[0], walls[0]) == (0.0, 0.0)
+    assert times[-1] == pytest.approx(2.0, abs=0.05)
+    assert walls[-1] == pytest.approx(game["wall_seconds"], abs=0.01)
+    assert list(walls) == sorted(walls)
+    assert 0.0 <= game["late_seconds"] <= game["wall_seconds"]
+    log = tmp_path / "recordings" / "P-1" / "step-1.inputs"
+    lines = [json.loads(line) for line in log.read_bytes().splitlines()]
+    # The program died after the first second, which took 7 s because the machine was too slow.
+    cut = [line for line in lines if line.get("tick", 0) <= 50]
+    cut[-1]["pace"] = [7.0, 0.02, 6.0, 6.5, 3.0]
+    log.write_text("".join(json.dumps(line, separators=(",", ":")) + "\n" for line in cut))
+    _, again = played(tmp_path, goes_on=True)
+    assert again["most_lag_seconds"] >= 6.5
+    assert again["late_seconds"] >= 3.0
+    assert real_time(again["course"], 1.0) == pytest.approx(7.0, abs=0.1)
+    assert again["wall_seconds"] > 7.0
+    assert again["sha256"] == game["sha256"], "the recording does not depend on real time"
+    # An earlier release kept no real time there.
+    for line in cut:
+        line.pop("pace", None)
+    log.write_text("".join(json.dumps(line, separators=(",", ":")) + "\n" for line in cut))
+    _, older = played(tmp_path, goes_on=True)
+    assert older["score"] == game["score"]

@@ -44,6 +44,7 @@ from thbridge.hunt.treasures import same_name
 from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.participant_rules import Discussed
 from thbridge.ros.messages.session_records import DialogueMoveRecord
+from thbridge.timing.pace_meter import TOLERANCE
 
 _NEXT = re.compile(r"next\(Robot\d+, Room(\d+)\)")
 _TREASURE = re.compile(r"treasure_in\((.*), Room\d+\)")
@@ -295,10 +296,19 @@ def _is_treasure(now: TimedEvent | None, robot: int, name: str) -> bool | None:
 class _Numbered:
     """A decision of a trial with its number."""
 
-    run: Run
-    attempt: Attempt
+    trial: RecordedTrial
     number: int
     made: GameDecision
+
+    @property
+    def run(self) -> Run:
+        """The person's run."""
+        return self.trial.run
+
+    @property
+    def attempt(self) -> Attempt:
+        """The attempt at the trial."""
+        return self.trial.attempt
 
 
 def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[GameDecision]) -> ExperimentTable:
@@ -358,6 +368,22 @@ def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[Gam
                 "simulated time from the latest advice to the choice",
                 lambda row: None if row.made.advised is None else max(0.0, row.made.chosen - row.made.advised),
             ),
+            seconds(
+                "shown_wall_s",
+                f"shown_s in real time; without the time until another program went on with the game, and within "
+                f"{TOLERANCE:g} s; none of rehearsals and of games of earlier releases",
+                lambda row: row.trial.wall(0.0, row.made.shown),
+            ),
+            seconds(
+                "decision_wall_s",
+                "decision_s in real time, likewise",
+                lambda row: row.trial.wall(row.made.shown, row.made.chosen),
+            ),
+            seconds(
+                "after_advice_wall_s",
+                "after_advice_s in real time, likewise",
+                lambda row: None if row.made.advised is None else row.trial.wall(row.made.advised, row.made.chosen),
+            ),
             flag(
                 "agreed", "whether the person chose what was advised; none without advice", lambda row: row.made.agreed
             ),
@@ -375,4 +401,4 @@ def decisions(design: ExperimentDesign, trial: RecordedTrial, made: Sequence[Gam
             whole("points", "of a name that was given", lambda row: row.made.points),
         ),
     )
-    return table.of(_Numbered(trial.run, trial.attempt, number, each) for number, each in enumerate(made, start=1))
+    return table.of(_Numbered(trial, number, each) for number, each in enumerate(made, start=1))

@@ -16,6 +16,7 @@ from thbridge.hunt.events import DialogueOpened, DialogueSaid, Event, GameEnded,
 from thbridge.recording.bag.reading.reader import RawMessage, info, messages
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.session_records import DialogueMoveRecord, UtteranceRecord
+from thbridge.ros.messages.stamps import START_NS
 from thbridge.ros.names import DIALOGUE_MOVES, DIALOGUE_STATES, GAME_EVENTS, UTTERANCES
 
 _TOPICS = (GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES)
@@ -81,6 +82,13 @@ class RecordedTrial:
         """The attempt at the trial."""
         return self.trial.attempt
 
+    def wall(self, begin: float, end: float | None) -> float | None:
+        """Return the real time between two moments of the game; None if it is not known. All are seconds."""
+        if end is None:
+            return None
+        start, stop = (self.trial.wall(self.recording.began + moment) for moment in (begin, end))
+        return None if start is None or stop is None else max(stop - start, 0.0)
+
 
 @dataclass(slots=True)
 class GameRecording:
@@ -91,12 +99,14 @@ class GameRecording:
         collisions: of each robot, by its index.
         duration: from the beginning to the end of the game, or of the recording, s.
         games: dialogue games.
+        began: when the game began, s of simulated time since the first tick of the recording.
     """
 
     happenings: list[Happening] = field(default_factory=list)
     collisions: Counter[int] = field(default_factory=Counter)
     duration: float = 0.0
     games: tuple[RecordedGame, ...] = ()
+    began: float = 0.0
 
     @property
     def events(self) -> Iterator[TimedEvent]:
@@ -177,6 +187,7 @@ class _Builder:
         if isinstance(event, GameStarted):
             self._recording, self._dialogues, self._ended = GameRecording(), DialogueGatherer(), None
             self._begin_ns, self._state = stamp_ns, game.begin(event)
+            self._recording.began = (stamp_ns - START_NS) / 1e9
         if self._state is None:
             raise ValueError("it has no beginning of a game")
         time, before = (stamp_ns - self._begin_ns) / 1e9, self._state

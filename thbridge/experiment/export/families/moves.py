@@ -31,6 +31,7 @@ class _SaidMove:
     said: UtteranceRecord | DialogueMoveRecord
     move: DialogueMoveRecord | None
     waited: float | None
+    waited_wall: float | None
     is_repeated: bool
 
     @property
@@ -101,6 +102,11 @@ def moves(design: ExperimentDesign, trial: RecordedTrial) -> ExperimentTable:
                 "simulated time since the other side's last sentence in this dialogue; none of a first one",
                 lambda row: row.waited,
             ),
+            seconds(
+                "reply_wall_s",
+                "reply_s in real time, as in decisions",
+                lambda row: row.waited_wall,
+            ),
         ),
     )
     return table.of(_said(trial, trial.recording))
@@ -129,12 +135,15 @@ def _said(trial: RecordedTrial, recording: GameRecording) -> Iterator[_SaidMove]
                 said,
                 waiting.pop(0) if waiting else None,
                 None if other is None else time - other,
+                None if other is None else trial.wall(other, time),
                 said.speaker == "human" and bool(said.text) and key in before,
             )
         )
         before.add(key)
         last[said.dialogue, said.speaker] = time
-    rows += (_SaidMove(trial.run, trial.attempt, time, move, move, None, is_repeated=False) for time, move in booked)
+    rows += (
+        _SaidMove(trial.run, trial.attempt, time, move, move, None, None, is_repeated=False) for time, move in booked
+    )
     yield from sorted(rows, key=lambda row: row.time)
 
 

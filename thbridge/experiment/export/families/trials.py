@@ -15,6 +15,7 @@ from thbridge.experiment.export.families.described import (
     flag,
     number,
     seconds,
+    share,
     text,
     time,
     whole,
@@ -22,6 +23,7 @@ from thbridge.experiment.export.families.described import (
 from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import JsonValue, StepOutcome
 from thbridge.recording.recordings import digest_of
+from thbridge.timing.pace_meter import LATE, real_time
 
 
 class RecordingState(StrEnum):
@@ -54,6 +56,21 @@ class Trial:
         """Path of its recording in the study's folder; None without one."""
         told = self.told("bag")
         return None if told is None else str(told)
+
+    def wall(self, simulated: float) -> float | None:
+        """Return the real time, s since the first tick, at a moment of simulated time; None if the log has none."""
+        # Sums of times may miss a tick by a bit, also the last one.
+        return real_time(self.course, round(simulated, 3))
+
+    @property
+    def course(self) -> list[tuple[float, float]]:
+        """Pairs of simulated and real time, s, in order; empty if the log has none."""
+        told, course = self.told("course"), []
+        for pair in told if isinstance(told, list) else ():
+            match pair:
+                case [int() | float() as simulated, int() | float() as wall]:
+                    course.append((float(simulated), float(wall)))
+        return course
 
     def told(self, name: str) -> JsonValue:
         """Return what the log has of the game."""
@@ -99,6 +116,10 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
         value = row.told(name)
         return None if value is None else str(value)
 
+    def late_share(row: Trial) -> float | None:
+        late, wall = told_number(row, "late_seconds"), told_number(row, "wall_seconds")
+        return None if late is None or not wall else min(late / wall, 1.0)
+
     table: TableOf[Trial] = TableOf(
         "trials",
         "a game of a person; those of practice are marked by kind and counts",
@@ -123,6 +144,22 @@ def trials(design: ExperimentDesign, subjects: Sequence[Trial]) -> ExperimentTab
                 "sim_seconds",
                 "simulated time from start to end of the game",
                 lambda row: told_number(row, "sim_seconds"),
+            ),
+            seconds(
+                "wall_seconds",
+                "real time from start to end of the game, without the time until another program went on with it; none "
+                "of rehearsals and of games of earlier releases",
+                lambda row: told_number(row, "wall_seconds"),
+            ),
+            seconds(
+                "most_lag_s",
+                "largest lag of simulated time behind real time (the machine was too slow); none likewise",
+                lambda row: told_number(row, "most_lag_seconds"),
+            ),
+            share(
+                "late_share",
+                f"share of the real time in which ticks ran more than {LATE:g} s after they were due; none likewise",
+                late_share,
             ),
             number("energy_left", "", "energy left to all robots", lambda row: told_number(row, "energy_left")),
             time("began", "date and time, UTC", lambda row: row.attempt.began),
