@@ -35,6 +35,7 @@ from ui.commands.study.experiment import (
     study_freeze,
     study_new,
     study_power,
+    study_preview,
     study_rehearse,
     study_run,
     study_status,
@@ -106,6 +107,7 @@ study_app.command("rehearse")(study_rehearse)
 study_app.command("power")(study_power)
 study_app.command("status")(study_status)
 study_app.command("watch")(study_watch)
+study_app.command("preview")(study_preview)
 study_app.command("freeze")(study_freeze)
 study_app.command("export")(study_export)
 study_app.command("backup")(study_backup)

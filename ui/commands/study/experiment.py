@@ -127,6 +127,28 @@ def study_run(
     run_study(folder, look.value, windowed=windowed, desk=desk)
 
 
+def study_preview(
+    folder: FolderOfExperiment,
+    step: Annotated[
+        str, typer.Argument(help="Name of a step, or its number in the file; by default all steps.", metavar="[STEP]")
+    ] = "",
+    condition: Annotated[
+        str, typer.Option(help="Level within people, such as `collaborator`; by default the first.", metavar="LEVEL")
+    ] = "",
+    group: Annotated[str, typer.Option(help="Level between people; by default the first.", metavar="LEVEL")] = "",
+    look: LookOption = ColourScheme.SYSTEM,
+    hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
+) -> None:
+    """Show a step as participants see it, without the steps before it. Nothing is kept."""
+    if hosted:
+        from ui.windows.kiosk.window import open_kiosk
+
+        raise typer.Exit(open_kiosk(look.value, windowed=True, title="Preview: nothing is kept"))
+    from ui.actions.study_preview import preview_step
+
+    preview_step(folder, step, condition, group, look.value)
+
+
 def study_freeze(folder: FolderOfExperiment) -> None:
     """Write the fingerprint of the experiment, for a preregistration; exports tell whether it still holds."""
     from thbridge.app.compose.machine import versions

@@ -229,14 +229,24 @@ class KioskHost:
         Raises:
             BadFile: the log or a recording cannot be written, or a text cannot be read.
         """
+        await self._host(self._people())
+
+    async def preview(self, participant: str, last: int) -> None:
+        """Have a person go through their steps up to the one of this number, and close the window.
+
+        Raises:
+            BadFile: as for `run`.
+        """
+        await self._host(self._steps_until(participant, last))
+
+    async def _host(self, people: Coroutine[object, object, None]) -> None:
+        """Keep the window open while people go through something."""
         async with self._window.opened():
             listening = asyncio.create_task(self._listen())
             failed = False
             try:
                 with contextlib.suppress(KioskStopped):
-                    await self._resume()
-                    while True:
-                        await self._go_through(await self._next_run())
+                    await people
             except BadFile:
                 failed = True
                 raise
@@ -244,6 +254,18 @@ class KioskHost:
                 await self._end(failed=failed)
                 listening.cancel()
                 await asyncio.gather(listening, return_exceptions=True)
+
+    async def _people(self) -> None:
+        await self._resume()
+        while True:
+            await self._go_through(await self._next_run())
+
+    async def _steps_until(self, participant: str, last: int) -> None:
+        self._person = participant
+        with contextlib.suppress(_RunOver):
+            while self._run.step <= last and await self._begin():
+                pass
+        self._closed = True
 
     async def _end(self, *, failed: bool) -> None:
         """Have the window close; where somebody is in the middle of the study, it stays and says so instead."""

@@ -385,7 +385,7 @@ class KioskWindow(QMainWindow):
         self.overlay.setGeometry(self._inside.rect())
 
 
-def open_kiosk(choice: look.Choice, *, windowed: bool) -> int:
+def open_kiosk(choice: look.Choice, *, windowed: bool, title: str = "") -> int:
     """Open the window for the host at standard input and output; returns when it is closed."""
     app = application()
     pipe = HostPipe(KIOSK)
@@ -395,6 +395,8 @@ def open_kiosk(choice: look.Choice, *, windowed: bool) -> int:
     successor = Successor(window.give_way)
     successor.setParent(window)
     pipe.listen(window)
+    if title:
+        window.setWindowTitle(title)
     if windowed:
         look.open_within_screen(window)
         window.show()
