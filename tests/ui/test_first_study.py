@@ -14,7 +14,7 @@ from tests.ui.hosting.kiosk.laboratory import Person, ShownWindow
 from thbridge.app.compose.recording import build_writer
 from thbridge.batch.hunt import play_hunt
 from thbridge.batch.settings import SettingCache
-from thbridge.experiment.trials import played, setting_of_trial
+from thbridge.experiment.trials import PracticeCount, played, setting_of_practice, setting_of_trial
 from thbridge.sockets.addresses import ListeningAddress
 from ui.cli import app
 
@@ -28,8 +28,12 @@ class RehearsedGames:
         self._folder, self._design = folder, design
         self._settings = SettingCache(design.beside)
 
-    async def practise(self, run, step, watcher) -> None:
+    async def practise(self, run, step, watcher) -> PracticeCount:
         watcher.ready(ListeningAddress("127.0.0.1", 4711))
+        setting = setting_of_practice(self._design, self._settings, run, step)
+        count = PracticeCount(step, setting)
+        play_hunt(setting, 60.0, recorders=[count])
+        return count
 
     async def play(self, run, step, watcher, *, goes_on):
         setting = setting_of_trial(self._design, self._settings, run, step)

@@ -19,26 +19,32 @@ from thbridge.ros.topics import RosMessage
 from thbridge.study.study_file import RecordingSection
 
 
-def play_hunt(setting: StudySetting, max_seconds: float, listeners: Sequence[Listener] = ()) -> GameMeasures:
+def play_hunt(
+    setting: StudySetting,
+    max_seconds: float,
+    listeners: Sequence[Listener] = (),
+    recorders: Sequence[TickRecorder] = (),
+) -> GameMeasures:
     """Play one game to its end with the study's simulated participant.
 
     Args:
         setting: the study.
         max_seconds: simulated time after which an unfinished game is given up.
         listeners: get all messages of the session; without any, messages are not even made.
+        recorders: take every tick.
     """
     study, observer, statistics = setting.study, GameObserver(), RunStatistics()
     who = study.participant
     participant = TabUI(build_bot(setting.templates, who.strategy, study.seed, who.attitude))
     simr = build_simr(setting)
     roles: list[Role] = [simr, build_hider(setting.templates, study.seed)]
-    recorders: list[TickRecorder] = [observer]
+    all_recorders: list[TickRecorder] = [observer, *recorders]
     if listeners:
         said_by = [role.name for role in (*roles, participant)]
         record = build_record(setting, PLAY, said_by, who.strategy)
         broadcast = Broadcast(build_publisher(setting), record, setting.map.grid, listeners)
-        recorders.append(BagRecorder(broadcast))
-    session = Session(build_keeper(setting), roles, recorders, participant, vehicle_factory(setting, simr))
+        all_recorders.append(BagRecorder(broadcast))
+    session = Session(build_keeper(setting), roles, all_recorders, participant, vehicle_factory(setting, simr))
     ending = EndCondition(max_seconds)
     while True:
         now = session.step()

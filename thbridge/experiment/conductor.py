@@ -99,6 +99,15 @@ class Conductor:
             self._append(EventKind.RUN_ENDED, "program", participant, data=data)
         return None
 
+    def debrief(self, participant: str) -> PlannedStep | None:
+        """Begin the next debriefing of a person who left or was excluded, or go on with it; None: none is left."""
+        step = self.progress.next_debriefing(participant)
+        if step is not None and step.number in self.progress.runs[participant].debriefs:
+            self._of_step(EventKind.STEP_RESUMED, "program", participant, step, {"from": str(ResumeRule.BEGINNING)})
+        elif step is not None:
+            self._of_step(EventKind.STEP_BEGUN, "program", participant, step, {"name": step.name})
+        return step
+
     def tell(
         self, kind: EventKind, participant: str, step: PlannedStep, data: Mapping[str, JsonValue], actor: Actor
     ) -> LoggedEvent:

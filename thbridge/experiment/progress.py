@@ -53,6 +53,7 @@ class Run:
         cut_off: files of recordings that ended before their games did.
         lags: largest lag of each game behind real time in seconds, by the number of its step in the plan; games of
             rehearsals and of earlier releases have none.
+        debriefs: debriefings shown after the run ended early, by their numbers in the plan; True once read.
     """
 
     participant: str
@@ -77,6 +78,7 @@ class Run:
     farewell_read: bool = False
     cut_off: frozenset[str] = frozenset()
     lags: Mapping[int, float] = field(default_factory=dict)
+    debriefs: Mapping[int, bool] = field(default_factory=dict)
 
     @property
     def lag(self) -> float | None:
@@ -87,6 +89,12 @@ class Run:
     def slowest(self) -> PlannedStep | None:
         """Step whose game had the largest lag."""
         return self.plan[max(self.lags, key=self.lags.__getitem__) - 1] if self.lags else None
+
+    @property
+    def takes_part(self) -> bool:
+        """True once the person has agreed to take part, or where a study asks nobody."""
+        asked = next((step for step in self.plan if step.entry.step is StepKind.CONSENT), None)
+        return asked is None or bool(self.agreed_at) or self.step > asked.number
 
     @property
     def holds_place(self) -> bool:
@@ -145,6 +153,24 @@ class Progress:
         run = self.runs[participant]
         return run.plan[run.step - 1] if run.state is RunState.UNDER_WAY and run.step <= len(run.plan) else None
 
+    def next_debriefing(self, participant: str) -> PlannedStep | None:
+        """Return the debriefing that a person reads next who left or was excluded; None: there is none left.
+
+        People who never agreed to take part read none, and nobody reads one twice.
+        """
+        run = self.runs[participant]
+        if run.state not in {RunState.LEFT, RunState.EXCLUDED} or not run.takes_part:
+            return None
+        ahead = (step for step in run.plan[run.step - 1 + run.under_way :] if step.entry.step is StepKind.DEBRIEF)
+        return next(
+            (
+                step
+                for step in ahead
+                if step.entry.when_leaving and self.wants(participant, step) and not run.debriefs.get(step.number)
+            ),
+            None,
+        )
+
     def wants(self, participant: str, step: PlannedStep) -> bool:
         """Return True when a person's answers ask for a step."""
         answers = self.runs[participant].answers
@@ -188,6 +214,10 @@ class Progress:
         elif run.state is RunState.UNDER_WAY:
             self._check(run, event, data)
             runs[person] = _gone_on(run, event, data)
+        elif event.kind in {EventKind.STEP_BEGUN, EventKind.STEP_ENDED}:
+            self._check(run, event, data)
+            debriefs = {**run.debriefs, event.step: event.kind == EventKind.STEP_ENDED}
+            runs[person] = dataclasses.replace(run, debriefs=debriefs)
 
     def _check(self, run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> None:
         """Raise _CannotFollowError where a step is not the one that a person went through."""

@@ -1,15 +1,23 @@
-"""Trials: the setting that a person's game is played in, and what the log keeps of a game that was played."""
+"""Games of people: the setting of a trial and of practice, and what the log keeps of them."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from sim.common.observations import TICK
 from thbridge.app.compose.setting import StudySetting
+from thbridge.app.session.session import TickRecord
 from thbridge.batch.measures import GameMeasures
 from thbridge.batch.settings import SettingCache
-from thbridge.experiment.design.experiment_file import ExperimentDesign, drawn_seed
+from thbridge.dialogue.moves import Speaker
+from thbridge.experiment.design.experiment_file import ExperimentDesign, drawn_seed, practice_seed
 from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.practice import demands_of
+from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import JsonValue
+from thbridge.hunt.events import RobotDeparted, TreasureIdentified, TreasurePictured
+from thbridge.hunt.rooms import Room
 from thbridge.recording.recordings import digest_of
 from thbridge.timing.pace_meter import GamePace
 
@@ -22,6 +30,61 @@ def setting_of_trial(
         return None
     study = design.cells[run.place.cell].studies[step.condition]
     return settings.of(replace(study, seed=drawn_seed(design, step.trial)))
+
+
+def setting_of_practice(design: ExperimentDesign, settings: SettingCache, run: Run, step: PlannedStep) -> StudySetting:
+    """Return the setting of a practice game: that of the person's first condition, with the keys of the step.
+
+    Its seed is that of no trial, so that nothing is learned of one. The study's consent and farewell belong to trials.
+    """
+    first = design.orders[run.place.order][0] if step.condition is None else step.condition
+    study = design.practices[step.index][run.place.cell][first]
+    who = replace(study.participant, consent=None, farewell=None)
+    seed = practice_seed(design, run.begun.get(step.number, 1))
+    return settings.of(replace(study, seed=seed, participant=who))
+
+
+class PracticeCount:
+    """Counts what a person does in a practice game.
+
+    Args:
+        step: the practice.
+        setting: that it is played in.
+    """
+
+    def __init__(self, step: PlannedStep, setting: StudySetting) -> None:
+        self._demands = demands_of(step.entry, setting.study)
+        self._done = dict.fromkeys(PracticeTerm, 0.0)
+        self._pictured: set[Room] = set()
+        self._dialogues: set[int] = set()
+
+    def record(self, record: TickRecord) -> None:
+        """Take one tick."""
+        done = self._done
+        if record.game is not None and record.game.ended is None:
+            done[PracticeTerm.SECONDS] = record.tick * TICK
+        for event in record.events:
+            match event:
+                case RobotDeparted():
+                    done[PracticeTerm.MOVES] += 1
+                case TreasurePictured(room=room):
+                    self._pictured.add(room)
+                case TreasureIdentified():
+                    done[PracticeTerm.IDENTIFIED] += 1
+        self._dialogues.update(said.dialogue for said in record.utterances if said.speaker is Speaker.PERSON)
+        done[PracticeTerm.PICTURES] = len(self._pictured)
+        done[PracticeTerm.DIALOGUES] = len(self._dialogues)
+
+    @property
+    def missing(self) -> Mapping[PracticeTerm, float]:
+        """Amount of each term that must still be done before the person may go on; empty when all is done."""
+        done = self._done
+        return {term: number - done[term] for term, number in self._demands.items() if done[term] < number}
+
+    @property
+    def data(self) -> dict[str, JsonValue]:
+        """Data of a `PRACTICE_PLAYED`: what was done, and what is missing."""
+        return {**{str(term): round(number, 2) for term, number in self._done.items()}, "missing": [*self.missing]}
 
 
 def played(measures: GameMeasures, bag: Path, root: Path, pace: GamePace | None = None) -> dict[str, JsonValue]:

@@ -135,6 +135,8 @@ class GameToJoin(msgspec.Struct, frozen=True, tag=True):
         token: secret by which the server recognises this participant.
         practice: True for the practice game.
         agreed_at: time of day at which the person agreed to take part; empty: nothing was asked.
+        progress: of the person.
+        to_do: as in `GameNews`, when the game begins.
     """
 
     page: int
@@ -143,6 +145,35 @@ class GameToJoin(msgspec.Struct, frozen=True, tag=True):
     token: str
     practice: bool
     agreed_at: str = ""
+    progress: StudyProgress = StudyProgress()
+    to_do: tuple[str, ...] = ()
+
+
+class GameNews(msgspec.Struct, frozen=True, tag=True):
+    """Host: how far the game is.
+
+    Attributes:
+        page: number of the game's page.
+        seconds_left: real time until the game ends, s, rounded up.
+        to_do: what must still be done in a practice game before the person may go on, each in words.
+    """
+
+    page: int
+    seconds_left: int
+    to_do: tuple[str, ...] = ()
+
+
+class InstructionText(msgspec.Struct, frozen=True):
+    """A text of the study's instructions; `markdown` where it is Markdown."""
+
+    text: str
+    markdown: bool = False
+
+
+class InstructionsSoFar(msgspec.Struct, frozen=True, tag=True):
+    """Host: the instructions that the person has read so far, and may read again on any page."""
+
+    texts: tuple[InstructionText, ...]
 
 
 class GameRecorded(msgspec.Struct, frozen=True, tag=True):
@@ -215,6 +246,13 @@ class FocusNews(msgspec.Struct, frozen=True, tag=True):
     window_ns: int
 
 
+class InstructionsNews(msgspec.Struct, frozen=True, tag=True):
+    """Window: the person opened the instructions to read them again, or closed them."""
+
+    is_open: bool
+    window_ns: int
+
+
 class GameSeenOver(msgspec.Struct, frozen=True, tag=True):
     """Window: it shows the end of the game, and needs the game no more."""
 
@@ -240,25 +278,40 @@ ToKiosk: TypeAlias = (
     | AnswerKept
     | GamePrepared
     | GameToJoin
+    | GameNews
+    | InstructionsSoFar
     | GameRecorded
     | CloseKiosk
     | HostStops
 )
 FromKiosk: TypeAlias = (
-    WentOn | WentBack | ConsentReply | ItemNews | FocusNews | GameSeenOver | StoppedTakingPart | BeginNext | KioskClosed
+    WentOn
+    | WentBack
+    | ConsentReply
+    | ItemNews
+    | FocusNews
+    | InstructionsNews
+    | GameSeenOver
+    | StoppedTakingPart
+    | BeginNext
+    | KioskClosed
 )
 
 
 def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
-    """The last page, and in a form the answers that are in the log by now."""
-    if not isinstance(message, AnswerKept):
-        return [message]
-    return [
-        msgspec.structs.replace(page, answers={**page.answers, message.item: message.answer})
-        if isinstance(page, FormToFill) and page.page == message.page
-        else page
-        for page in before
-    ]
+    """The last page, with a form's answers that are in the log by now, a game's last news, and the instructions."""
+    match message:
+        case GameNews() | InstructionsSoFar():
+            return [*(one for one in before if type(one) is not type(message)), message]
+        case AnswerKept(page=number, item=item, answer=answer):
+            return [
+                msgspec.structs.replace(one, answers={**one.answers, item: answer})
+                if isinstance(one, FormToFill) and one.page == number
+                else one
+                for one in before
+            ]
+        case _:
+            return [*(one for one in before if isinstance(one, InstructionsSoFar)), message]
 
 
 KIOSK = WindowProtocol(msgspec.json.Decoder(ToKiosk), msgspec.json.Decoder(FromKiosk), KioskClosed(), _kept)

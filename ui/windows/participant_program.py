@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 
 from PySide6.QtCore import QSettings, Qt, QTimer, Signal
-from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
+from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QApplication,
     QHBoxLayout,
@@ -53,6 +53,8 @@ from ui.windows.sounds import SoundPlayer, system_player
 
 SOUND_KEY = "sound"
 """Name of the participant's choice among the settings of the windows."""
+DONE = "You have tried out what you need. Go on when you are ready."
+"""Sentence for people who may go on from practice now."""
 FRAME = 15
 """Milliseconds between two polls of the link."""
 
@@ -103,7 +105,9 @@ class GamePage(QWidget):
         self.window_of_game.sounded.connect(self._sounds.play)
         appearance.changed.connect(self.window_of_game.set_palette)
         rows = spaced(QVBoxLayout(self), 0, 0)
-        self._strip, self._advice = QWidget(), look.label()
+        self._strip, self._advice, self._to_do = QWidget(), look.label(), look.label(size="small", muted=True)
+        self._way_back: tuple[ActionButton, str] | None = None
+        self._must_do: tuple[str, ...] = ()
         self._build_strip(back, way_back)
         rows.addWidget(self._strip)
         rows.addWidget(self.window_of_game, 1)
@@ -119,15 +123,34 @@ class GamePage(QWidget):
             title.setWordWrap(False)
             row.addWidget(title)
             row.addSpacing(2 * GAP)
-        row.addWidget(self._advice, 1)
+        said = spaced(QVBoxLayout(), 0, 0)
+        said.addWidget(self._advice)
+        said.addWidget(self._to_do)
+        self._to_do.hide()
+        row.addLayout(said, 1)
         if back is not None:
             button = ActionButton()
             button.show_face(ButtonFace(way_back, "F10"), way_back)
-            button.clicked.connect(back)
+            button.clicked.connect(lambda: None if self._must_do else back())
             key = QShortcut(QKeySequence("F10"), self)
+            key.setAutoRepeat(False)
             key.activated.connect(button.click)
             row.addWidget(button)
+            self._way_back = button, way_back
         self._strip.setVisible(self._practice)
+
+    def require(self, to_do: tuple[str, ...]) -> None:
+        """Offer the way back only after all of this is done, each in words."""
+        if self._way_back is None or to_do == self._must_do:
+            return
+        self._must_do = to_do
+        button, label = self._way_back
+        said = f"Before you go on: {', '.join(to_do)}." if to_do else DONE
+        button.show_face(ButtonFace(label, "F10", not to_do, said if to_do else ""), label)
+        set_text(self._to_do, said)
+        self._to_do.show()
+        if not to_do:
+            QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, said))
 
     @property
     def in_progress(self) -> bool:

@@ -36,10 +36,12 @@ from ui.model.kiosk import (
     ConsentToAsk,
     FormToFill,
     FromKiosk,
+    GameNews,
     GamePrepared,
     GameRecorded,
     GameSeenOver,
     GameToJoin,
+    InstructionsSoFar,
     ItemNews,
     KioskClosed,
     StoppedTakingPart,
@@ -155,7 +157,7 @@ class Window:
             self._somebody.look_up()
             if isinstance(message, AnswerKept):
                 self._kept(message)
-            else:
+            elif not isinstance(message, GameNews | InstructionsSoFar):
                 self._shown(message)
 
     def _kept(self, message: AnswerKept) -> None:

@@ -141,3 +141,23 @@ def test_time_passes_as_people_need_it(tmp_path: Path) -> None:
         return times[-1] / 1e9
 
     assert seconds("slow", 10.0) - seconds("fast", 2.0) == pytest.approx(2 * 6 * 8.0)
+
+
+def test_simulated_people_who_leave_after_they_agreed_read_the_debriefing(tmp_path: Path) -> None:
+    text = (
+        "title: x\nquota: 8\nsteps:\n"
+        "  - {step: instructions, text: welcome.md}\n  - {step: consent, text: consent.txt}\n"
+        "  - {step: check, form: understood.yaml}\n  - {step: pause}\n  - {step: debrief, text: debrief.md}\n"
+    )
+    folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.2, crashes=0.05, plays=False), 2, text)
+    runs = Progress(folder.read()).after(read_log(folder.log)).runs
+    left = {name: run.step for name, run in runs.items() if run.state is RunState.LEFT}
+    assert {step > 2 for step in left.values()} == {True, False}, "some before they agreed, some after"
+    excluded = {name for name, run in runs.items() if run.state is RunState.EXCLUDED}
+    assert excluded, "some fail the check"
+    table = next(table for table in tables_of(folder.read(), read_log(folder.log)) if table.name == "participants")
+    told = {row["participant"]: row["debriefed"] for row in pd.DataFrame(table.rows).to_dict("records")}
+    for name, run in runs.items():
+        # Whoever leaves in the middle of the debriefing has not read it to its end.
+        expected = run.state is not RunState.LEFT or (2 < run.step < 5)
+        assert told[name] is expected, (name, run.state, run.step)

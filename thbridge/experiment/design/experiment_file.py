@@ -1,23 +1,26 @@
 """The file of an experiment: what differs between conditions, how many people, and the steps of each."""
 
+import itertools
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
+from sim.numerics import noise
 from sim.parameters import param
 from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.latin_square import Order, balanced_latin_square, cyclic_latin_square
 from thbridge.experiment.allocation.places import Allocation
+from thbridge.experiment.design.practice import practice_problems, practice_studies, without_bases
 from thbridge.experiment.design.steps import StepEntry, StepKind
 from thbridge.experiment.questionnaires.form import SHIPPED, Form, read_form
 from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
-from thbridge.files.yaml.tree import Node, Section, at_line, parse
+from thbridge.files.yaml.tree import Listing, Node, Section, at_line, parse
 from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread
 from thbridge.study.overrides import merged, over, resolved_tree
 from thbridge.study.study_file import Study, load_study
@@ -25,6 +28,8 @@ from thbridge.study.study_file import Study, load_study
 MOST_CONDITIONS = 16
 """Conditions that one person can go through, at most."""
 MOST_PEOPLE = 100_000
+MOST_TRIALS = 64
+"""Trials of a person whose seeds practice keeps away from."""
 LARGEST_SEED = 2**31 - 1
 _OWN_READING = ("base", "within", "between")
 """Keys whose contents are keys of studies."""
@@ -134,6 +139,8 @@ class ExperimentDesign:
         cells: combinations between people.
         orders: orders of conditions that are dealt.
         forms: the form of each step that has one, by the step's index.
+        practices: the studies of each practice game, by the step's index: for each combination between people, one for
+            each condition in which the person may play it.
     """
 
     path: Path
@@ -143,6 +150,7 @@ class ExperimentDesign:
     cells: tuple[Cell, ...]
     orders: tuple[Order, ...]
     forms: Mapping[int, Form]
+    practices: Mapping[int, tuple[tuple[Study, ...], ...]] = field(default_factory=dict)
 
     @property
     def allocation(self) -> Allocation:
@@ -175,7 +183,10 @@ def read_experiment(path: Path, *, with_files: bool = False) -> ExperimentDesign
 def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> ExperimentDesign:
     """Read the tree of an experiment's file, as `read_experiment` does; `path` is named in faults."""
     entries = {key.text: node for key, node in entries_of(whole)}
-    plain = [(key, Section(key.line, []) if key.text in _OWN_READING else node) for key, node in entries_of(whole)]
+    plain = [
+        (key, Section(key.line, []) if key.text in _OWN_READING else without_bases(node))
+        for key, node in entries_of(whole)
+    ]
     loaded = load_tree(path, Section(whole.line, plain) if isinstance(whole, Section) else whole, ExperimentFile)
     file, faults = loaded.value, FaultCollection()
     study, beside = Study(), path.parent
@@ -216,7 +227,27 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
                 forms[index] = _form(loaded, index, entry)
     if faults.found:
         raise faults.together()
-    return ExperimentDesign(path, beside, file, conditions, tuple(cells), _orders(file.order, len(conditions)), forms)
+    practices = _practices(loaded, entries.get("steps"), cells, files if with_files else None)
+    orders = _orders(file.order, len(conditions))
+    return ExperimentDesign(path, beside, file, conditions, tuple(cells), orders, forms, practices)
+
+
+def _practices(
+    loaded: Loaded[ExperimentFile], steps: Node | None, cells: Sequence[Cell], files: SettingCache | None
+) -> dict[int, tuple[tuple[Study, ...], ...]]:
+    practices, faults = {}, FaultCollection()
+    written = steps.items if isinstance(steps, Listing) else []
+    for index, (entry, node) in enumerate(zip(loaded.value.steps, written, strict=True)):
+        studies: tuple[tuple[Study, ...], ...] = ()
+        if entry.step is StepKind.PRACTICE:
+            with faults.kept():
+                studies = practice_studies(loaded.path, node, [cell.studies for cell in cells], files)
+                practices[index] = studies
+        for problem in practice_problems(loaded.lines, index, entry, list(itertools.chain(*studies)), files):
+            faults.found.append(loaded.fault(*problem))
+    if faults.found:
+        raise faults.together()
+    return practices
 
 
 def _orders(kind: OrderKind, conditions: int) -> tuple[Order, ...]:
@@ -318,6 +349,13 @@ def drawn_seed(design: ExperimentDesign, trial: int) -> int:
     if file.seeds:
         return file.seeds[trial]
     return (file.seed * 1_000_003 + 7919 * trial) % LARGEST_SEED
+
+
+def practice_seed(design: ExperimentDesign, attempt: int) -> int:
+    """Return the seed of everybody's practice game: none of a trial, and another one at each attempt, from 1."""
+    trials = {*design.file.seeds} or {drawn_seed(design, trial) for trial in range(MOST_TRIALS)}
+    drawn = int(noise.key(design.file.seed, "experiment", "practice", str(attempt))) % LARGEST_SEED
+    return next(seed for seed in itertools.count(drawn) if seed not in trials) % LARGEST_SEED
 
 
 def is_even(design: ExperimentDesign) -> bool:

@@ -8,6 +8,8 @@ from pathlib import Path
 from sim.parameters import param
 
 LONGEST_TRIAL = 4 * 3600.0
+LARGEST_COUNT = 1000
+"""Largest number that a practice game may ask for of one kind, except for seconds."""
 
 
 class StepKind(StrEnum):
@@ -31,6 +33,21 @@ class StepKind(StrEnum):
     """Reads what it was all about, and gets a completion code."""
 
 
+class PracticeTerm(StrEnum):
+    """Term of what must be done in a practice game before a person may go on."""
+
+    SECONDS = "seconds"
+    """Simulated time from the start of the game."""
+    MOVES = "moves"
+    """Robots sent to rooms."""
+    PICTURES = "pictures"
+    """Pictures taken of treasures, each treasure once."""
+    IDENTIFIED = "identified"
+    """Treasures named, rightly or wrongly."""
+    DIALOGUES = "dialogues"
+    """Dialogues in which the person has replied to a robot. Where robots never talk, none are asked for."""
+
+
 class Failed(StrEnum):
     """Consequence for a person who fails a check for the last time."""
 
@@ -49,6 +66,9 @@ class ResumeRule(StrEnum):
     """It begins anew; what was there is kept and marked."""
     NEVER = "never"
     """The run ends there and does not count."""
+
+
+_TERMS = f"the terms are {', '.join(PracticeTerm)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +92,17 @@ class StepEntry:
     repeat: str = param("", "name of the step from which a failed check is repeated; none: the check alone")
     failed: Failed = param(Failed.EXCLUDE, "what follows when a check is failed for the last time")
     max_seconds: float = param(3600.0, "simulated time after which a game ends", "s", 1, LONGEST_TRIAL)
+    base: Mapping[str, str] = field(
+        default_factory=dict,
+        metadata={"help": "of practice: keys of the study, over those of the person's first condition"},
+    )
+    at_least: Mapping[str, str] = field(
+        default_factory=lambda: {PracticeTerm.MOVES: "1"},
+        metadata={"help": f"of practice: what must be done before people may go on, {{TERM: NUMBER}}; {_TERMS}"},
+    )
+    when_leaving: bool = param(
+        default=True, help="of a debriefing: whether people who leave or are excluded read it as well"
+    )
     resume: ResumeRule = param(ResumeRule.EXACT, "how it goes on after a crash")
     when: Mapping[str, str] = field(
         default_factory=dict,

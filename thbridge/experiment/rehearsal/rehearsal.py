@@ -115,7 +115,7 @@ class Rehearsal:
         while (step := conductor.begin(person)) is not None:
             if self._draw() < self._people.drop_out:
                 conductor.leave(person, "left in a rehearsal")
-                return
+                break
             match step.entry.step:
                 case StepKind.FORM | StepKind.CHECK:
                     self._fill_in(conductor, person, step)
@@ -127,6 +127,9 @@ class Rehearsal:
                     self._clock.advance(PAUSE)
                 case _:
                     self._read(step)
+            conductor.end(person, step)
+        while (step := conductor.debrief(person)) is not None:
+            self._read(step)
             conductor.end(person, step)
 
     def _read(self, step: PlannedStep) -> None:

@@ -1,6 +1,7 @@
 """Games of a study with people: played in the person's window, recorded, and gone on with after a crash."""
 
 import asyncio
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
@@ -15,11 +16,12 @@ from thbridge.batch.measures import GameObserver
 from thbridge.batch.settings import SettingCache
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Run
 from thbridge.experiment.recordings import moved_aside
 from thbridge.experiment.store.events import JsonValue
-from thbridge.experiment.trials import played, setting_of_trial
+from thbridge.experiment.trials import PracticeCount, played, setting_of_practice, setting_of_trial
 from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.recordings import make_room
@@ -27,7 +29,6 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.timing.pace_meter import GamePace, PaceMeter
 from ui.first_start import compile_ahead
-from ui.hosting.games import practice_setting
 
 SEEN_WITHIN = 10 * TICKS_PER_SECOND
 """Ticks after the end of a game by which the window must have shown it; then it is not waited for any more."""
@@ -43,8 +44,17 @@ class GameWatcher(Protocol):
     def ready(self, where: ListeningAddress) -> None:
         """Let the window join the game."""
 
-    def passed(self, seconds: float, lag: float) -> None:
-        """Take the simulated time after each tick, and by how much it is behind real time; both are seconds."""
+    def passed(self, seconds: float, lag: float, left: float) -> None:
+        """Take the times after each tick, all in seconds.
+
+        Args:
+            seconds: simulated time.
+            lag: by which it is behind real time.
+            left: real time until the game must end.
+        """
+
+    def still_to_do(self, missing: Mapping[PracticeTerm, float]) -> None:
+        """Take what must still be done in a practice game before the person may go on, before `passed` of each tick."""
 
     def time_is_up(self) -> None:
         """Tell the person that the time of the game is over."""
@@ -75,10 +85,18 @@ class StudyGames:
         self._design = design
         self._settings = SettingCache(design.beside)
 
-    async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> None:
-        """Play the practice game, which is not recorded."""
-        study = self._design.cells[run.place.cell].studies[0]
-        await self._play(practice_setting(study), self._options(step, study.rate, None), watcher)
+    async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PracticeCount:
+        """Play the practice game, which is not recorded; return what was done in it."""
+        setting = setting_of_practice(self._design, self._settings, run, step)
+        count = PracticeCount(step, setting)
+
+        def record(moment: TickRecord) -> None:
+            count.record(moment)
+            watcher.still_to_do(count.missing)
+
+        watcher.still_to_do(count.missing)
+        await self._play(setting, self._options(step, setting.study.rate, None), watcher, record)
+        return count
 
     async def play(
         self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
@@ -117,17 +135,19 @@ class StudyGames:
                 watcher.cut_off(left)
             options = self._options(step, setting.study.rate, bag)
             try:
-                measures = await self._play(setting, options, watcher)
+                observer = GameObserver()
+                ended = await self._play(setting, options, watcher, observer.record)
             except GameDiffers:
                 # Of another release, or its study was changed: it cannot be the same game.
                 make_room(bag)
                 _break_off(log, bag, earlier, watcher)
-                measures = await self._play(setting, options, watcher)
+                observer = GameObserver()
+                ended = await self._play(setting, options, watcher, observer.record)
         except OSError as error:
             raise BadFile(bag, f"cannot be recorded ({reason_of(error)})", "Make room on the disk") from None
-        if measures is None:
+        if ended is None:
             return None
-        observer, outcome, pace = measures
+        outcome, pace = ended
         return await asyncio.to_thread(played, observer.measures(outcome), bag, self._folder.root, pace)
 
     def _options(self, step: PlannedStep, rate: float | None, bag: Path | None) -> PlayOptions:
@@ -135,10 +155,14 @@ class StudyGames:
         return PlayOptions(rate or 1.0, bag, frozenset(), "", step.entry.max_seconds, inputs=log)
 
     async def _play(
-        self, setting: StudySetting, options: PlayOptions, watcher: GameWatcher
-    ) -> tuple[GameObserver, HuntOutcome, GamePace] | None:
-        """Play a game; None when it did not come to its end."""
-        observer, over_at, last = GameObserver(), 0, int(options.max_seconds * TICKS_PER_SECOND)
+        self,
+        setting: StudySetting,
+        options: PlayOptions,
+        watcher: GameWatcher,
+        record: Callable[[TickRecord], None],
+    ) -> tuple[HuntOutcome, GamePace] | None:
+        """Play a game, each tick of which is recorded; None when it did not come to its end."""
+        over_at, last = 0, int(options.max_seconds * TICKS_PER_SECOND)
         meter = PaceMeter()
         told = ended = False
 
@@ -149,8 +173,8 @@ class StudyGames:
 
         def progress(moment: TickRecord) -> None:
             nonlocal over_at, told, ended
-            observer.record(moment)
-            watcher.passed(moment.tick * TICK, meter.state.lag)
+            record(moment)
+            watcher.passed(moment.tick * TICK, meter.state.lag, (last - moment.tick) * TICK / options.rate)
             if over_at == 0 and moment.game is not None and moment.game.ended is not None:
                 over_at = moment.tick
             if over_at:
@@ -169,8 +193,8 @@ class StudyGames:
         except HuntUnfinished as early:
             if early.stopped:
                 raise KioskStopped from None
-            return (observer, early.outcome, meter.pace()) if told else None
-        return observer, outcome, meter.pace()
+            return (early.outcome, meter.pace()) if told else None
+        return outcome, meter.pace()
 
 
 def _inputs_of(bag: Path) -> Path:

@@ -6,12 +6,13 @@ It knows nothing that the log does not know. After a crash it goes on with the s
 import asyncio
 import contextlib
 import hashlib
+import math
 import secrets
 import time
 from collections.abc import Callable, Coroutine, Mapping
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, TypeVar
 
 from msgspec import structs
 
@@ -20,10 +21,11 @@ from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor, unfinished
 from thbridge.experiment.design.experiment_file import ExperimentDesign, WhoBegins
 from thbridge.experiment.design.plan import PlannedStep
-from thbridge.experiment.design.steps import ResumeRule, StepKind
+from thbridge.experiment.design.steps import PracticeTerm, ResumeRule, StepKind
 from thbridge.experiment.progress import Progress, Run, options_shown, resumes
 from thbridge.experiment.questionnaires.form import Form, Item
 from thbridge.experiment.store.events import Actor, Clocks, EventKind, JsonValue, RunState, StepOutcome
+from thbridge.experiment.trials import PracticeCount
 from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.sockets.addresses import ListeningAddress
@@ -43,11 +45,15 @@ from ui.model.kiosk import (
     FormItem,
     FormToFill,
     FromKiosk,
+    GameNews,
     GamePrepared,
     GameRecorded,
     GameSeenOver,
     GameToJoin,
     HostStops,
+    InstructionsNews,
+    InstructionsSoFar,
+    InstructionText,
     ItemNews,
     KioskClosed,
     StoppedTakingPart,
@@ -78,8 +84,8 @@ class WindowOfKiosk(Protocol):
 class GamesOfStudy(Protocol):
     """Player of games, as `StudyGames` does."""
 
-    async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> None:
-        """Play the practice game."""
+    async def practise(self, run: Run, step: PlannedStep, watcher: GameWatcher) -> PracticeCount:
+        """Play the practice game; return what was done in it."""
 
     async def play(
         self, run: Run, step: PlannedStep, watcher: GameWatcher, *, goes_on: bool
@@ -109,6 +115,10 @@ class _RunOver(Exception):  # noqa: N818 - nothing went wrong with the program
 class _Woken:
     """Something changed without the window."""
 
+
+PlayedT = TypeVar("PlayedT")
+MOST_PRACTICE = 3
+"""Practice games, at most, of a person who does not do in them what the step asks for."""
 
 _Page: TypeAlias = TextToRead | ConsentToAsk | FormToFill | GamePrepared | GameToJoin | GameRecorded
 
@@ -148,6 +158,7 @@ class KioskHost:
         self._lag = 0
         self._admits = self._looks_away = self._closed = False
         self._shown = ""
+        self._instructions: tuple[PlannedStep, ...] = ()
         conductor.listeners.append(lambda _event: self.changed())
 
     # For the researcher's desk: see `StudyUnderWay`
@@ -294,6 +305,7 @@ class KioskHost:
 
     async def _next_run(self) -> str:
         """Wait until the next person begins; their id."""
+        await self._send_instructions()
         while True:
             place = self.progress.next_place()
             if isinstance(place, NoPlace):
@@ -325,6 +337,7 @@ class KioskHost:
         before = self._run
         if before.last_outcome is StepOutcome.FAILED and not before.under_way:
             await self._tell_of_repetition(before)
+        await self._send_instructions()
         ahead = self.progress.next_step(self._person)
         how = resumes(before, ahead) if before.under_way and ahead is not None else None
         step = self._conductor.begin(self._person)
@@ -332,6 +345,22 @@ class KioskHost:
             await self._do(step, how)
             self._conductor.end(self._person, step)
         return step is not None
+
+    async def _send_instructions(self) -> None:
+        """Send the instructions that the person has read so far, if there are others than before; nobody has none."""
+        run = self._run if self._person else None
+        read = tuple(
+            step
+            for step in (() if run is None else run.plan)
+            if step.entry.step is StepKind.INSTRUCTIONS
+            and run is not None
+            and step.number in run.begun
+            and not (run.under_way and step.number == run.step)
+            and self.progress.wants(run.participant, step)
+        )
+        if read != self._instructions:
+            self._instructions = read
+            await self._window.send(InstructionsSoFar(tuple(InstructionText(*self._text_of(step)) for step in read)))
 
     async def _do(self, step: PlannedStep, how: ResumeRule | None) -> None:
         """Have a person do what a step asks for; `how` it goes on after a crash, None where it begins."""
@@ -352,16 +381,35 @@ class KioskHost:
         return self.progress.runs[self._person]
 
     async def _part(self, participant: str) -> None:
-        """Show the last page until the person has gone."""
+        """Show the last pages until the person has gone."""
+        await self._debrief()
         heading, text = words.farewell(self.progress.runs[participant])
         code = self.progress.runs[participant].code
-        await self._show(TextToRead(0, heading, text, "Finish", code=code))
-        message: FromKiosk | _Woken | None = None
-        while not (self._admits or isinstance(message, WentOn)):
-            message = await self._next()
+        await self._read_last(TextToRead(0, heading, text, "Finish", code=code))
         by: Actor = "experimenter" if self._admits else "participant"
         self._person = ""
         self._conductor.tell_of_run(EventKind.FAREWELL_READ, participant, {}, by)
+
+    async def _debrief(self) -> None:
+        """Have a person who left or was excluded read what the study was about."""
+        run = self._run
+        if self.progress.next_debriefing(self._person) is None:
+            return
+        if not run.debriefs:
+            await self._read_last(TextToRead(0, *words.before_debriefing(run)))
+        while not self._admits and (step := self._conductor.debrief(self._person)) is not None:
+            text, markdown = self._text_of(step)
+            if await self._read_last(TextToRead(0, words.BEFORE_YOU_GO, text, markdown=markdown)):
+                self._conductor.end(self._person, step)
+
+    async def _read_last(self, page: TextToRead) -> bool:
+        """Show a page after the end of a run until the person goes on from it; False: the researcher did, for them."""
+        if not self._admits:
+            await self._show(page)
+        message: FromKiosk | _Woken | None = None
+        while not (self._admits or isinstance(message, WentOn)):
+            message = await self._next()
+        return not self._admits
 
     # Pages
 
@@ -374,8 +422,7 @@ class KioskHost:
         self._page += 1
         self._shown = words.page(page)
         self.changed()
-        shown = structs.replace(page, page=self._page)
-        return shown if isinstance(shown, GameToJoin) else structs.replace(shown, progress=self._way)
+        return structs.replace(page, page=self._page, progress=self._way)
 
     @property
     def _way(self) -> StudyProgress:
@@ -417,6 +464,11 @@ class KioskHost:
                 self._looks_away = not has_focus
                 if self._person:
                     kind = EventKind.FOCUS_REGAINED if has_focus else EventKind.FOCUS_LOST
+                    self._tell(kind, {"window_ns": window_ns})
+                return None
+            case InstructionsNews(is_open, window_ns):
+                if self._person:
+                    kind = EventKind.INSTRUCTIONS_OPENED if is_open else EventKind.INSTRUCTIONS_CLOSED
                     self._tell(kind, {"window_ns": window_ns})
                 return None
             case StoppedTakingPart():
@@ -469,12 +521,16 @@ class KioskHost:
         await self._read(TextToRead(0, words.ONCE_MORE, text))
 
     async def _text(self, step: PlannedStep) -> None:
-        heading, text, markdown = words.HEADINGS[step.entry.step], words.PAUSE_TEXT, False
-        if step.entry.text is not None:
-            path = self._design.path.parent / step.entry.text
-            text, markdown = _bytes_of(path).decode(errors="replace"), path.suffix == ".md"
-            heading = "" if markdown else heading
+        text, markdown = self._text_of(step)
+        heading = "" if markdown else words.HEADINGS[step.entry.step]
         await self._read(TextToRead(0, heading, text, markdown=markdown))
+
+    def _text_of(self, step: PlannedStep) -> tuple[str, bool]:
+        """Return what is read in a step, and whether it is Markdown."""
+        if step.entry.text is None:
+            return words.PAUSE_TEXT, False
+        path = self._design.path.parent / step.entry.text
+        return _bytes_of(path).decode(errors="replace"), path.suffix == ".md"
 
     async def _consent(self, step: PlannedStep) -> None:
         if self._run.agrees is None:
@@ -561,11 +617,18 @@ class KioskHost:
                 await self._window.send(AnswerKept(self._page, item.id, news.answer))
 
     async def _practice(self, step: PlannedStep) -> None:
-        await self._show(GamePrepared(0, words.PRACTICE_COMES + _compiling()))
-        visit = _Visit(self, practice=True)
-        await self._at_game(visit, self._games.practise(self._run, step, visit))
-        if not visit.went_on:
-            await self._read_result(visit, GameRecorded(0, words.PRACTICE_ENDED, words.result(None)))
+        """Have practice played until all is done that its step asks for, or it was played often enough."""
+        for game in range(MOST_PRACTICE):
+            await self._show(GamePrepared(0, words.PRACTICE_COMES + _compiling()))
+            visit = _Visit(self, practice=True)
+            done = await self._at_game(visit, self._games.practise(self._run, step, visit))
+            self._conductor.tell(EventKind.PRACTICE_PLAYED, self._person, step, done.data, "program")
+            if not visit.went_on:
+                await self._read_result(visit, GameRecorded(0, words.PRACTICE_ENDED, words.result(None)))
+            if not done.missing:
+                return
+            if game + 1 < MOST_PRACTICE:
+                await self._read(TextToRead(0, words.ONCE_MORE, words.practice_again(words.to_do(done.missing))))
 
     async def _trial(self, step: PlannedStep, how: ResumeRule | None) -> None:
         visit = _Visit(self, practice=False)
@@ -579,9 +642,7 @@ class KioskHost:
         if not visit.went_on:
             await self._read_result(visit, GameRecorded(0, words.GAME_ENDED, words.result(self._run.game)))
 
-    async def _at_game(
-        self, visit: "_Visit", game: Coroutine[object, object, dict[str, JsonValue] | None]
-    ) -> dict[str, JsonValue] | None:
+    async def _at_game(self, visit: "_Visit", game: Coroutine[object, object, PlayedT]) -> PlayedT:
         """Play a game to its end, unless the run or the program ends before."""
         try:
             played = await game
@@ -616,6 +677,8 @@ class _Visit:
         self._sending: list[asyncio.Task[None]] = []
         self._stopped: KioskStopped | None = None
         self._seen_end = False
+        self._news = GameNews(0, -1)
+        self._to_do: tuple[str, ...] = ()
         self.page = 0
         """Number of the game's page; 0: it was not shown."""
         self.went_on = False
@@ -625,11 +688,20 @@ class _Visit:
         host = self._host
         agreed_at = "" if self._practice else host._run.agreed_at
         address = WILDCARD_ADDRESSES.get(where.host, where.host)
-        self.page = self._send(GameToJoin(0, address, where.port, host._token, self._practice, agreed_at))
+        self.page = self._send(
+            GameToJoin(0, address, where.port, host._token, self._practice, agreed_at, to_do=self._to_do)
+        )
 
-    def passed(self, seconds: float, lag: float) -> None:
+    def passed(self, seconds: float, lag: float, left: float) -> None:
         self._host._clock.simulated = None if self._practice else seconds
         self._host._note_lag(lag)
+        news = GameNews(self.page, max(math.ceil(left), 0), self._to_do)
+        if self.page != 0 and news != self._news:
+            self._news = news
+            self._say(news)
+
+    def still_to_do(self, missing: Mapping[PracticeTerm, float]) -> None:
+        self._to_do = words.to_do(missing)
 
     def time_is_up(self) -> None:
         self._send(GamePrepared(0, words.TIME_IS_UP))
@@ -642,7 +714,7 @@ class _Visit:
                     case GameSeenOver():
                         self._seen_end = True
                     case WentOn():
-                        self.went_on = True
+                        self.went_on = self._seen_end or not self._to_do
         except KioskStopped as stopped:
             self._stopped = stopped
         return self.went_on or self._stopped is not None or host._run.state is not RunState.UNDER_WAY
@@ -671,8 +743,12 @@ class _Visit:
     def _send(self, page: _Page) -> int:
         """Show a page soon; its number, which counts at once."""
         shown = self._host._numbered(page)
-        self._sending.append(asyncio.get_running_loop().create_task(self._host._window.send(shown)))
+        self._say(shown)
         return shown.page
+
+    def _say(self, message: ToKiosk) -> None:
+        self._sending = [task for task in self._sending if not task.done()]
+        self._sending.append(asyncio.get_running_loop().create_task(self._host._window.send(message)))
 
 
 def _bytes_of(path: Path) -> bytes:

@@ -1,9 +1,10 @@
 """Words of the pages that no file of a study holds."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 
 from thbridge.experiment.allocation.places import NoPlace
-from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.design.steps import PracticeTerm, StepKind
 from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import JsonValue, RunState, StepOutcome
 from ui.model.kiosk import ConsentToAsk, FormToFill, GamePrepared, GameRecorded, GameToJoin, TextToRead, ToKiosk
@@ -59,6 +60,8 @@ CODE_NOT_KEPT = (
 
 BACK = "Back"
 
+BEFORE_YOU_GO = "Before you go: what this study was about"
+
 ONCE_MORE = "Once more, please"
 
 PAUSE = "A pause"
@@ -96,6 +99,28 @@ def repetition(from_step: str, attempts_left: int) -> str:
     )
 
 
+_ONE: Mapping[PracticeTerm, tuple[str, str]] = {
+    PracticeTerm.SECONDS: ("play for another second", "play for another {} seconds"),
+    PracticeTerm.MOVES: ("send a robot to a room", "send robots to {} more rooms"),
+    PracticeTerm.PICTURES: ("take a picture of a treasure", "take pictures of {} more treasures"),
+    PracticeTerm.IDENTIFIED: ("name a treasure", "name {} more treasures"),
+    PracticeTerm.DIALOGUES: ("answer a robot", "answer robots in {} more dialogues"),
+}
+
+
+def to_do(missing: Mapping[PracticeTerm, float]) -> tuple[str, ...]:
+    """Return what must still be done in a practice game, each in words; `missing` is how much."""
+    return tuple(_ONE[term][number > 1.0].format(math.ceil(number)) for term, number in missing.items())
+
+
+def practice_again(still: Sequence[str]) -> str:
+    """Return what somebody reads whose practice game ended before all was done."""
+    return (
+        f"Before you go on, please try out all parts of the game. Still to do: {', '.join(still)}.\n\n"
+        "The practice game starts again. It does not count, so you can try things out."
+    )
+
+
 def result(game: Mapping[str, JsonValue] | None) -> str:
     """Return what somebody is told after a game whose end they do not see any more."""
     if game is None:
@@ -121,6 +146,21 @@ def page(shown: ToKiosk) -> str:
             return ""
 
 
+def before_debriefing(run: Run) -> tuple[str, str]:
+    """Return heading and text of the page for a person whose run ended early, before they read the debriefing."""
+    heading = "Thank you" if run.state is RunState.LEFT else "The study ends here"
+    return heading, f"{_ended_early(run)} On the next page you read what the study was about."
+
+
+def _ended_early(run: Run) -> str:
+    if run.state is RunState.LEFT:
+        return "You do not go on with the study."
+    if run.last_outcome is StepOutcome.FAILED:
+        told = "Your answers to the questions were not those that the study needs to go on."
+        return f"{told} You have done nothing wrong. Thank you for your time."
+    return "It cannot go on. That is not your fault. Thank you for your time."
+
+
 def farewell(run: Run) -> tuple[str, str]:
     """Return heading and text of the last page."""
     kept = (
@@ -137,13 +177,6 @@ def farewell(run: Run) -> tuple[str, str]:
         case RunState.DECLINED:
             return "Thank you", f"You do not take part, and nothing more is recorded. {CALL}\n\n{kept}"
         case RunState.LEFT:
-            return "Thank you", f"You do not go on with the study, and nothing more is recorded. {CALL}\n\n{kept}"
-        case _ if run.last_outcome is StepOutcome.FAILED:
-            told = "Your answers to the questions were not those that the study needs to go on"
-            return (
-                "The study ends here",
-                f"{told}. You have done nothing wrong. Thank you for your time. {CALL}\n\n{kept}",
-            )
+            return "Thank you", f"{_ended_early(run)} Nothing more is recorded. {CALL}\n\n{kept}"
         case _:
-            told = "It cannot go on. That is not your fault. Thank you for your time"
-            return "The study ends here", f"{told}. {CALL}\n\n{kept}"
+            return "The study ends here", f"{_ended_early(run)} {CALL}\n\n{kept}"

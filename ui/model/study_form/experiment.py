@@ -28,6 +28,9 @@ _OF_KINDS: Mapping[str, frozenset[StepKind]] = {
     "attempts": frozenset({StepKind.CHECK}),
     "repeat": frozenset({StepKind.CHECK}),
     "failed": frozenset({StepKind.CHECK}),
+    "base": frozenset({StepKind.PRACTICE}),
+    "at_least": frozenset({StepKind.PRACTICE}),
+    "when_leaving": frozenset({StepKind.DEBRIEF}),
     "max_seconds": frozenset({StepKind.PRACTICE, StepKind.TRIAL}),
 }
 """Keys of steps that only some kinds of them heed."""

@@ -368,7 +368,7 @@ class _Builder:
         fields = []
         for field in dataclasses.fields(into):
             place = f"{key}.{field.name}"
-            default = "" if required(field) else "{}" if _is_mapping(hints[field.name]) else as_yaml(field.default)
+            default = "" if required(field) else _default_of(field)
             fields.append(self._field(place, hints[field.name], field.metadata, default, [place]))
         name = next((field.written for field in fields if field.key == f"{key}.name"), None)
         label = f"{index + 1}" if name is None else f"{index + 1}: {name.strip(chr(34))}"
@@ -384,6 +384,14 @@ def _item_class(hint: object) -> type | None:
     """The class of a list's items, where those are sections."""
     item = cast(object, get_args(hint)[0]) if get_origin(hint) is tuple else None
     return item if isinstance(item, type) and dataclasses.is_dataclass(item) else None
+
+
+def _default_of(field: "dataclasses.Field[object]") -> str:
+    """Return the default of a field as YAML; that of a mapping in brackets."""
+    if field.default is not dataclasses.MISSING:
+        return as_yaml(field.default)
+    entries = cast(Mapping[str, str], field.default_factory()) if callable(field.default_factory) else {}
+    return f"{{{', '.join(f'{name}: {text}' for name, text in entries.items())}}}"
 
 
 def _is_mapping(hint: object) -> bool:

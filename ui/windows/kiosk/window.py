@@ -1,14 +1,16 @@
 """The kiosk's window: shows the page that its host sends, and tells what the person does there."""
 
+import math
 import time
 from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QEvent, QSettings, Qt, QTimer
-from PySide6.QtGui import QCloseEvent, QKeySequence, QResizeEvent, QShortcut
+from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QCloseEvent, QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QProgressBar, QStackedWidget, QVBoxLayout, QWidget
 
 from thbridge.roles.view import GiveConsent
+from ui.model.keys import HELP
 from ui.model.kiosk import (
     KIOSK,
     AnswerKept,
@@ -19,11 +21,14 @@ from ui.model.kiosk import (
     FocusNews,
     FormToFill,
     FromKiosk,
+    GameNews,
     GamePrepared,
     GameRecorded,
     GameSeenOver,
     GameToJoin,
     HostStops,
+    InstructionsNews,
+    InstructionsSoFar,
     KioskClosed,
     StoppedTakingPart,
     StudyProgress,
@@ -32,6 +37,7 @@ from ui.model.kiosk import (
     WentBack,
     WentOn,
 )
+from ui.model.screen import ShowHelp
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe
@@ -40,7 +46,7 @@ from ui.windows.kiosk.pages.text import READING, ReadingPage
 from ui.windows.kiosk.successor import Successor
 from ui.windows.link import ParticipantLink
 from ui.windows.look import GAP, spaced
-from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, consent_page
+from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, HelpSheet, consent_page
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set_text
 from ui.windows.participant_program import GamePage
@@ -53,8 +59,11 @@ CHOICES = "kiosk"
 """Name of the settings that last as long as a person is there."""
 STOP_KEYS = "Alt+F4"
 """Anybody's keys that ask whether to leave, where no window manager has them."""
+HELP_KEY = HELP.keys[0]
 FRAME = 15
 """Milliseconds between two polls of a game's link."""
+WARNINGS = (60, 10)
+"""Seconds before the end of a game at which people are warned of it; from the first one on they see the seconds."""
 STOPPED = TextToRead(
     0,
     "The program has stopped",
@@ -68,10 +77,18 @@ STOPPED_BETWEEN = TextToRead(
 """For whoever is at the window while nobody is in the middle of the study."""
 
 
+def time_words(seconds: int) -> str:
+    """Return a time in words: in whole minutes; in seconds only near its end, so that no clock ticks before."""
+    if seconds > WARNINGS[0]:
+        return f"{math.ceil(seconds / 60)} minutes"
+    return "1 second" if seconds == 1 else f"{seconds} seconds"
+
+
 class ProgressStrip(QWidget):
     """Progress of a person through the study, and the way out of it: a full screen has no cross.
 
     Attributes:
+        again: opens the instructions that they have read.
         stop: asks whether they want to stop taking part.
     """
 
@@ -84,14 +101,39 @@ class ProgressStrip(QWidget):
         self._bar.setFixedHeight(GAP)
         row.addWidget(self._words)
         row.addWidget(self._bar, 1)
+        self._time = look.label(size="small", muted=True)
+        self._time.setWordWrap(False)
+        self._seconds: int | None = None
+        row.addWidget(self._time)
+        self.again = ActionButton("small")
+        self.again.show_face(ButtonFace("Instructions", HELP_KEY), "Read the instructions again")
+        self.again.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.again.hide()
+        row.addWidget(self.again)
         self.stop = ActionButton("small")
         self.stop.show_face(ButtonFace("Stop taking part", STOP_KEYS), "Stop taking part")
         # Pages have their own order of Tab, and get the focus back.
         self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         row.addWidget(self.stop)
 
+    def show_time(self, seconds: int | None) -> str:
+        """Show how long a game still lasts; None: no game. Return a warning when there is one to say."""
+        self._time.setVisible(seconds is not None)
+        before, self._seconds = self._seconds, seconds
+        if seconds is None:
+            return ""
+        near = seconds <= WARNINGS[0]
+        set_text(self._time, f"{time_words(seconds)} left in this game")
+        self._time.setFont(look.font("small", bold=near))
+        if self._time.property("muted") == near:
+            self._time.setProperty("muted", not near)
+            self._time.style().polish(self._time)
+        passed = before is not None and any(seconds <= limit < before for limit in WARNINGS)
+        return f"{time_words(seconds)} left in this game." if passed else ""
+
     def show_progress(self, way: StudyProgress) -> None:
         """Show it; nothing where there are no steps."""
+        self.show_time(None)
         self.setVisible(way.steps > 0)
         words = f"Step {way.step} of {way.steps}"
         set_text(self._words, words)
@@ -169,6 +211,7 @@ class KioskWindow(QMainWindow):
         self._page = 0
         self._leaving = self._host_gone = self._has_run = False
         self._focused: bool | None = None
+        self._instructions: tuple[tuple[str, bool], ...] = ()
         self.game: GamePage | None = None
         self.setWindowTitle("Study")
         self.setMinimumSize(800, 480)
@@ -179,10 +222,16 @@ class KioskWindow(QMainWindow):
         rows.addWidget(self.progress)
         rows.addWidget(self.pages, 1)
         self.setCentralWidget(inside)
-        self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel()
+        self.overlay, self.leaving_panel, self.instructions = ModalOverlay(inside), LeavingPanel(), HelpSheet()
         self._build_leaving()
-        # Until it is shown it is nobody's child.
+        # Until they are shown they are nobody's children.
         self.destroyed.connect(self.leaving_panel.deleteLater)
+        self.destroyed.connect(self.instructions.deleteLater)
+        self.instructions.requested.connect(self._stay)
+        QShortcut(QKeySequence("Esc"), self.instructions).activated.connect(self._stay)
+        self.progress.again.clicked.connect(self._read_again)
+        self._reading_again = QShortcut(QKeySequence(HELP_KEY), self)
+        self._reading_again.activated.connect(self._read_again)
         self.progress.stop.clicked.connect(self._ask_to_leave)
         for keys, deed in ((END_KEYS, self._end), (BEGIN_KEYS, self._begin_next), (STOP_KEYS, self._ask_to_leave)):
             QShortcut(QKeySequence(keys), self).activated.connect(deed)
@@ -223,6 +272,8 @@ class KioskWindow(QMainWindow):
                 self._show(page, waiting, message.progress)
             case GameToJoin():
                 self._join(message)
+            case GameNews(page=page) if self.game is not None and page == self._page:
+                self._tell_news(self.game, message)
             case GameRecorded(page=page) if self.game is not None and self.game.is_over and page == self._page:
                 self.game.disconnect_from_game()
             case GameRecorded(page=page, heading=heading, text=text):
@@ -233,7 +284,12 @@ class KioskWindow(QMainWindow):
             case HostStops(heading=heading, text=text):
                 self._host_gone = True
                 self._show_text(0, TextToRead(0, heading, text, button=""))
-            case AnswerKept():
+            case InstructionsSoFar(texts=texts):
+                self._instructions = tuple((text.text, text.markdown) for text in texts)
+                self._offer_instructions()
+                if not texts and self.instructions.isVisible():
+                    self._stay()
+            case AnswerKept() | GameNews():
                 pass
 
     def leave(self) -> None:
@@ -276,9 +332,20 @@ class KioskWindow(QMainWindow):
         )
         shown.window_of_game.went_on.connect(on)
         shown.window_of_game.declined.connect(shown.decline)
+        shown.window_of_game.help.instructions = self._instructions
+        shown.window_of_game.help_shown.connect(self._tell_reading)
         shown.seen_over.connect(lambda: self._send(GameSeenOver(game.page)))
-        self._show(game.page, shown, StudyProgress())
+        shown.require(game.to_do)
+        self._show(game.page, shown, game.progress)
         self.game = shown
+        self._offer_instructions()
+
+    def _tell_news(self, game: GamePage, news: GameNews) -> None:
+        """Show what must still be done and the time left; near the end of the game, say it once."""
+        game.require(news.to_do)
+        warning = self.progress.show_time(news.seconds_left)
+        if warning:
+            QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, warning))
 
     def _go_on(self, page: int) -> None:
         """Tell that the person goes on, once."""
@@ -296,6 +363,7 @@ class KioskWindow(QMainWindow):
         self._has_run = way.steps > 0 or isinstance(page, GamePage)
         pointer.note_rest(self)
         self.progress.show_progress(way)
+        self._offer_instructions()
         before = self.pages.currentWidget()
         self.pages.addWidget(page)
         self.pages.setCurrentWidget(page)
@@ -305,8 +373,39 @@ class KioskWindow(QMainWindow):
         if not self.overlay.isVisible():
             page.setFocus()
 
+    def _offer_instructions(self) -> None:
+        """Offer to read the instructions again, where somebody has read some; a game has a key of its own for that."""
+        offered = bool(self._instructions) and self._has_run
+        self.progress.again.setVisible(offered)
+        self._reading_again.setEnabled(offered and self.game is None)
+
+    def _read_again(self) -> None:
+        """Open the instructions, or close them."""
+        if self.game is not None:
+            self.game.window_of_game.do(ShowHelp())
+        elif self.instructions.isVisible():
+            self._stay()
+        elif not self.overlay.isVisible():
+            self.instructions.instructions = self._instructions
+            self.instructions.show_help((), (), HELP_KEY)
+            self._cover(self.instructions, 760)
+            self._tell_reading(is_open=True)
+            self.instructions.close_button.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def _tell_reading(self, is_open: bool) -> None:
+        self._send(InstructionsNews(is_open, time.monotonic_ns()))
+
+    def _cover(self, panel: TitledPanel | None, widest: int = 520) -> None:
+        """Show a panel above the page, whose keys do nothing meanwhile; None: the page alone."""
+        if self.instructions.isVisible():
+            self._tell_reading(is_open=False)
+        self.pages.setEnabled(panel is None)
+        self.overlay.show_panel(panel, widest)
+
     def _leave_game(self) -> None:
         if self.game is not None:
+            if self.game.window_of_game.help.isVisible():
+                self._tell_reading(is_open=False)
             self.game.leave()
             self.game = None
 
@@ -339,11 +438,11 @@ class KioskWindow(QMainWindow):
     def _ask_to_leave(self) -> None:
         panel = self.leaving_panel
         panel.ask(takes_part=self._has_run, can_stop=not self._host_gone)
-        self.overlay.show_panel(panel)
+        self._cover(panel)
         panel.stay.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def _stay(self) -> None:
-        self.overlay.show_panel(None)
+        self._cover(None)
         page = self.pages.currentWidget()
         if isinstance(page, ReadingPage | FormPage):
             page.start()
@@ -351,7 +450,7 @@ class KioskWindow(QMainWindow):
             page.setFocus()
 
     def _stop_taking_part(self) -> None:
-        self.overlay.show_panel(None)
+        self._cover(None)
         self._send(StoppedTakingPart())
 
     def _end(self) -> None:

@@ -88,11 +88,13 @@ class ParticipantWindow(QWidget):
         declined: the participant does not take part in the study.
         sounded: a `GameSound` is to be heard.
         went_on: the participant goes on with what comes after the game.
+        help_shown: the sheet of rules and keys was opened, or closed.
     """
 
     declined = Signal()
     went_on = Signal()
     sounded = Signal(object)
+    help_shown = Signal(bool)
 
     def __init__(self, model: Participant, clock: Callable[[], float], palette: Palette) -> None:
         super().__init__()
@@ -299,6 +301,8 @@ class ParticipantWindow(QWidget):
             self.overlay.show_panel(self.help, 720)
         else:
             self.overlay.show_panel(None)
+        if bool(screen.help) != (before is not None and bool(before.help)):
+            self.help_shown.emit(bool(screen.help))
         offered = _offered(screen)
         if before is None or offered != self._popped or _subject(screen) != _subject(before):
             self._popped, self._popped_at = offered, now

@@ -10,9 +10,11 @@ from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import read_experiment
+from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent, NewEvent
@@ -212,15 +214,19 @@ class InstantGames:
     Attributes:
         played: names of the steps in which one was, and whether it went on.
         during: done in a game.
+        missing: what nobody has done in practice when its game ends.
     """
 
     def __init__(self) -> None:
         self.played: list[tuple[str, bool]] = []
         self.during: Callable[[], None] = lambda: None
+        self.missing: dict[PracticeTerm, float] = {}
 
-    async def practise(self, run, step, watcher) -> None:
+    async def practise(self, run, step, watcher):
         self.played.append((step.name, False))
+        watcher.still_to_do(self.missing)
         await self._at(watcher)
+        return SimpleNamespace(missing=self.missing, data={"missing": [*self.missing]})
 
     async def play(self, run, step, watcher, *, goes_on: bool):
         self.played.append((step.name, goes_on))
@@ -229,7 +235,7 @@ class InstantGames:
 
     async def _at(self, watcher) -> None:
         watcher.ready(ListeningAddress("0.0.0.0", 4711))
-        watcher.passed(12.5, 0.0)
+        watcher.passed(12.5, 0.0, 60.0)
         self.during()
         for _ in range(10):
             # The window is heard between two ticks.

@@ -11,6 +11,7 @@ import pytest
 from tests.system.small_disk import SmallDisk, why_not
 from tests.ui.hosting.kiosk.laboratory import InstantGames, KilledError, Laboratory, Person, headings
 from thbridge.experiment.design.experiment_file import read_experiment
+from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.progress import Progress, lag_words
 from thbridge.experiment.store.event_log import read_log
@@ -25,9 +26,13 @@ from ui.model.kiosk import (
     FocusNews,
     FormToFill,
     FromKiosk,
+    GameNews,
     GameRecorded,
     GameToJoin,
     HostStops,
+    InstructionsNews,
+    InstructionsSoFar,
+    InstructionText,
     ItemNews,
     KioskClosed,
     StoppedTakingPart,
@@ -215,6 +220,201 @@ def test_games_go_on_after_a_crash_and_are_never_played_twice(laboratory: Labora
     played = [name for name in laboratory.games.played if name[0] != "practice"]
     assert played == [("first", False), ("first", True), ("second", False)]
     assert len(laboratory.data(EventKind.GAME_PLAYED)) == 2
+
+
+LEAVERS = """\
+title: x
+quota: 2
+steps:
+  - {step: consent, text: consent.txt}
+  - {step: check, form: understood.yaml}
+  - {step: pause}
+  - {step: debrief, text: debrief.txt, name: what}
+  - {step: debrief, text: consent.txt, name: legal, when_leaving: false}
+  - {step: debrief, text: more.md, name: more}
+"""
+
+
+def leavers(tmp_path: Path) -> Laboratory:
+    (tmp_path / "more.md").write_text("# More\n\nRead on at home.\n")
+    return Laboratory(tmp_path, LEAVERS)
+
+
+def stops_at(heading: str) -> Person:
+    def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
+        return [StoppedTakingPart()] if getattr(page, "heading", getattr(page, "title", "")) == heading else None
+
+    return Person({"who": "you"}, does=does)
+
+
+def debriefed(laboratory: Laboratory) -> list[tuple[str, int]]:
+    """Events of the debriefings of people whose runs ended early."""
+    kinds = {EventKind.STEP_BEGUN, EventKind.STEP_RESUMED, EventKind.STEP_ENDED}
+    events = laboratory.events
+    ended = next(
+        index
+        for index, event in enumerate(events)
+        if event.kind in {EventKind.RUN_ENDED, EventKind.RUN_EXCLUDED}
+        or (event.kind == EventKind.STEP_ENDED and (event.data or {})["outcome"] == "failed")
+    )
+    return [(str(event.kind), event.step) for event in events[ended + 1 :] if event.kind in kinds]
+
+
+def test_whoever_stops_reads_the_debriefing_and_the_log_has_that(tmp_path: Path) -> None:
+    laboratory, person = leavers(tmp_path), stops_at(words.PAUSE)
+    laboratory.run(person)
+    (run,) = laboratory.people
+    assert (run.state, run.reason, run.step) == (RunState.LEFT, "stopped taking part", 3)
+    assert headings(person)[-5:] == [words.PAUSE, "Thank you", words.BEFORE_YOU_GO, "Thank you", "Welcome"]
+    read = [page.text for page in person.seen if getattr(page, "heading", "") == words.BEFORE_YOU_GO]
+    assert read == ["It was about robots.\n", "# More\n\nRead on at home.\n"], "not the one that says otherwise"
+    assert debriefed(laboratory) == [("step-begun", 4), ("step-ended", 4), ("step-begun", 6), ("step-ended", 6)]
+    assert run.debriefs == {4: True, 6: True}
+    assert run.farewell_read
+
+
+def test_whoever_fails_a_check_is_told_so_first_and_reads_the_debriefing(tmp_path: Path) -> None:
+    laboratory, person = leavers(tmp_path), Person({"who": "they"})
+    laboratory.run(person)
+    assert laboratory.people[0].state is RunState.EXCLUDED
+    ends = "The study ends here"
+    assert headings(person)[-4:] == [ends, words.BEFORE_YOU_GO, ends, "Welcome"]
+    first = next(page for page in person.seen if isinstance(page, TextToRead) and page.heading == ends)
+    assert first.text == (
+        "Your answers to the questions were not those that the study needs to go on. You have done nothing wrong. "
+        "Thank you for your time. On the next page you read what the study was about."
+    )
+    assert debriefed(laboratory) == [("step-begun", 4), ("step-ended", 4), ("step-begun", 6), ("step-ended", 6)]
+
+
+@pytest.mark.parametrize("declines", [True, False])
+def test_whoever_never_agreed_gets_a_page_and_no_debriefing(tmp_path: Path, declines: bool) -> None:
+    laboratory = leavers(tmp_path)
+    person = Person(agrees=False) if declines else Person(does=doing(ConsentToAsk, lambda _page: StoppedTakingPart()))
+    laboratory.run(person)
+    assert laboratory.people[0].state is (RunState.DECLINED if declines else RunState.LEFT)
+    assert headings(person) == ["Welcome", "Thank you", "Welcome"]
+    assert debriefed(laboratory) == []
+
+
+def test_a_program_that_dies_in_a_debriefing_goes_on_with_it_and_the_run_stays_left(tmp_path: Path) -> None:
+    whole = leavers(tmp_path)
+    whole.run(stops_at(words.PAUSE))
+    kinds = whole.kinds()
+    ended = kinds.index(EventKind.RUN_ENDED)
+    for dies in range(ended + 1, len(kinds)):
+        for written in (True, False):
+            folder = tmp_path / f"{dies}-{written}"
+            folder.mkdir()
+            laboratory = leavers(folder)
+            with pytest.raises(KilledError):
+                laboratory.run(stops_at(words.PAUSE), dies=dies, written=written)
+            laboratory.run(Person(), people=0)
+            (run,) = laboratory.people
+            assert (run.state, run.step, run.farewell_read) == (RunState.LEFT, 3, True)
+            assert run.debriefs == {4: True, 6: True}
+            told = [event for event in debriefed(laboratory) if event[0] != EventKind.STEP_RESUMED]
+            assert told == debriefed(whole), (dies, written)
+
+
+def test_a_debriefing_that_somebody_stops_at_is_not_shown_again(tmp_path: Path) -> None:
+    laboratory, person = leavers(tmp_path), stops_at("What this study was about")
+    laboratory.run(person)
+    assert [page.text for page in person.seen if getattr(page, "heading", "") == words.BEFORE_YOU_GO] == [
+        "# More\n\nRead on at home.\n"
+    ]
+    assert laboratory.people[0].debriefs == {6: True}
+
+
+def test_the_researcher_goes_on_for_somebody_who_has_walked_away(tmp_path: Path) -> None:
+    laboratory = leavers(tmp_path)
+
+    def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
+        if getattr(page, "heading", "") == words.PAUSE and len(laboratory.people) == 1:
+            return [StoppedTakingPart()]
+        if getattr(page, "heading", "") == words.BEFORE_YOU_GO and laboratory.people[-1].debriefs == {4: False}:
+            assert laboratory.host is not None and laboratory.host.admit_next() is None
+            return []
+        return None
+
+    laboratory.run(Person({"who": "you"}, does=does), people=2)
+    first, second = laboratory.people
+    assert (first.state, first.debriefs) == (RunState.LEFT, {4: False}), "it was not read"
+    assert second.state is RunState.COMPLETE
+
+
+INSTRUCTED = """\
+title: x
+quota: 1
+steps:
+  - {step: consent, text: consent.txt}
+  - {step: instructions, text: how.md, name: how}
+  - {step: trial, name: first}
+  - {step: instructions, text: debrief.txt, name: other}
+  - {step: form, form: final.yaml, name: final}
+"""
+
+
+def test_instructions_read_so_far_are_there_to_be_read_again_and_that_is_in_the_log(tmp_path: Path) -> None:
+    (tmp_path / "how.md").write_text("*Send* robots.\n")
+    how, other = InstructionText("*Send* robots.\n", True), InstructionText("It was about robots.\n")
+
+    def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
+        if isinstance(page, FormToFill) and not page.answers:
+            return [InstructionsNews(True, 5), InstructionsNews(False, 6), *Person().react(page)]
+        return [InstructionsNews(True, 3), InstructionsNews(False, 4)] if isinstance(page, GameToJoin) else None
+
+    laboratory, person = Laboratory(tmp_path, INSTRUCTED), Person(does=does)
+    laboratory.run(person)
+    sent = [page.texts for page in person.seen if isinstance(page, InstructionsSoFar)]
+    assert sent == [(how,), (how, other), ()]
+    game = next(index for index, page in enumerate(person.seen) if isinstance(page, GameToJoin))
+    assert person.seen[:game].count(InstructionsSoFar((how,))) == 1, "before the game"
+    news = [
+        (event.kind, event.step, (event.data or {})["window_ns"])
+        for event in laboratory.events
+        if event.kind in {EventKind.INSTRUCTIONS_OPENED, EventKind.INSTRUCTIONS_CLOSED}
+    ]
+    opened, closed = EventKind.INSTRUCTIONS_OPENED, EventKind.INSTRUCTIONS_CLOSED
+    assert news == [(opened, 3, 3), (closed, 3, 4), (opened, 5, 5), (closed, 5, 6)]
+
+
+def test_a_program_that_comes_back_sends_the_instructions_again(tmp_path: Path) -> None:
+    (tmp_path / "how.md").write_text("*Send* robots.\n")
+    laboratory = Laboratory(tmp_path, INSTRUCTED)
+    laboratory.run(Person(does=doing(FormToFill, lambda _page: KioskClosed())))
+    person = Person()
+    laboratory.run(person, people=0)
+    sent = [page.texts for page in person.seen if isinstance(page, InstructionsSoFar)]
+    assert [len(texts) for texts in sent] == [2, 0]
+
+
+PRACTICE_ONLY = "title: x\nquota: 1\nsteps:\n  - {step: practice, name: practice}\n  - {step: pause}\n"
+
+
+def test_practice_is_not_left_before_all_is_done_that_it_asks_for(tmp_path: Path) -> None:
+    laboratory = Laboratory(tmp_path, PRACTICE_ONLY)
+    laboratory.games.missing = {PracticeTerm.MOVES: 1.0, PracticeTerm.IDENTIFIED: 2.0}
+    # A key that skips it is pressed in each game, and does nothing.
+    person = Person(does=lambda page: [WentOn(page.page)] if isinstance(page, GameToJoin) else None)
+    laboratory.run(person)
+    games = [page for page in person.seen if isinstance(page, GameToJoin)]
+    assert [game.to_do for game in games] == [("send a robot to a room", "name 2 more treasures")] * 3
+    news = [page for page in person.seen if isinstance(page, GameNews)]
+    assert (news[0].page, news[0].to_do, news[0].seconds_left) == (games[0].page, games[0].to_do, 60)
+    assert headings(person) == ["Welcome", *[words.PRACTICE_ENDED, words.ONCE_MORE] * 2, words.PRACTICE_ENDED,
+                                words.PAUSE, "Thank you", "The study is complete"]  # fmt: skip
+    again = next(page for page in person.seen if isinstance(page, TextToRead) and page.heading == words.ONCE_MORE)
+    assert "send a robot to a room, name 2 more treasures" in again.text
+    assert laboratory.data(EventKind.PRACTICE_PLAYED) == [{"missing": ["moves", "identified"]}] * 3
+
+
+def test_practice_is_left_at_once_when_all_is_done(tmp_path: Path) -> None:
+    laboratory = Laboratory(tmp_path, PRACTICE_ONLY)
+    person = Person(does=lambda page: [WentOn(page.page)] if isinstance(page, GameToJoin) else None)
+    laboratory.run(person)
+    assert headings(person) == ["Welcome", words.PAUSE, "Thank you", "The study is complete"]
+    assert laboratory.data(EventKind.PRACTICE_PLAYED) == [{"missing": []}]
 
 
 FEELINGS = "title: x\nquota: 1\nsteps:\n  - {step: form, form: feelings.yaml, name: feelings}\n  - {step: pause}\n"
@@ -478,7 +678,7 @@ def test_the_researcher_sees_that_a_game_lags(laboratory: Laboratory) -> None:
     class Lagging(InstantGames):
         async def _at(self, watcher) -> None:
             for lag in (0.4, 3.7, 3.9):
-                watcher.passed(1.0, lag)
+                watcher.passed(1.0, lag, 60.0)
                 seen.append(laboratory.host.troubles)
             await super()._at(watcher)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from thbridge.experiment.design.experiment_file import practice_seed
 from thbridge.experiment.design.plan import plan_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Run
@@ -31,6 +32,7 @@ class NobodyThere:
 
     def __init__(self) -> None:
         self.times: list[float] = []
+        self.left: list[float] = []
         self.told = 0
         self.moved: list[Path | None] = []
         self.cut: list[str] = []
@@ -38,8 +40,12 @@ class NobodyThere:
     def ready(self, where: ListeningAddress) -> None:
         pass
 
-    def passed(self, seconds: float, lag: float) -> None:
+    def passed(self, seconds: float, lag: float, left: float) -> None:
         self.times.append(seconds)
+        self.left.append(left)
+
+    def still_to_do(self, missing) -> None:
+        self.missing = dict(missing)
 
     def time_is_up(self) -> None:
         self.told += 1
@@ -127,3 +133,31 @@ def test_the_log_has_the_real_time_of_a_game_also_where_another_program_went_on_
     log.write_text("".join(json.dumps(line, separators=(",", ":")) + "\n" for line in cut))
     _, older = played(tmp_path, goes_on=True)
     assert older["score"] == game["score"]
+
+
+PRACTICE = """\
+title: x
+seed: 1
+base: {map: practice, templates: practice, robots: 1, rate: 50, server.port: 0}
+quota: 1
+steps:
+  - {step: practice, max_seconds: 4}
+  - {step: trial}
+"""
+
+
+def test_practice_is_really_played_again_in_another_game_and_tells_what_is_missing(tmp_path: Path) -> None:
+    (tmp_path / "experiment.yaml").write_text(PRACTICE)
+    folder = ExperimentFolder(tmp_path)
+    design = folder.read()
+    step = plan_of(design, design.allocation.place(0))[0]
+    seeds = []
+    for attempt in (1, 2):
+        run, host = Run("P-1", design.allocation.place(0), (), begun={1: attempt}), NobodyThere()
+        count = asyncio.run(StudyGames(folder, design).practise(run, step, host))
+        assert (host.missing, dict(count.missing)) == ({"moves": 1.0}, {"moves": 1.0})
+        assert (host.times[-1], host.left[0] > host.left[-1], host.told) == (3.98, True, 1)
+        assert host.left[-1] < 0.1, "real time: 4 simulated seconds take a fiftieth of that"
+        seeds.append(practice_seed(design, attempt))
+    assert seeds[0] != seeds[1]
+    assert not (tmp_path / "recordings").exists()

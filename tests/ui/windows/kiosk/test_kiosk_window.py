@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QEvent, QMimeData, QPoint, QSettings, Qt
-from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QScrollArea, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QScrollArea, QToolTip, QWidget
 from pytestqt.qtbot import QtBot
 
+from tests.ui.model.views import view
 from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.walking import nameless
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
@@ -21,8 +22,13 @@ from ui.model.kiosk import (
     FormItem,
     FormToFill,
     FromKiosk,
+    GameNews,
     GamePrepared,
     GameRecorded,
+    GameToJoin,
+    InstructionsNews,
+    InstructionsSoFar,
+    InstructionText,
     ItemNews,
     KioskClosed,
     StoppedTakingPart,
@@ -36,8 +42,9 @@ from ui.windows.kiosk.items.panel import ItemPanel
 from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.window import BEGIN_KEYS, KioskWindow
 from ui.windows.participant.pages.pages import ConsentPage
+from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.participant.widgets.reading import ReadingText
-from ui.windows.participant_program import SOUND_KEY
+from ui.windows.participant_program import SOUND_KEY, GamePage
 
 SEVEN = ("not at all", "", "", "", "", "", "completely")
 ITEMS = (
@@ -355,6 +362,123 @@ def test_whoever_takes_part_sees_how_to_stop(opened: Opened, qtbot: QtBot) -> No
     keys(qtbot, Qt.Key.Key_Escape)
     qtbot.keyClick(window, Qt.Key.Key_F4, Qt.KeyboardModifier.AltModifier)
     assert window.leaving_panel.isVisible()
+
+
+def game(opened: Opened, *to_do: str, practice: bool = True) -> GamePage:
+    """A game whose server is not reached."""
+    opened.window.receive(GameToJoin(7, "127.0.0.1", 1, "x", practice, progress=WAY, to_do=to_do))
+    settle()
+    return opened.page(GamePage)
+
+
+def labels(widget: QWidget) -> list[str]:
+    return [label.text() for label in widget.findChildren(QLabel) if label.isVisible() and label.text()]
+
+
+def test_no_key_leaves_practice_before_all_is_done(opened: Opened, qtbot: QtBot) -> None:
+    page = game(opened, "send a robot to a room", "name a treasure")
+    assert "Before you go on: send a robot to a room, name a treasure." in labels(page)
+    button = next(one for one in page.findChildren(ActionButton) if one.face and one.face.key == "F10")
+    assert button.accessibleName() == "Go on with the study, not possible just now"
+    qtbot.keyClick(opened.window, Qt.Key.Key_F10)
+    qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    # Here, unlike on a screen, the tool tip that gives the reason takes keys away from the window.
+    QToolTip.hideText()
+    opened.window.activateWindow()
+    qtbot.waitUntil(opened.window.isActiveWindow)
+    opened.window.receive(GameNews(7, 500, ("name a treasure",)))
+    qtbot.keyClick(opened.window, Qt.Key.Key_F10)
+    assert "Before you go on: name a treasure." in labels(page)
+    assert not any(isinstance(one, WentOn) for one in opened.told)
+    opened.window.receive(GameNews(7, 499))
+    assert button.accessibleName() == "Go on with the study"
+    qtbot.keyClick(opened.window, Qt.Key.Key_F10)
+    assert opened.told[-1] == WentOn(7)
+
+
+def test_games_too_show_the_step_the_time_left_and_how_to_stop(
+    opened: Opened, qtbot: QtBot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(
+        "ui.windows.kiosk.window.QAccessible.updateAccessibility", lambda event: said.append(event.message())
+    )
+    game(opened, practice=False)
+    shown = {}
+    for seconds in (600, 541, 540, 61, 60, 59, 11, 10, 9, 1, 0):
+        opened.window.receive(GameNews(7, seconds))
+        shown[seconds] = labels(opened.window.progress)
+    assert shown[600] == ["Step 3 of 8", "10 minutes left in this game"]
+    assert shown[541] == shown[600], "minutes are rounded up"
+    assert shown[540][1] == "9 minutes left in this game"
+    assert (shown[61][1], shown[60][1]) == ("2 minutes left in this game", "60 seconds left in this game")
+    assert (shown[1][1], shown[0][1]) == ("1 second left in this game", "0 seconds left in this game")
+    assert said == ["60 seconds left in this game.", "10 seconds left in this game."]
+    assert opened.window.progress.stop.isVisible()
+    qtbot.mouseClick(opened.window.progress.stop, Qt.MouseButton.LeftButton)
+    assert opened.window.leaving_panel.isVisible()
+    keys(qtbot, Qt.Key.Key_Escape)
+    assert not opened.window.leaving_panel.isVisible()
+    opened.window.receive(GameNews(6, 3))
+    assert labels(opened.window.progress) == shown[0], "news of another page is void"
+    opened.window.receive(TextToRead(8, "A pause", "Rest.", progress=WAY))
+    assert labels(opened.window.progress) == ["Step 3 of 8"]
+
+
+def reading(opened: Opened) -> list[bool]:
+    return [one.is_open for one in opened.told if isinstance(one, InstructionsNews)]
+
+
+def test_instructions_are_read_again_by_f1_on_any_page_and_the_page_waits(opened: Opened, qtbot: QtBot) -> None:
+    window = opened.window
+    form = opened.form("often")
+    qtbot.keyClick(window, Qt.Key.Key_F1)
+    assert reading(opened) == [], "nothing was read yet"
+    assert not window.progress.again.isVisible()
+    window.receive(InstructionsSoFar((InstructionText("Send robots."), InstructionText("*Name* treasures.", True))))
+    assert window.progress.again.isVisible()
+    qtbot.keyClick(window, Qt.Key.Key_F1)
+    texts = [one.toPlainText() for one in window.instructions.findChildren(ReadingText) if one.isVisible()]
+    assert texts == ["Send robots.", "Name treasures."]
+    assert reading(opened) == [True]
+    for key in (Qt.Key.Key_1, Qt.Key.Key_Return):
+        qtbot.keyClick(window, key)
+    qtbot.keyClick(window, Qt.Key.Key_Return, Qt.KeyboardModifier.ControlModifier)
+    assert panel(form, "often").answer is None, "keys do nothing behind it"
+    assert not any(isinstance(one, WentOn) for one in opened.told)
+    qtbot.keyClick(window, Qt.Key.Key_F1)
+    qtbot.keyClick(window, Qt.Key.Key_F1)
+    qtbot.keyClick(window, Qt.Key.Key_Escape)
+    assert reading(opened) == [True, False, True, False]
+    keys(qtbot, "2")
+    assert panel(form, "often").answer == 2.0, "and all goes on where it was"
+    qtbot.mouseClick(window.progress.again, Qt.MouseButton.LeftButton)
+    window.receive(InstructionsSoFar(()))
+    assert reading(opened)[-2:] == [True, False], "the next person has read none"
+    assert not window.overlay.isVisible() and not window.progress.again.isVisible()
+
+
+def test_instructions_are_read_again_in_a_game_with_its_rules_and_keys(opened: Opened, qtbot: QtBot) -> None:
+    opened.window.receive(InstructionsSoFar((InstructionText("Send robots."),)))
+    page = game(opened, practice=False)
+    page._model.connected(0.0)
+    page._model.receive(view(), 0.0)
+    qtbot.waitUntil(page.window_of_game.top.isVisible)
+    for _ in range(2):
+        qtbot.keyClick(opened.window, Qt.Key.Key_F1)
+        settle()
+    assert reading(opened) == [True, False]
+    qtbot.mouseClick(opened.window.progress.again, Qt.MouseButton.LeftButton)
+    settle()
+    sheet = page.window_of_game.help
+    assert sheet.accessibleName() == "Instructions, rules and keys"
+    assert [one.toPlainText() for one in sheet.findChildren(ReadingText)] == ["Send robots."]
+    # Keys of the game do nothing behind the question whether to leave.
+    opened.window.close()
+    keys(qtbot, Qt.Key.Key_Escape)
+    assert not opened.window.overlay.isVisible() and sheet.isVisible()
+    opened.window.receive(GamePrepared(8, "The time is over.", WAY))
+    assert reading(opened) == [True, False, True, False]
 
 
 def test_the_researchers_keys(opened: Opened, qtbot: QtBot) -> None:

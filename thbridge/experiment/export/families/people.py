@@ -40,6 +40,14 @@ class _Person:
         told = {} if self.consent.consent is None else self.consent.consent
         return bool(told.get("agrees", self.consent.outcome is StepOutcome.DONE))
 
+    @property
+    def debriefed(self) -> bool | None:
+        """True once they have read a debriefing to its end; None where the study has none."""
+        if all(step.entry.step is not StepKind.DEBRIEF for step in self.run.plan):
+            return None
+        read = (each.outcome is StepOutcome.DONE for each in self.attempts if each.step.entry.step is StepKind.DEBRIEF)
+        return any(read)
+
     def told_of_consent(self, name: str) -> str | None:
         """Return what the log has of their answer."""
         told = None if self.consent is None or self.consent.consent is None else self.consent.consent.get(name)
@@ -89,6 +97,9 @@ def participants(
                 "consent_sha256",
                 "SHA-256 of the text that the person answered to; none where the log does not have it",
                 lambda row: row.told_of_consent("version"),
+            ),
+            flag(
+                "debriefed", "whether the person read a debriefing; none: the study has none", lambda row: row.debriefed
             ),
         ),
     )

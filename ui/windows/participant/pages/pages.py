@@ -186,33 +186,46 @@ class KeyCap(QWidget):
 
 
 class HelpSheet(TitledPanel):
-    """Sheet of the rules, and of all keys and their meanings."""
+    """Sheet of the rules, and of all keys and their meanings; in a study also of its instructions.
+
+    Attributes:
+        instructions: texts above the rules, and whether each is Markdown.
+    """
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Rules and keys", parent)
-        self.entitle("Rules and keys")
+        self.instructions: tuple[tuple[str, bool], ...] = ()
         self.close_button = ActionButton()
         self.close_button.requested.connect(self.requested)
         self.top.addWidget(self.close_button)
         self._area = _text_area(None, "The rules, the keys and what they do")
         self.rows.addWidget(self._area, 1)
-        self._shown: tuple[tuple[str, ...], tuple[tuple[str, str], ...]] | None = None
+        self._shown: tuple[object, ...] | None = None
 
     def show_help(self, rules: tuple[str, ...], lines: tuple[tuple[str, str], ...], key: str) -> None:
         """Show these rules and keys; `key` closes the sheet."""
         self.close_button.show_action(Action(ShowHelp(), "Close", key))
-        if (rules, lines) == self._shown:
+        if (rules, lines, self.instructions) == self._shown:
             return
-        self._shown = rules, lines
+        self._shown = rules, lines, self.instructions
+        parts = [*(["instructions"] if self.instructions else []), *(["rules and keys"] if lines else [])]
+        title = ", ".join(parts).capitalize()
+        self.entitle(title)
+        self._area.setAccessibleName(title)
         inside = QWidget()
         grid = QGridLayout(inside)
         grid.setContentsMargins(0, 0, GAP, 0)
         grid.setHorizontalSpacing(2 * GAP)
         grid.setVerticalSpacing(int(0.75 * GAP))
         grid.setColumnStretch(1, 1)
-        for row, rule in enumerate(rules):
+        for row, (text, markdown) in enumerate(self.instructions):
+            shown = ReadingText("Instructions", whole=True)
+            shown.show_text(text, markdown=markdown)
+            grid.addWidget(shown, row, 0, 1, 2)
+        above = len(self.instructions)
+        for row, rule in enumerate(rules, above):
             grid.addWidget(look.label(rule), row, 0, 1, 2)
-        for row, (keys, does) in enumerate(lines, len(rules)):
+        for row, (keys, does) in enumerate(lines, above + len(rules)):
             grid.addWidget(KeyCap(keys), row, 0, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
             grid.addWidget(look.label(does), row, 1)
         self._area.setWidget(inside)

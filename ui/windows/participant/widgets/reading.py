@@ -17,11 +17,13 @@ class ReadingText(QTextBrowser):
     Args:
         name: for screen readers.
         parent: of the widget.
+        whole: it is never lower than its lines: what it stands in scrolls.
     """
 
-    def __init__(self, name: str, parent: QWidget | None = None) -> None:
+    def __init__(self, name: str, parent: QWidget | None = None, *, whole: bool = False) -> None:
         super().__init__(parent)
         self._shown: tuple[str, bool] | None = None
+        self._whole = whole
         self.setOpenLinks(False)
         self.setTabChangesFocus(True)
         self.setCursorWidth(0)
@@ -51,4 +53,7 @@ class ReadingText(QTextBrowser):
 
     def _fit(self) -> None:
         # Its size hint stays small: a page that scrolls would make room for all of it, and its buttons be out of sight.
-        self.setMaximumHeight(int(self.document().size().height()) + 1 + self.height() - self.viewport().height())
+        high = int(self.document().size().height()) + 1 + self.height() - self.viewport().height()
+        if self._whole:
+            self.setMinimumHeight(high)
+        self.setMaximumHeight(high)

@@ -1,0 +1,113 @@
+"""Practice games: the studies that they are played in, and what must be done in them."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from thbridge.batch.settings import SettingCache
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.experiment.design.steps import LARGEST_COUNT, PracticeTerm, StepEntry, StepKind
+from thbridge.files.yaml.tree import Listing, Node, Section, at_line
+from thbridge.study.factors import entries_of, spread
+from thbridge.study.overrides import merged, resolved_tree
+from thbridge.study.study_file import Study
+
+BASE = "base"
+
+
+def without_bases(node: Node) -> Node:
+    """Return a list of steps with an empty section in the place of each `base`; any other node as it is."""
+    return replace(node, items=list(map(_without_base, node.items))) if isinstance(node, Listing) else node
+
+
+def _without_base(step: Node) -> Node:
+    if not isinstance(step, Section):
+        return step
+    entries = [(key, Section(key.line, []) if key.text == BASE else node) for key, node in step.entries]
+    return Section(step.line, entries)
+
+
+def practice_studies(
+    path: Path, step: Node, cells: Sequence[Sequence[Study]], files: SettingCache | None
+) -> tuple[tuple[Study, ...], ...]:
+    """Return the studies of a practice game: those of the conditions with the keys of the step's `base`.
+
+    Args:
+        path: the experiment's file, for faults.
+        step: the step in the file.
+        cells: for each combination between people, the study of each condition.
+        files: reads what the games need as well; None: it is not read.
+
+    Raises:
+        BadFile: the keys are wrong, or what they name is.
+    """
+    base = next((node for key, node in entries_of(step) if key.text == BASE), None)
+    if base is None:
+        return tuple(map(tuple, cells))
+    keys, found = spread(path, base), []
+    for studies in cells:
+        read = [merged(at_line(resolved_tree(study), base.line), path, keys) for study in studies]
+        for each in read if files is not None else ():
+            if files is not None:
+                files.of(each.value, each)
+        found.append(tuple(each.value for each in read))
+    return tuple(found)
+
+
+def demands_of(entry: StepEntry, study: Study) -> Mapping[PracticeTerm, float]:
+    """Return what must be done in a practice game that is played in a study; where robots never talk, no dialogue."""
+    demands = {PracticeTerm(term): float(number) for term, number in entry.at_least.items()}
+    if study.dialogue.condition is DialogueCondition.SUPERVISOR:
+        demands.pop(PracticeTerm.DIALOGUES, None)
+    return {term: number for term, number in demands.items() if number > 0.0}
+
+
+def practice_problems(
+    lines: Mapping[str, int], index: int, entry: StepEntry, studies: Sequence[Study], files: SettingCache | None
+) -> Iterator[tuple[str, str, str]]:
+    """Yield key, problem and remedy of what nobody can do in a practice game.
+
+    Args:
+        lines: of the experiment's keys, by their paths.
+        index: index of the step.
+        entry: the step.
+        studies: all that it may be played in.
+        files: as for `practice_studies`.
+    """
+    key = f"steps[{index}].at_least"
+    if entry.step is not StepKind.PRACTICE:
+        for name in (BASE, "at_least"):
+            if f"steps[{index}].{name}" in lines:
+                yield f"steps[{index}].{name}", f"a {entry.step} is no practice game", "Take the line away"
+        return
+    rooms = 0 if files is None else min((len(files.of(study).map.rooms) for study in studies), default=0)
+    for term, text in entry.at_least.items():
+        number = _number(text)
+        if term not in list(PracticeTerm):
+            yield f"{key}.{term}", f"{term} is not counted in practice", f"Write one of {', '.join(PracticeTerm)}"
+        elif number is None or not 0 <= number <= LARGEST_COUNT:
+            yield f"{key}.{term}", f"{text!r} is no number from 0 to {LARGEST_COUNT}", "Write for example 1"
+        elif term == PracticeTerm.SECONDS:
+            if number >= entry.max_seconds:
+                remedy = f"Write less than {entry.max_seconds:g}, or a larger max_seconds"
+                yield f"{key}.{term}", f"the game ends after {entry.max_seconds:g} s", remedy
+        elif number != math.floor(number):
+            yield f"{key}.{term}", f"{text} is not a whole number", "Write for example 1"
+        elif term == PracticeTerm.DIALOGUES and number > 0 and all(map(_is_silent, studies)):
+            remedy = "Take it away, or set base: {dialogue.condition: ...}"
+            yield f"{key}.{term}", "robots never talk in the condition supervisor", remedy
+        elif rooms and term != PracticeTerm.DIALOGUES and number > rooms:
+            yield f"{key}.{term}", f"the map has {rooms} rooms, each for one of these", f"Write at most {rooms}"
+
+
+def _is_silent(study: Study) -> bool:
+    return study.dialogue.condition is DialogueCondition.SUPERVISOR
+
+
+def _number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
