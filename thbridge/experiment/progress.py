@@ -207,12 +207,13 @@ class Progress:
         run = runs.get(person)
         if run is None:
             return
+        # Also after the end of a run: tables have its events.
+        self._check(run, event, data)
         if event.kind == EventKind.RUN_EXCLUDED:
             runs[person] = dataclasses.replace(run, state=RunState.EXCLUDED, reason=str(data["reason"]))
         elif event.kind == EventKind.FAREWELL_READ:
             runs[person] = dataclasses.replace(run, farewell_read=True)
         elif run.state is RunState.UNDER_WAY:
-            self._check(run, event, data)
             runs[person] = _gone_on(run, event, data)
         elif event.kind in {EventKind.STEP_BEGUN, EventKind.STEP_ENDED}:
             self._check(run, event, data)
@@ -233,7 +234,7 @@ class Progress:
             if event.condition and event.condition != condition:
                 problem = f"in step {event.step}, {run.participant} met {event.condition}"
                 raise _CannotFollowError(f"{problem}, which is now {condition or 'none'}")
-        elif "item" in data:
+        if "item" in data:
             form = self.design.forms.get(step.index)
             if form is not None and all(item.id != data["item"] for item in form.items):
                 raise _CannotFollowError(f"{run.participant} was asked {data['item']}, which {step.name} has not")
@@ -251,7 +252,7 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             return dataclasses.replace(run, given={}, drafts={})
         case EventKind.ITEM_CHANGED if run.under_way and "answer" in data:
             return dataclasses.replace(run, drafts={**run.drafts, str(data["item"]): data["answer"]})
-        case EventKind.ITEM_GIVEN:
+        case EventKind.ITEM_GIVEN if event.step > 0:
             name = run.plan[event.step - 1].name
             item, answer = str(data["item"]), data["answer"]
             answers, given = {**run.answers, f"{name}.{item}": answer}, {**run.given, item: answer}

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.experiment.store.event_log import BATCH, WITHDRAWN, ExperimentLog, LogFollower, copy_log, read_log
-from thbridge.experiment.store.events import Clocks, LoggedEvent, NewEvent, Tombstone
+from thbridge.experiment.store.event_log import BATCH, ExperimentLog, LogFollower, copy_log, read_log
+from thbridge.experiment.store.events import WITHDRAWN, Clocks, LoggedEvent, NewEvent, Tombstone
 from thbridge.files.errors import BadFile
 
 NOON = Clocks("2026-01-02T12:00:00Z", 5_000_000_000, 12.5)

@@ -16,6 +16,7 @@ import contextlib
 import errno
 import fcntl
 import hashlib
+import itertools
 import json
 import os
 import sqlite3
@@ -23,8 +24,9 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import IO, Self, TypeAlias, cast
 
+from thbridge.experiment.store.decoding import LARGEST_EVENT, BadEvent, decoded
 from thbridge.experiment.store.events import (
-    Actor,
+    WITHDRAWN,
     Clocks,
     JsonValue,
     LogEntry,
@@ -33,13 +35,10 @@ from thbridge.experiment.store.events import (
     Tombstone,
 )
 from thbridge.files.disk.own_links import own_target
+from thbridge.files.disk.regular_files import content_of, size_of
 from thbridge.files.disk.synced import sync_folder
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.json_text import json_of
-
-WITHDRAWN = "withdrawn"
-"""Kind of the event by which rows were deleted; its data names them and nobody."""
 
 BATCH = 256
 """Events of a log that is not synced which are written together."""
@@ -47,6 +46,11 @@ BATCH = 256
 APPLICATION = 0x74686578
 """SQLite's application_id of such a log."""
 VERSION = 1
+LARGEST_LOG = 1 << 28
+"""Largest log in bytes, and largest write-ahead log: some thousand people with some hundred events each."""
+_MOST_STEPS = 1 << 28
+"""Most steps of SQLite's virtual machine that reading a log takes; the largest log needs a third of them."""
+_STEPS_BETWEEN_CHECKS = 1 << 16
 
 _TABLE = """
 CREATE TABLE events (
@@ -312,7 +316,7 @@ class LogFollower:
         """
         head = _head_path(self._path)
         try:
-            now = head.read_bytes()
+            now = content_of(head, _LARGEST_HEAD)
         except FileNotFoundError:
             now = b""
         except OSError as error:
@@ -346,7 +350,10 @@ class LogFollower:
             chain = _chained(chain, digest)
             if content is None or salt is None or _digest(salt, content) != digest:
                 return False
-            entries.append(LoggedEvent(sequence, _decoded(content)))
+            try:
+                entries.append(LoggedEvent(sequence, decoded(content)))
+            except BadEvent:
+                return False
         if chain != last or any(entry.event.kind == WITHDRAWN for entry in entries):
             return False
         self.entries, self._chain = [*self.entries, *entries], chain
@@ -354,6 +361,10 @@ class LogFollower:
 
 
 _REMEDY = "Bring it back from the newest backup that `thbridge study status` can read"
+_ODD = (
+    "Use the release with which the study was run, if it is newer; else bring the log back from the newest backup that "
+    "`thbridge study status` can read"
+)
 
 
 def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
@@ -368,6 +379,8 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
         raise BadFile(
             path, problem, "Use the release with which the study was run; its freeze.json and methods.md name it"
         )
+    if not _has_our_table(database):
+        raise damaged("is no log of an experiment: it has another schema than its one table")
     if database.execute("PRAGMA integrity_check").fetchone() != ("ok",):
         raise damaged("is damaged: SQLite finds its pages in disorder")
     # Read before the rows: another program may append between the two.
@@ -389,7 +402,10 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
             continue
         if content is None or salt is None or _digest(salt, content) != digest:
             raise damaged(f"event {sequence} is not what was written")
-        event = _decoded(content)
+        try:
+            event = decoded(content)
+        except BadEvent as fault:
+            raise BadFile(path, f"event {sequence} is none that thbridge writes: {fault}", _ODD) from None
         if event.kind == WITHDRAWN:
             allowed.update(cast("list[int]", (event.data or {})["sequences"]))
         entries.append(LoggedEvent(sequence, event))
@@ -401,8 +417,41 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
     return entries
 
 
+def _has_our_table(database: sqlite3.Connection) -> bool:
+    """Return True for a database with our table alone: no view, trigger, index or computed column does other things."""
+    schema = database.execute("SELECT type, name, sql FROM sqlite_schema LIMIT 2").fetchall()
+    return [(kind, name, str(sql).split()) for kind, name, sql in schema] == [("table", "events", _TABLE.split())]
+
+
 def _opened(path: Path, mode: str) -> sqlite3.Connection:
-    return sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, isolation_level=None)
+    """Open a database that others may have made, so that what is in it can neither act nor grow without bounds.
+
+    Args:
+        path: the database.
+        mode: "ro" to read it, "rw" to write it as well.
+    """
+    for file in (path, path.with_name(path.name + "-wal")):
+        # Never opened and closed here: that would release the locks of this process's own connections.
+        if file.exists() and size_of(file) > LARGEST_LOG:
+            raise BadFile(file, f"is larger than {LARGEST_LOG} bytes, as no log of a study is", _REMEDY)
+    database = sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, isolation_level=None)
+    try:
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_EVENT)
+        database.execute("PRAGMA trusted_schema=OFF")
+        database.execute("PRAGMA cell_size_check=ON")
+        if mode == "ro":
+            checks = itertools.count(1)
+            database.set_progress_handler(
+                lambda: next(checks) * _STEPS_BETWEEN_CHECKS > _MOST_STEPS, _STEPS_BETWEEN_CHECKS
+            )
+        else:
+            # What would be too large to be read again is not written.
+            (page,) = database.execute("PRAGMA page_size").fetchone()
+            database.execute(f"PRAGMA max_page_count={LARGEST_LOG // page}")
+    except BaseException:
+        database.close()
+        raise
+    return database
 
 
 def _make(path: Path) -> None:
@@ -426,8 +475,7 @@ def _is_just_made(path: Path) -> bool:
         return False
     try:
         with contextlib.closing(_opened(path, "ro")) as database:
-            (events,) = database.execute("SELECT count(*) FROM events").fetchone()
-            return bool(events == 0)
+            return _has_our_table(database) and _length(database) == 0
     except sqlite3.Error:
         return False
 
@@ -494,22 +542,9 @@ def _encoded(event: NewEvent) -> str:
     return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
-def _decoded(content: str) -> NewEvent:
-    whole = json_of(content)
-    clocks = Clocks(whole["wall"], whole["monotonic_ns"], whole["simulated"], whole.get("lsl"))
-    return NewEvent(
-        whole["kind"],
-        cast(Actor, whole["actor"]),
-        clocks,
-        whole["participant"],
-        whole["step"],
-        whole["condition"],
-        whole["cause"],
-        whole["data"],
-    )
-
-
 # The head
+
+_LARGEST_HEAD = 1000
 
 
 def _head_path(path: Path) -> Path:
@@ -524,7 +559,7 @@ def _head(length: int, chain: bytes) -> bytes:
 def _read_head(path: Path) -> tuple[int, bytes]:
     head = _head_path(path)
     try:
-        content = head.read_bytes()
+        content = content_of(head, _LARGEST_HEAD)
         length, chain, _ = content.decode().split()
         if _head(int(length), bytes.fromhex(chain)) != content:
             raise ValueError

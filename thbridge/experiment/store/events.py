@@ -159,3 +159,7 @@ class RunState(StrEnum):
     DECLINED = "declined"
     LEFT = "left"
     EXCLUDED = "excluded"
+
+
+WITHDRAWN = "withdrawn"
+"""Kind of the event by which rows were deleted; its data names them and nobody."""

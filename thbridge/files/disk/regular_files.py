@@ -22,19 +22,31 @@ def is_regular(path: Path) -> bool:
         return False
 
 
+def size_of(path: Path) -> int:
+    """Return the size of a file in bytes, without opening it.
+
+    Raises:
+        BadFile: it is a pipe, a socket or a device; or its name has a NUL.
+        OSError: there is none, or it cannot be looked at.
+    """
+    try:
+        found = path.stat()
+    except ValueError:
+        raise BadFile(path, "no file has a NUL in its name", "Check the name") from None
+    kind = stat.S_IFMT(found.st_mode)
+    if kind in _KINDS:
+        raise BadFile(path, f"it is {_KINDS[kind]} and no file", "Save what comes from it, and name that file")
+    return found.st_size
+
+
 def open_regular(path: Path) -> BinaryIO:
     """Open a file for reading.
 
     Raises:
-        BadFile: it is a pipe, a socket or a device; or its name has a NUL.
+        BadFile: as `size_of` has it.
         OSError: it cannot be opened.
     """
-    try:
-        kind = stat.S_IFMT(path.stat().st_mode)
-    except ValueError:
-        raise BadFile(path, "no file has a NUL in its name", "Check the name") from None
-    if kind in _KINDS:
-        raise BadFile(path, f"it is {_KINDS[kind]} and no file", "Save what comes from it, and name that file")
+    size_of(path)
     return path.open("rb")
 
 
