@@ -216,7 +216,6 @@ class Progress:
         elif run.state is RunState.UNDER_WAY:
             runs[person] = _gone_on(run, event, data)
         elif event.kind in {EventKind.STEP_BEGUN, EventKind.STEP_ENDED}:
-            self._check(run, event, data)
             debriefs = {**run.debriefs, event.step: event.kind == EventKind.STEP_ENDED}
             runs[person] = dataclasses.replace(run, debriefs=debriefs)
 

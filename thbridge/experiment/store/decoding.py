@@ -97,6 +97,10 @@ class _GamePlayed(Struct):
     identified: _Count | UnsetType = UNSET
     sim_seconds: _Number | UnsetType = UNSET
     energy_left: _Number | UnsetType = UNSET
+    wall_seconds: _Number | UnsetType = UNSET
+    most_lag_seconds: _Number | UnsetType = UNSET
+    late_seconds: _Number | UnsetType = UNSET
+    course: list[tuple[_Number, _Number]] | UnsetType = UNSET
 
 
 class _RecordingLeft(Struct):
@@ -111,6 +115,7 @@ class _RunEnded(Struct):
     outcome: Literal["complete", "declined", "left"]
     reason: str = ""
     code: str = ""
+    excluded: str = ""
 
 
 class _Coded(Struct):
