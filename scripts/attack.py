@@ -12,6 +12,7 @@ import contextlib
 import json
 import multiprocessing
 import os
+import pickle
 import random
 import resource
 import selectors
@@ -34,6 +35,7 @@ from typing import TypeAlias, cast
 
 from free_ports import free_ports
 
+from sim.numerics.compiled_files import write
 from thbridge.files.keys.key_ring import KeyRing
 from thbridge.protocols.credentials import Right, key_line
 from thbridge.protocols.mavlink.dialect import mav
@@ -390,6 +392,47 @@ async def datagrams(port: int, count: int) -> int:
     return count
 
 
+class BreachError(Exception):
+    """An attack has done what it must not be able to do."""
+
+
+class _Planted:
+    """A pickle that leaves a mark where it is loaded."""
+
+    def __init__(self, mark: Path) -> None:
+        self._mark = mark
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Path.touch, (self._mark,)
+
+
+async def planted_code() -> int:
+    """Plant pickles in a program's cache of compiled code, of which others may write one level after the other.
+
+    Raises:
+        BreachError: the program has run one of them.
+    """
+    program = "import numpy; from sim.numerics.elementary_kernels import to_hypot; to_hypot(*numpy.ones((2, 1)))"
+    tries = 0
+    for level in range(4):
+        with tempfile.TemporaryDirectory() as name:
+            cache, mark = Path(name, "cache"), Path(name, "mark")
+            environment = {**os.environ, "PYTHONPATH": str(Path.cwd()), "NUMBA_CACHE_DIR": str(cache)}
+            start = partial(
+                asyncio.create_subprocess_exec,
+                sys.executable, "-c", program, env=environment, umask=0, stderr=asyncio.subprocess.DEVNULL,
+            )  # fmt: skip
+            await (await start()).wait()
+            for file in cache.glob("kernels/*/*"):
+                write(file, pickle.dumps(_Planted(mark)))
+                [file, *file.parents][level].chmod(0o777)
+                tries += 1
+            await (await start()).wait()
+            if mark.exists():
+                raise BreachError
+    return tries
+
+
 LEFT = b"\x16\x03\x01\x02\x00\x01"
 """Beginning of a TLS handshake."""
 
@@ -486,6 +529,7 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int) ->
         ("MAVLink: datagrams of many addresses", lambda: datagrams(doors.udp, 500 * scale)),
         ("MAVLink: a page in a browser", lambda: say(doors.tcp, http("/", "x"), 1, 20)),
         ("MAVLink: noise", lambda: noise(doors.tcp, draws)),
+        ("cache: planted compiled code", planted_code),
         *crowds_and_floods(doors, outside, scale),
     ]
 
@@ -535,6 +579,7 @@ class Held:
         cut: connections of attackers in other processes that were cut off.
         running: False where it ended the session.
         refused: how often honest people were kept out.
+        breached: True where it did what it must not be able to do.
     """
 
     attack: str
@@ -547,12 +592,13 @@ class Held:
     cut: int
     running: bool
     refused: int
+    breached: bool
 
     @property
     def well(self) -> bool:
         """True where nobody else noticed much."""
         quick = max(self.wait, self.lag) <= WAIT_BOUND
-        return self.running and not self.refused and quick and self.memory <= MEMORY_BOUND
+        return self.running and not self.refused and not self.breached and quick and self.memory <= MEMORY_BOUND
 
 
 def assault(doors: Doors, session: subprocess.Popen[bytes], seed: int, scale: int, only: str) -> list[Held]:
@@ -567,7 +613,11 @@ def assault(doors: Doors, session: subprocess.Popen[bytes], seed: int, scale: in
         before, lagged = gauge.look(), honest.lag
         honest.wait, honest.refused, honest.slowest = 0.0, 0, ""
         gauge.memory, gauge.descriptors, outside.cut = before, 0, 0
-        tries = asyncio.run(attack())
+        tries, breached = 0, False
+        try:
+            tries = asyncio.run(attack())
+        except BreachError:
+            breached = True
         time.sleep(1.5)
         running = session.poll() is None
         held.append(
@@ -582,6 +632,7 @@ def assault(doors: Doors, session: subprocess.Popen[bytes], seed: int, scale: in
                 cut=outside.cut,
                 running=running,
                 refused=honest.refused,
+                breached=breached,
             )
         )
         print(row(held[-1]), flush=True)

@@ -59,7 +59,7 @@ def compile_kernels() -> float:
         if "the game was not over" not in said:
             raise RuntimeError(said)
     seconds = time.monotonic() - began
-    done.parent.mkdir(exist_ok=True)
+    done.parent.mkdir(mode=0o700, exist_ok=True)
     done.write_text(f"{seconds:.1f}")
     return seconds
 

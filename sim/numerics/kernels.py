@@ -3,16 +3,12 @@
 import fcntl
 import hashlib
 import inspect
-import os
 import pickle
-import shutil
-import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from functools import cache as once
 from pathlib import Path
-from tempfile import NamedTemporaryFile, TemporaryDirectory, TemporaryFile
 from typing import TYPE_CHECKING, TypeVar
 
 import llvmlite
@@ -28,6 +24,7 @@ from numba.core.typing.templates import infer_global
 from numba.misc.appdirs import AppDirs
 
 from sim.numerics import elementary
+from sim.numerics.compiled_files import make_folder, mark_used, private_folder, read, write
 from sim.numerics.sources import ROOT, key_of
 
 if TYPE_CHECKING:
@@ -36,11 +33,6 @@ if TYPE_CHECKING:
 F = TypeVar("F")
 
 __all__ = ["file_of", "folder_of", "njit", "register_formula", "wait_for_others"]
-
-KEPT_DAYS = 30
-"""Compiled code that no program has used for so long goes; days."""
-KEPT_VERSIONS = 16
-"""How many versions of a module keep their compiled code, those used last; more than will run at the same time."""
 
 _OTHERS: dict[Path, Callable[[], object]] = {}
 _FORMULAS: list["_Kernel"] = []
@@ -103,46 +95,10 @@ def wait_for_others(compiled: Mapping[Path, Callable[[], object]]) -> None:
 def _cache() -> Path:
     """Return the folder of all compiled code: the user's own, so that it outlives a checkout and serves them all.
 
-    Where it cannot be written, or others may write there, it is a folder beside the sources; where neither can be, one
-    that goes with the process.
+    Where it cannot be written, or others may write there, it is a folder beside the sources, or a temporary one.
     """
     users = Path(config.CACHE_DIR or AppDirs("thbridge", appauthor=False).user_cache_dir, "kernels")
-    for folder in (users, ROOT / "sim" / "__pycache__" / "kernels"):
-        # Without a home it begins with a tilde.
-        if folder.is_absolute():
-            with suppress(OSError):
-                folder.mkdir(parents=True, exist_ok=True)
-                TemporaryFile(dir=folder).close()
-                if _is_trusted(folder):
-                    return folder
-    return Path(_of_this_process().name)
-
-
-def _is_trusted(folder: Path) -> bool:
-    """Return False for a folder into which other accounts can put code, which would be run."""
-    state = folder.stat()
-    return state.st_uid in (os.getuid(), 0) and not state.st_mode & stat.S_IWOTH
-
-
-@once
-def _of_this_process() -> TemporaryDirectory[str]:
-    return TemporaryDirectory(prefix="thbridge-kernels-")
-
-
-@once
-def _mark_used(folder: Path) -> None:
-    with suppress(OSError):
-        os.utime(folder)
-
-
-def _tidy(new: Path) -> None:
-    """Delete code that was not used for long, and old versions of the module whose folder is new."""
-    used = {folder: folder.stat().st_mtime for folder in new.parent.iterdir()}
-    module = new.name.rpartition("-")[0]
-    versions = sorted((folder for folder in used if folder.name.rpartition("-")[0] == module), key=used.__getitem__)
-    unused = {folder for folder, when in used.items() if when < used[new] - KEPT_DAYS * 86400}
-    for folder in unused.union(versions[:-KEPT_VERSIONS]):
-        shutil.rmtree(folder, ignore_errors=True)
+    return private_folder((users, ROOT / "sim" / "__pycache__" / "kernels"))
 
 
 class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
@@ -181,24 +137,21 @@ class _CompiledCode:
 
     def load_overload(self, signature: object, target: "BaseContext") -> CompileResult | None:
         """Return what was compiled for a signature and this processor; None if nothing was."""
+        content = read(self.file(signature, target))
+        if content is None:
+            return None
         # All that compiled code needs; numba's own cache loads what it would compile with as well.
         rtsys.initialize(target)
-        try:
-            compiled_for, parts = pickle.loads(self.file(signature, target).read_bytes())
-        except (OSError, EOFError, pickle.UnpicklingError):
-            return None
+        compiled_for, parts = pickle.loads(content)
         if compiled_for != signature:
             return None
-        _mark_used(self._folder)
+        mark_used(self._folder)
         return CompileResult._rebuild(target, *parts)
 
     def save_overload(self, signature: object, compiled: CompileResult) -> None:
         """Keep what was compiled for a signature; where that fails, it is compiled again next time."""
         with suppress(OSError):
-            self._make_folder()
-            with NamedTemporaryFile(dir=self._folder, delete=False) as file:
-                file.write(dumps((signature, compiled._reduce())))
-            Path(file.name).replace(self.file(signature, compiled.target_context))
+            write(self.file(signature, compiled.target_context), dumps((signature, compiled._reduce())))
 
     @contextmanager
     def claimed(self, signature: object) -> Iterator[None]:
@@ -212,7 +165,7 @@ class _CompiledCode:
                 if kept in _OTHERS:
                     _OTHERS[kept]()
                 if not kept.exists():
-                    self._make_folder()
+                    make_folder(self._folder)
                     file = claim.enter_context(Path(f"{kept}.claim").open("w"))
                     fcntl.flock(file, fcntl.LOCK_EX)
                     claim.callback(Path(file.name).unlink, missing_ok=True)
@@ -222,11 +175,6 @@ class _CompiledCode:
         """Return the file of a signature's code for this processor, whether or not it exists."""
         which = f"{signature} {target.codegen().magic_tuple()}"
         return self._folder / f"{self._name}-{hashlib.blake2b(which.encode(), digest_size=8).hexdigest()}"
-
-    def _make_folder(self) -> None:
-        if not self._folder.exists():
-            self._folder.mkdir(exist_ok=True)
-            _tidy(self._folder)
 
 
 for _, _formula in inspect.getmembers(elementary, inspect.isfunction):

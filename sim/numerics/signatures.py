@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numba import from_dtype, types
 
+from sim.numerics.compiled_files import read
 from sim.numerics.kernels import file_of
 
 RECORDED = Path(__file__).with_suffix(".jsonl")
@@ -18,13 +19,14 @@ RECORDED = Path(__file__).with_suffix(".jsonl")
 
 
 def missing(*, before_moves: bool) -> list[str]:
-    """Return the recorded calls for which code was not kept here.
+    """Return the recorded calls whose code is not kept here, or is damaged.
 
     Args:
         before_moves: only those of the first tick, when no robot has a goal yet.
     """
     calls = RECORDED.read_text(encoding="utf-8").splitlines()
-    return [call for call in calls if not (before_moves and json.loads(call)["moves"]) and not kept_at(call).exists()]
+    asked = (call for call in calls if not (before_moves and json.loads(call)["moves"]))
+    return [call for call in asked if read(kept_at(call)) is None]
 
 
 def compile_call(call: str) -> None:

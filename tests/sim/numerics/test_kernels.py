@@ -1,4 +1,6 @@
 import os
+import pickle
+import random
 import shutil
 import subprocess
 import sys
@@ -7,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from sim.numerics.compiled_files import write
 from tests.compiling import ROOT
+from tests.sim.numerics.test_compiled_files import damaged
 
 CALLER = """\
 from sim.callee import doubled
@@ -44,21 +48,45 @@ def checkout(tmp_path: Path) -> Path:
     return checkout
 
 
-def start(checkout: Path, *arguments: str) -> subprocess.Popen[str]:
+def start(checkout: Path, *arguments: str, umask: int = -1) -> subprocess.Popen[str]:
     environment = {
         **os.environ,
         "PYTHONPATH": str(checkout),
         "NUMBA_CACHE_DIR": str(checkout.parent / "cache"),
         "PYTHONDONTWRITEBYTECODE": "1",
+        "TMPDIR": str(checkout.parent),
     }
     command = [sys.executable, "-c", PROGRAM, *arguments]
-    return subprocess.Popen(command, cwd=checkout, env=environment, stdout=subprocess.PIPE, text=True)
+    return subprocess.Popen(
+        command, cwd=checkout, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, umask=umask
+    )
 
 
-def run(checkout: Path, *arguments: str) -> list[str]:
-    """What the kernel makes of the arguments, and how many signatures were compiled already."""
-    said, _ = start(checkout, *arguments).communicate()
+def run(checkout: Path, *arguments: str, notice: str = "", umask: int = -1) -> list[str]:
+    """What the kernel makes of the arguments, and how many signatures were compiled already; it prints a notice."""
+    process = start(checkout, *arguments, umask=umask)
+    said, told = process.communicate()
+    assert process.returncode == 0, told
+    assert notice in told if notice else not told, told
     return said.split()
+
+
+def code_of(checkout: Path) -> Path:
+    """The one file of the kernel's code."""
+    (kept,) = (checkout.parent / "cache" / "kernels").glob("sim.caller-*/*")
+    return kept
+
+
+class Planted:
+    """What another account would have us unpickle: it prints a word."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return print, ("planted",)
+
+
+def plant(file: Path) -> None:
+    """Put a pickle there with the right checksum, which is no secret."""
+    write(file, pickle.dumps(Planted()))
 
 
 def replace(file: Path, old: str, new: str) -> None:
@@ -113,7 +141,7 @@ def test_what_one_process_compiles_another_waits_for(checkout: Path) -> None:
 @pytest.mark.slow
 def test_a_process_that_was_killed_while_it_compiled_holds_nobody_up(checkout: Path) -> None:
     run(checkout, "3")
-    (kept,) = (checkout.parent / "cache" / "kernels").glob("sim.caller-*/*")
+    kept = code_of(checkout)
     kept.unlink()
     claim = "import fcntl, os, sys; fcntl.flock(open(sys.argv[1], 'w'), fcntl.LOCK_EX); os.kill(os.getpid(), 9)"
     subprocess.run([sys.executable, "-c", claim, f"{kept}.claim"], check=False)
@@ -127,31 +155,54 @@ def test_a_number_in_a_kernels_text_asks_for_no_code_of_its_own(checkout: Path) 
     assert len(list((checkout.parent / "cache" / "kernels").glob("sim.callee-*/*"))) == 1
 
 
-@pytest.mark.slow
-def test_code_cut_short_is_compiled_anew(checkout: Path) -> None:
+@pytest.mark.parametrize("starts", [1, pytest.param(50, marks=pytest.mark.slow)])
+def test_damaged_code_is_compiled_again_with_a_notice_that_names_the_cache(checkout: Path, starts: int) -> None:
     run(checkout, "3")
-    for file in (checkout.parent / "cache" / "kernels").glob("sim.caller-*/*"):
-        file.write_bytes(file.read_bytes()[:100])
-    assert run(checkout, "3") == ["7", "0"]
+    cache = checkout.parent / "cache" / "kernels"
+    draws = random.Random(starts)
+    for _ in range(starts):
+        for file in cache.glob("*/*"):
+            file.write_bytes(damaged(file.read_bytes(), draws))
+        assert run(checkout, "3", notice=f"Compiled code in {cache} is damaged. It is compiled again.") == ["7", "0"]
     assert run(checkout, "3") == ["7", "1"]
 
 
 @pytest.mark.slow
-def test_where_the_folder_cannot_be_written_code_is_kept_beside_the_sources_or_not_at_all(checkout: Path) -> None:
+def test_where_a_folder_cannot_be_written_code_is_kept_in_the_next_or_not_at_all(checkout: Path) -> None:
     (checkout.parent / "cache").touch()
     run(checkout, "3")
     assert run(checkout, "3") == ["7", "1"]
     shutil.rmtree(checkout / "sim" / "__pycache__")
     (checkout / "sim" / "__pycache__").touch()
+    assert run(checkout, "3") == ["7", "0"]
+    assert run(checkout, "3") == ["7", "1"]
+    temporary = checkout.parent / f"thbridge-kernels-{os.getuid()}"
+    shutil.rmtree(temporary)
+    temporary.touch()
     run(checkout, "3")
     assert run(checkout, "3") == ["7", "0"]
 
 
-def test_code_that_others_could_put_there_is_not_run(checkout: Path) -> None:
+@pytest.mark.parametrize("umask", [0o002, pytest.param(0o000, marks=pytest.mark.slow)])
+def test_a_program_of_any_umask_keeps_its_code_to_itself(checkout: Path, umask: int) -> None:
+    assert run(checkout, "3", umask=umask) == ["7", "0"]
+    kept = [checkout.parent / "cache", *(checkout.parent / "cache").rglob("*")]
+    assert {path.stat().st_mode & 0o077 for path in kept} == {0}
+    assert run(checkout, "3", umask=umask) == ["7", "1"]
+
+
+def test_a_pickle_that_a_member_of_the_group_could_put_there_does_not_run(checkout: Path) -> None:
     run(checkout, "3")
-    (checkout.parent / "cache" / "kernels").chmod(0o777)
-    assert run(checkout, "3") == ["7", "0"]
-    assert run(checkout, "3") == ["7", "1"], "it is kept beside the sources"
+    kernels = checkout.parent / "cache" / "kernels"
+    plant(code_of(checkout))
+    kernels.chmod(0o775)
+    refused = f"Compiled code is not kept in {kernels}: other accounts can write to {kernels} (chmod go-w {kernels})."
+    assert run(checkout, "3", notice=refused) == ["7", "0"]
+    assert run(checkout, "3", notice=refused) == ["7", "1"], "it is kept beside the sources"
+    kernels.chmod(0o755)
+    code_of(checkout).parent.chmod(0o775)
+    assert run(checkout, "3", notice="could be changed by other accounts") == ["7", "0"]
+    assert run(checkout, "3") == ["7", "1"]
 
 
 def test_old_code_goes_when_new_code_comes(checkout: Path) -> None:
@@ -162,9 +213,10 @@ def test_old_code_goes_when_new_code_comes(checkout: Path) -> None:
     for number, name in enumerate(versions):
         (folder / name).mkdir(parents=True)
         os.utime(folder / name, (now - 3600 - number,) * 2)
-    (folder / "sim.forgotten-0").mkdir()
-    os.utime(folder / "sim.forgotten-0", (now - 60 * 86400,) * 2)
+    forgotten = folder / f"sim.forgotten-{0:016x}"
+    forgotten.mkdir()
+    os.utime(forgotten, (now - 60 * 86400,) * 2)
     run(checkout, "3")
     left = {path.name for path in folder.iterdir()}
     assert left & set(versions) == set(versions[:15])
-    assert "sim.forgotten-0" not in left
+    assert forgotten.name not in left
