@@ -1,4 +1,5 @@
 import dataclasses
+import subprocess
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -340,18 +341,36 @@ class TestFiles:
             load_study(tmp_path)
 
     @pytest.mark.parametrize(
-        ("encoding", "told"),
+        ("encoding", "letters", "told", "iconv"),
         [
-            ("latin-1", "line 2: byte 0xf6 is not UTF-8; it was probably saved as Latin-1. Save the file"),
-            ("utf-16", "line 1: byte 0xff is not UTF-8; it was probably saved as UTF-16. Save the file"),
+            ("latin-1", "ö", "line 2: byte 0xf6 is not UTF-8; it was probably saved as Latin-1. ", "ISO-8859-1"),
+            (
+                "cp1252",
+                "„ö“",
+                "line 2: byte 0x84 is not UTF-8; it was probably saved as Windows-1252. ",
+                "WINDOWS-1252",
+            ),
+            ("utf-16", "ö", "line 1: byte 0xff is not UTF-8; it was probably saved as UTF-16. ", "UTF-16"),
+            ("utf-16-le", "ö", "line 1: it is not UTF-8; it was probably saved as UTF-16LE. ", "UTF-16LE"),
+            ("utf-16-be", "ö", "line 1: it is not UTF-8; it was probably saved as UTF-16BE. ", "UTF-16BE"),
         ],
     )
-    def test_another_encoding(self, tmp_path: Path, encoding: str, told: str) -> None:
+    def test_another_encoding(self, tmp_path: Path, encoding: str, letters: str, told: str, iconv: str) -> None:
         path = tmp_path / "other.yaml"
-        path.write_bytes("seed: 1\nmap: größe\n".encode(encoding))
+        path.write_bytes(f"seed: 1\nmap: gr{letters}ße\n".encode(encoding))
         with pytest.raises(BadFile) as refused:
             load_study(path)
         assert told in str(refused.value)
+        assert f"iconv -f {iconv} -t UTF-8" in str(refused.value)
+        converted = subprocess.run(["iconv", "-f", iconv, "-t", "UTF-8", path], capture_output=True, check=True)
+        assert converted.stdout.decode().removeprefix("\ufeff") == f"seed: 1\nmap: gr{letters}ße\n"
+
+    def test_an_encoding_that_is_not_known(self, tmp_path: Path) -> None:
+        path = tmp_path / "other.yaml"
+        path.write_bytes("map: größe Ê\n".encode("mac-roman") + b"# \x8d")
+        with pytest.raises(BadFile, match="it was probably saved as an encoding of another system") as refused:
+            load_study(path)
+        assert "iconv" not in str(refused.value)
 
     def test_a_byte_order_mark_and_windows_line_ends_do_no_harm(self, tmp_path: Path) -> None:
         path = tmp_path / "windows.yaml"

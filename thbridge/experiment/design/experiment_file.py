@@ -225,6 +225,9 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
         if entry.form:
             with faults.kept():
                 forms[index] = _form(loaded, index, entry)
+        if with_files and entry.text is not None and is_regular(text := path.parent / entry.text):
+            with faults.kept():
+                read_text(text)
     if faults.found:
         raise faults.together()
     practices = _practices(loaded, entries.get("steps"), cells, files if with_files else None)
@@ -368,7 +371,7 @@ def notices_of(design: ExperimentDesign) -> tuple[str, ...]:
     notices = [
         f"{text}: still has a gap to fill in ({gap.group()}). People would read it."
         for text in dict.fromkeys(entry.text for entry in design.file.steps if entry.text is not None)
-        if (gap := _GAP.search((design.path.parent / text).read_text(encoding="utf-8", errors="replace")))
+        if (gap := _GAP.search(read_text(design.path.parent / text)))
     ]
     if not is_even(design):
         orders, quota = len(design.orders), design.file.quota

@@ -22,6 +22,7 @@ from thbridge.experiment.rehearsal.people import SimulatedPeople, normal
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import EventKind, JsonValue, RunState
 from thbridge.experiment.trials import played, setting_of_trial
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.progress import Tell, untold
 from thbridge.recording.recordings import parts_of
 
@@ -134,7 +135,7 @@ class Rehearsal:
 
     def _read(self, step: PlannedStep) -> None:
         text = step.entry.text
-        words = 0 if text is None else len((self._design.path.parent / text).read_text(encoding="utf-8").split())
+        words = 0 if text is None else len(read_text(self._design.path.parent / text).split())
         self._clock.advance(60.0 * words / self._people.words_per_minute)
 
     def _fill_in(self, conductor: Conductor, person: str, step: PlannedStep) -> None:

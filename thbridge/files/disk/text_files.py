@@ -10,30 +10,74 @@ LARGEST_FILE = 1 << 20
 """Largest file in bytes; files of people have some thousand."""
 
 
+_UNDEFINED_IN_WINDOWS = frozenset(b"\x81\x8d\x8f\x90\x9d")
+_NAMES_OF_ICONV = {"Windows-1252": "WINDOWS-1252", "Latin-1": "ISO-8859-1"}
+
+
 def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
     """Read the text of a file that people write.
 
     Raises:
         BadFile: it is missing, not a file, larger than `largest` bytes, or not UTF-8.
     """
+    return text_of(path, read_bytes(path, largest))
+
+
+def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
+    """Read the bytes of a file that people write.
+
+    Raises:
+        BadFile: it is missing, not a file, or larger than `largest` bytes.
+    """
     try:
-        data = content_of(path, largest)
+        return content_of(path, largest)
     except FileNotFoundError:
         raise BadFile(path, "there is no such file", "Check the name and the folder") from None
     except OSError as error:
         raise BadFile(path, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
-    is_utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    if b"\0" in data and not is_utf16:
+
+
+def text_of(path: Path, data: bytes) -> str:
+    """Return the text of a file's bytes, without a byte order mark.
+
+    Raises:
+        BadFile: they are not UTF-8; it names the encoding that they seem to have.
+    """
+    utf16 = _utf16_of(data)
+    if b"\0" in data and not utf16:
         line = data.count(b"\n", 0, data.index(b"\0")) + 1
         raise BadFile(path, "there is a NUL byte in it", "Check that it is a text file, and take it out", line=line)
     try:
+        if utf16:
+            raise UnicodeDecodeError("utf-8", data, 0, 1, utf16)
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        encoding = "UTF-16" if is_utf16 else "Latin-1"
+        encoding = utf16 or _byte_encoding_of(data)
         problem = f"byte 0x{data[error.start]:02x} is not UTF-8; it was probably saved as {encoding}"
-        remedy = (
-            "Save the file with the encoding UTF-8 in an editor, "
-            f"or run: iconv -f {encoding} -t UTF-8 {path.name} > {path.name}.utf8"
-        )
+        if utf16 and data[0] < 0x80:
+            problem = f"it is not UTF-8; it was probably saved as {encoding}"
+        remedy = "Save the file with the encoding UTF-8 in an editor"
+        if encoding != _UNKNOWN:
+            iconv = _NAMES_OF_ICONV.get(encoding, encoding)
+            remedy += f", or run: iconv -f {iconv} -t UTF-8 {path.name} > {path.name}.utf8"
         raise BadFile(path, problem, remedy, line=line) from None
+
+
+_UNKNOWN = "an encoding of another system"
+
+
+def _utf16_of(data: bytes) -> str:
+    """Return the kind of UTF-16 that bytes seem to be, by their mark or by every second byte being 0; else empty."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "UTF-16"
+    for name, zeros, letters in (("UTF-16LE", data[1::2], data[::2]), ("UTF-16BE", data[::2], data[1::2])):
+        if len(zeros) > 1 and zeros.count(0) > 0.8 * len(zeros) and not letters.count(0):
+            return name
+    return ""
+
+
+def _byte_encoding_of(data: bytes) -> str:
+    """Return the encoding of one byte a letter that a text seems to have: Latin-1 has no letters from 0x80 to 0x9f."""
+    controls = {byte for byte in data if 0x80 <= byte < 0xA0}
+    return _UNKNOWN if controls & _UNDEFINED_IN_WINDOWS else "Windows-1252" if controls else "Latin-1"

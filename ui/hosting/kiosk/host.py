@@ -26,8 +26,8 @@ from thbridge.experiment.progress import Progress, Run, options_shown, resumes
 from thbridge.experiment.questionnaires.form import Form, Item
 from thbridge.experiment.store.events import Actor, Clocks, EventKind, JsonValue, RunState, StepOutcome
 from thbridge.experiment.trials import PracticeCount
-from thbridge.files.disk.regular_files import content_of
-from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.disk.text_files import read_bytes, read_text, text_of
+from thbridge.files.errors import BadFile
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
 from ui.first_start import is_compiled
@@ -530,13 +530,13 @@ class KioskHost:
         if step.entry.text is None:
             return words.PAUSE_TEXT, False
         path = self._design.path.parent / step.entry.text
-        return _bytes_of(path).decode(errors="replace"), path.suffix == ".md"
+        return read_text(path), path.suffix == ".md"
 
     async def _consent(self, step: PlannedStep) -> None:
         if self._run.agrees is None:
             path = self._design.path.parent / (step.entry.text or Path())
-            content = _bytes_of(path)
-            await self._show(ConsentToAsk(0, content.decode(errors="replace"), path.suffix == ".md"))
+            content = read_bytes(path)
+            await self._show(ConsentToAsk(0, text_of(path, content), path.suffix == ".md"))
             message: FromKiosk | _Woken | None = None
             while not isinstance(message, ConsentReply):
                 message = await self._next_of_run()
@@ -749,13 +749,6 @@ class _Visit:
     def _say(self, message: ToKiosk) -> None:
         self._sending = [task for task in self._sending if not task.done()]
         self._sending.append(asyncio.get_running_loop().create_task(self._host._window.send(message)))
-
-
-def _bytes_of(path: Path) -> bytes:
-    try:
-        return content_of(path)
-    except OSError as error:
-        raise BadFile(path, f"cannot be read ({reason_of(error)})", "Bring it back") from None
 
 
 def _compiling() -> str:

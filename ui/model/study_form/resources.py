@@ -122,8 +122,8 @@ def _texts(draft: StudyDraft) -> Iterator[NamedResource]:
 def _texts_in(folder: Path) -> Iterator[NamedResource]:
     for path in sorted(path for path in folder.iterdir() if path.suffix in _TEXTS and path.is_file()):
         try:
-            beginning = " ".join(path.read_text(encoding="utf-8").split())[:_BEGINNING]
-        except (OSError, UnicodeDecodeError):
+            beginning = " ".join(read_text(path).split())[:_BEGINNING]
+        except BadFile:
             beginning = _FAULTY
         yield NamedResource(path.name, beginning)
 

@@ -110,3 +110,15 @@ def test_a_study_is_not_run_without_a_display_or_twice(folder: Path, monkeypatch
         done = runner.invoke(app, ["study", "run", str(folder)])
     assert done.exit_code == 2
     assert "another program runs this study" in done.output
+
+
+@pytest.mark.parametrize("name", ["texts/consent.txt", "understood.yaml"])
+@pytest.mark.parametrize(("encoding", "told"), [("cp1252", "Windows-1252"), ("utf-16", "UTF-16")])
+def test_a_text_in_another_encoding_is_refused_by_the_check(folder: Path, name: str, encoding: str, told: str) -> None:
+    file = folder / name
+    file.write_bytes(file.read_text().replace("\n", " “quoted”\n", 1).encode(encoding))
+    checked = runner.invoke(app, ["study", "check", str(folder)])
+    assert checked.exit_code == 2
+    assert isinstance(checked.exception, SystemExit)
+    assert f"{file.name}, line 1: " in checked.output
+    assert f"it was probably saved as {told}. Save the file with the encoding UTF-8" in checked.output
