@@ -172,6 +172,77 @@ def test_a_backup_taken_while_the_log_is_open_reads_as_the_log(log: Path) -> Non
     assert read_log(log.with_name("copy")) == read_log(log)[:-1]
 
 
+@pytest.fixture
+def killed(tmp_path: Path) -> Path:
+    """The log of a program that was killed: all but the first six events are in the write-ahead log alone."""
+    folder = tmp_path / "killed"
+    folder.mkdir()
+    with ExperimentLog(tmp_path / "running") as log:
+        log.append([answer("P-AAAA", f"zebra {number}") for number in range(6)])
+    with ExperimentLog(tmp_path / "running") as log:
+        copy_log(log.path, tmp_path / "backup")
+        shutil.copy(log.path, tmp_path / "closed")
+        shutil.copy(log.path.with_name("running-head"), tmp_path / "closed-head")
+        log.append([answer("P-BBBB", f"okapi {number}") for number in range(3)])
+        for suffix in ("", "-wal", "-head"):
+            shutil.copy(tmp_path / f"running{suffix}", folder / f"log{suffix}")
+    return folder / "log"
+
+
+@pytest.mark.parametrize("copied", [("backup",), ("backup", "backup-head"), ("closed", "closed-head")])
+@pytest.mark.parametrize("more", [0, 200])
+def test_a_copy_over_the_log_of_a_killed_program_is_refused(
+    killed: Path, tmp_path: Path, copied: tuple[str, ...], more: int
+) -> None:
+    if copied[0] == "closed":
+        # A copy that somebody made by hand, of files that no program had open.
+        with ExperimentLog(tmp_path / "closed") as log:
+            log.append([answer("P-CCCC", f"quagga {number}") for number in range(more)])
+    elif more:
+        with ExperimentLog(tmp_path / "running") as log:
+            log.append([answer("P-CCCC", f"quagga {number}") for number in range(more)])
+        copy_log(tmp_path / "running", tmp_path / "backup")
+    assert len(read_log(killed)) == 9
+    for name in copied:
+        shutil.copy(tmp_path / name, killed.parent / name.replace(copied[0], "log"))
+    for opened in (read_log, ExperimentLog):
+        with pytest.raises(BadFile, match=r"log-wal do not belong together.*thbridge study restore BACKUP --to"):
+            opened(killed)
+
+
+def test_the_files_of_a_log_belong_together_at_each_moment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("thbridge.experiment.store.event_log.CHECKPOINT", 30_000)
+    (tmp_path / "live").mkdir()
+    sizes = []
+
+    def look(log: ExperimentLog) -> None:
+        """Look at a copy of its files, as they would be after a kill."""
+        shutil.rmtree(tmp_path / "copy", ignore_errors=True)
+        (tmp_path / "copy").mkdir()
+        for name in ("log", "log-wal", "log-head"):
+            shutil.copy(tmp_path / "live" / name, tmp_path / "copy" / name)
+        history = log.read()
+        assert read_log(tmp_path / "copy" / "log") == history
+        with ExperimentLog(tmp_path / "copy" / "log") as again:
+            assert again.read() == history
+        sizes.append((tmp_path / "live" / "log-wal").stat().st_size)
+
+    for restart in range(2):
+        with ExperimentLog(tmp_path / "live" / "log") as log:
+            for number in range(8):
+                log.append([answer("P-AAAA", f"zebra {number}" * 50)])
+                look(log)
+                if number == 3:
+                    # The last frames stay in the write-ahead log as long as somebody reads them.
+                    reader = sqlite3.connect(tmp_path / "live" / "log")
+                    reader.execute("BEGIN")
+                    reader.execute("SELECT * FROM events").fetchone()
+                if number == 5:
+                    reader.close()
+            log.delete([2 + restart], NOON)
+    assert any(later < earlier for earlier, later in itertools.pairwise(sizes)), "there was no checkpoint"
+
+
 def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
     (tmp_path / "notes").write_text("dear diary")
     with pytest.raises(BadFile, match="no log of an experiment"):
@@ -211,6 +282,7 @@ def test_a_follower_tells_of_damage_once(log: Path) -> None:
         again.append([answer("P-AAAA", "later")])
     with sqlite3.connect(log) as database:
         database.execute("UPDATE events SET content = replace(content, 'later', 'never') WHERE sequence = 7")
+    database.close()
     with pytest.raises(BadFile, match="event 7 is not what was written"):
         follower.poll()
     assert not follower.poll()

@@ -3,7 +3,8 @@
 A row has the event as text, a random salt, the digest of both, and the chain: the digest of the chain before and of
 the row's own. So a changed row is noticed by its digest, a row that is missing, added or moved by the chain. That the
 last rows are missing would leave a shorter log that is right in itself: so after each append the number of rows and the
-chain are written into a second file, the head, and a log that does not reach the head is incomplete.
+chain are written into a second file, the head, and a log that does not reach the head is incomplete. The head also
+names the database and its write-ahead log, so that two that do not belong together are refused.
 
 Deleting an event for somebody who withdraws leaves its digest, from which nothing can be guessed without the salt, and
 the chain over it goes on as it was. A later event of kind WITHDRAWN has to name the rows, or their gaps are damage.
@@ -21,6 +22,7 @@ import json
 import os
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import IO, Self, TypeAlias, cast
 
@@ -34,6 +36,20 @@ from thbridge.experiment.store.events import (
     NewEvent,
     Tombstone,
 )
+from thbridge.experiment.store.head import (
+    ANY,
+    LARGEST_HEAD,
+    LARGEST_LOG,
+    NONE,
+    LogHead,
+    check_wal,
+    database_name,
+    head_path,
+    read_head,
+    restore_remedy,
+    wal_name,
+    wal_path,
+)
 from thbridge.files.disk.own_links import own_target
 from thbridge.files.disk.regular_files import content_of, size_of
 from thbridge.files.disk.synced import sync_folder
@@ -43,11 +59,12 @@ from thbridge.files.errors import BadFile, reason_of
 BATCH = 256
 """Events of a log that is not synced which are written together."""
 
+CHECKPOINT = 4 << 20
+"""Bytes of the write-ahead log at which it is copied into the database."""
+
 APPLICATION = 0x74686578
 """SQLite's application_id of such a log."""
 VERSION = 1
-LARGEST_LOG = 1 << 28
-"""Largest log in bytes, and largest write-ahead log: some thousand people with some hundred events each."""
 _MOST_STEPS = 1 << 28
 """Most steps of SQLite's virtual machine that reading a log takes; the largest log needs a third of them."""
 _STEPS_BETWEEN_CHECKS = 1 << 16
@@ -90,11 +107,13 @@ class ExperimentLog:
         self._salts = salts
         self._synced = synced
         self._unwritten: list[_Row] = []
+        self._database_name = ANY
         self._lock = lock_log(path)
         new = not path.exists()
-        if new and _head_path(path).exists():
-            raise BadFile(path, "is missing, though its head is there", "bring it back from a backup")
+        if new and head_path(path).exists():
+            raise BadFile(path, "is missing, though its head is there", restore_remedy(path))
         if not new:
+            check_wal(path)
             _recover(path)
         # Nothing is ever appended to a damaged log.
         entries = [] if new or _is_just_made(path) else read_log(path)
@@ -105,8 +124,11 @@ class ExperimentLog:
             # Of a copy, too, which was not written so.
             self._database.execute("PRAGMA journal_mode=WAL")
             self._database.execute(f"PRAGMA synchronous={'FULL' if synced else 'OFF'}")
+            # The head has to know of each checkpoint beforehand.
+            self._database.execute("PRAGMA wal_autocheckpoint=0")
+            self._database.execute("PRAGMA journal_size_limit=0")
             self._length, self._chain = len(entries), _last_chain(self._database)
-            self._write_head()
+            self._write_head(database_name(path), ANY)
             if any(isinstance(entry, Tombstone) for entry in entries):
                 # The program that deleted them may have died before it was done.
                 self._wipe()
@@ -127,11 +149,20 @@ class ExperimentLog:
         Raises:
             BadFile: what was not written yet cannot be; never of a log that is synced.
         """
-        try:
-            self.flush()
-        finally:
-            self._database.close()
-            self._lock.close()
+        with self._lock:
+            try:
+                self.flush()
+            finally:
+                # Without room for it, the last head is right, too.
+                with contextlib.suppress(OSError, BadFile):
+                    self._write_head(ANY)
+                self._database.close()
+                with contextlib.suppress(OSError, BadFile):
+                    # Where another program is reading, the write-ahead log stays.
+                    if wal_name(self.path) is None:
+                        if self._synced:
+                            sync_folder(self.path.parent)
+                        self._write_head(ANY, NONE)
 
     def append(self, events: Sequence[NewEvent]) -> list[LoggedEvent]:
         """Append events, all or none of them; they are on the disk when this returns, if the log is synced.
@@ -172,9 +203,11 @@ class ExperimentLog:
 
     def _write(self, rows: Sequence[_Row]) -> None:
         try:
+            if self._checkpoint_is_due():
+                self._checkpoint()
             with self._transaction():
                 self._database.executemany("INSERT INTO events VALUES (?, ?, ?, ?, ?)", rows)
-        except sqlite3.Error as error:
+        except (sqlite3.Error, OSError) as error:
             raise BadFile(self.path, f"cannot be written ({_reason(error)})", "make room on the disk") from None
 
     def read(self) -> list[LogEntry]:
@@ -209,9 +242,12 @@ class ExperimentLog:
 
     def _wipe(self) -> None:
         """Write the file anew, without what pages still hold of deleted rows."""
+        self._write_head(ANY, ANY)
         self._database.execute("VACUUM")
         (blocked, *_) = self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
-        if blocked:
+        if not blocked:
+            self._write_head(database_name(self.path), ANY)
+        else:
             raise BadFile(
                 self.path, "another program reads it, so it cannot be written anew", "close that, and try again"
             )
@@ -226,8 +262,25 @@ class ExperimentLog:
             raise
         self._database.execute("COMMIT")
 
-    def _write_head(self) -> None:
-        write_whole(_head_path(self.path), _head(self._length, self._chain), synced=self._synced)
+    def _checkpoint_is_due(self) -> bool:
+        try:
+            return wal_path(self.path).stat().st_size >= CHECKPOINT
+        except FileNotFoundError:
+            return False
+
+    def _checkpoint(self) -> None:
+        """Copy the write-ahead log into the database, as far as its readers let it be; nobody has to wait for them."""
+        self._write_head(ANY)
+        _, frames, copied = self._database.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
+        if frames == copied:
+            # The next commit may restart the write-ahead log.
+            self._write_head(database_name(self.path), ANY)
+
+    def _write_head(self, database: str | None = None, wal: str | None = None) -> None:
+        """Write the head; None for the database as before, and for the write-ahead log that is there."""
+        self._database_name = database or self._database_name
+        wal = wal or wal_name(self.path) or ANY
+        LogHead(self._length, self._chain, self._database_name, wal).write(self.path, synced=self._synced)
 
 
 def read_log(path: Path) -> list[LogEntry]:
@@ -236,11 +289,13 @@ def read_log(path: Path) -> list[LogEntry]:
     Raises:
         BadFile: it is none, or not what was written: a row was changed, moved, added or is missing.
     """
+    check_wal(path)
     try:
         with contextlib.closing(_opened(path, "ro")) as database:
             return _verified(path, database)
     except (sqlite3.Error, OSError, UnicodeDecodeError) as error:
-        raise BadFile(path, f"is damaged, or no log of an experiment ({_reason(error)})", _REMEDY) from None
+        problem = f"is damaged, or no log of an experiment ({_reason(error)})"
+        raise BadFile(path, problem, restore_remedy(path)) from None
 
 
 def copy_log(path: Path, to: Path) -> None:
@@ -258,17 +313,17 @@ def copy_log(path: Path, to: Path) -> None:
         with contextlib.closing(_opened(path, "ro")) as database, contextlib.closing(sqlite3.connect(new)) as copy:
             if to.exists():
                 read_log(to)
-                length, chain = _read_head(to)
-                if _last_chain(database, length) != chain or _length(database) < length:
+                head = read_head(to)
+                if _last_chain(database, head.length) != head.chain or _length(database) < head.length:
                     remedy = "Name another folder: nothing was written to this one"
                     raise BadFile(to, "is no earlier copy of this study's log, or somebody ran the study there", remedy)
             database.backup(copy)
             copy.execute("PRAGMA journal_mode=DELETE")
-            write_whole(_head_path(new), _head(_length(copy), _last_chain(copy)))
+            LogHead(_length(copy), _last_chain(copy)).write(new)
         read_log(new)
         # In this order: a head may be behind its log, never before it. Of a first copy it comes first, so that a log
         # without a head is always damaged.
-        order = [(new, to), (_head_path(new), _head_path(to))]
+        order = [(new, to), (head_path(new), head_path(to))]
         for one, other in order if to.exists() else reversed(order):
             one.replace(other)
             sync_folder(to.parent)
@@ -280,7 +335,7 @@ def copy_log(path: Path, to: Path) -> None:
 
 
 def _remove(path: Path) -> None:
-    for each in (path, path.with_name(path.name + "-journal"), _head_path(path)):
+    for each in (path, path.with_name(path.name + "-journal"), head_path(path)):
         each.unlink(missing_ok=True)
 
 
@@ -314,9 +369,9 @@ class LogFollower:
         Raises:
             BadFile: as of `read_log`; the same is not told again before something changes.
         """
-        head = _head_path(self._path)
+        head = head_path(self._path)
         try:
-            now = content_of(head, _LARGEST_HEAD)
+            now = content_of(head, LARGEST_HEAD)
         except FileNotFoundError:
             now = b""
         except OSError as error:
@@ -335,14 +390,14 @@ class LogFollower:
         known, chain = len(self.entries), self._chain
         entries: list[LoggedEvent] = []
         try:
-            length, last = _read_head(self._path)
+            head = read_head(self._path)
             with contextlib.closing(_opened(self._path, "ro")) as database:
-                if not 0 < known < length or _last_chain(database, known) != chain:
+                if not 0 < known <= head.length or _last_chain(database, known) != chain:
                     return False
                 rows = database.execute(
                     "SELECT sequence, salt, content, digest FROM events"
                     " WHERE sequence BETWEEN ? AND ? ORDER BY sequence",
-                    (known + 1, length),
+                    (known + 1, head.length),
                 ).fetchall()
         except (sqlite3.Error, BadFile):
             return False
@@ -354,22 +409,15 @@ class LogFollower:
                 entries.append(LoggedEvent(sequence, decoded(content)))
             except BadEvent:
                 return False
-        if chain != last or any(entry.event.kind == WITHDRAWN for entry in entries):
+        if chain != head.chain or any(entry.event.kind == WITHDRAWN for entry in entries):
             return False
         self.entries, self._chain = [*self.entries, *entries], chain
         return True
 
 
-_REMEDY = "Bring it back from the newest backup that `thbridge study status` can read"
-_ODD = (
-    "Use the release with which the study was run, if it is newer; else bring the log back from the newest backup that "
-    "`thbridge study status` can read"
-)
-
-
 def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
     def damaged(problem: str) -> BadFile:
-        return BadFile(path, problem, _REMEDY)
+        return BadFile(path, problem, restore_remedy(path))
 
     if database.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
         raise damaged("is no log of an experiment")
@@ -384,7 +432,7 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
     if database.execute("PRAGMA integrity_check").fetchone() != ("ok",):
         raise damaged("is damaged: SQLite finds its pages in disorder")
     # Read before the rows: another program may append between the two.
-    length, last = _read_head(path)
+    head = read_head(path)
     entries: list[LogEntry] = []
     chain, chains = _START, [_START]
     allowed: set[int] = set()
@@ -405,12 +453,14 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
         try:
             event = decoded(content)
         except BadEvent as fault:
-            raise BadFile(path, f"event {sequence} is none that thbridge writes: {fault}", _ODD) from None
+            problem = f"event {sequence} is none that thbridge writes: {fault}"
+            newer = "Use the release with which the study was run, if it is newer"
+            raise BadFile(path, problem, f"{newer}; else restore: {restore_remedy(path)}") from None
         if event.kind == WITHDRAWN:
             allowed.update(cast("list[int]", (event.data or {})["sequences"]))
         entries.append(LoggedEvent(sequence, event))
-    if length > len(entries) or chains[length] != last:
-        raise damaged(f"events {len(entries) + 1} to {length} are missing")
+    if head.length > len(entries) or chains[head.length] != head.chain:
+        raise damaged(f"events {len(entries) + 1} to {head.length} are missing")
     for entry in entries:
         if isinstance(entry, Tombstone) and entry.sequence not in allowed:
             raise damaged(f"event {entry.sequence} was deleted, and nobody withdrew")
@@ -433,7 +483,7 @@ def _opened(path: Path, mode: str) -> sqlite3.Connection:
     for file in (path, path.with_name(path.name + "-wal")):
         # Never opened and closed here: that would release the locks of this process's own connections.
         if file.exists() and size_of(file) > LARGEST_LOG:
-            raise BadFile(file, f"is larger than {LARGEST_LOG} bytes, as no log of a study is", _REMEDY)
+            raise BadFile(file, f"is larger than {LARGEST_LOG} bytes, as no log of a study is", restore_remedy(path))
     database = sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, isolation_level=None)
     try:
         database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_EVENT)
@@ -465,13 +515,17 @@ def _make(path: Path) -> None:
 
 def _recover(path: Path) -> None:
     """Take back what was being written at a power cut, which readers cannot; damage is for them to tell."""
+    with contextlib.suppress(BadFile, OSError):
+        if (wal := wal_name(path)) is not None:
+            # The end of the connection below is a checkpoint.
+            replace(read_head(path), database=ANY, wal=wal).write(path)
     with contextlib.suppress(sqlite3.Error), contextlib.closing(_opened(path, "rw")) as database:
         database.execute("SELECT count(*) FROM sqlite_schema").fetchone()
 
 
 def _is_just_made(path: Path) -> bool:
     """Return True for a log whose program died before it had a head: no event was ever in it."""
-    if _head_path(path).exists():
+    if head_path(path).exists():
         return False
     try:
         with contextlib.closing(_opened(path, "ro")) as database:
@@ -540,29 +594,3 @@ def _encoded(event: NewEvent) -> str:
         "data": dict(event.data or {}),
     }
     return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-
-
-# The head
-
-_LARGEST_HEAD = 1000
-
-
-def _head_path(path: Path) -> Path:
-    return path.with_name(path.name + "-head")
-
-
-def _head(length: int, chain: bytes) -> bytes:
-    line = f"{length} {chain.hex()}"
-    return f"{line} {hashlib.sha256(line.encode()).hexdigest()}\n".encode()
-
-
-def _read_head(path: Path) -> tuple[int, bytes]:
-    head = _head_path(path)
-    try:
-        content = content_of(head, _LARGEST_HEAD)
-        length, chain, _ = content.decode().split()
-        if _head(int(length), bytes.fromhex(chain)) != content:
-            raise ValueError
-    except (OSError, ValueError):
-        raise BadFile(head, "is missing or damaged", _REMEDY) from None
-    return int(length), bytes.fromhex(chain)

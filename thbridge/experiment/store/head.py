@@ -1,0 +1,162 @@
+"""The head of a log: its length and chain, and the files that hold it.
+
+SQLite writes new rows into a write-ahead log (WAL) and copies them into the database later, at a checkpoint. After a
+kill both files are needed, and SQLite joins any two that have these names. A log that was copied over the one of a
+killed program would then be malformed, or would silently be the newer log again. So the head names both files: the
+database by its digest, the WAL by the random salts that SQLite gives it whenever it restarts.
+
+A process may be killed between any two changes of these files, so the head is always written before the change that
+would make it wrong: a file that is about to change is `ANY` until its new name is known.
+"""
+
+import contextlib
+import hashlib
+import shlex
+import sqlite3
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from thbridge.files.disk.regular_files import content_of, open_regular, size_of
+from thbridge.files.disk.whole import write_whole
+from thbridge.files.errors import BadFile
+
+ANY: Final = "any"
+"""In place of a file's name: it may be any file."""
+NONE: Final = "none"
+"""In place of the name of a write-ahead log: the log was closed, so there is none."""
+
+LARGEST_LOG = 1 << 28
+"""Largest log in bytes, and largest write-ahead log: some thousand people with some hundred events each."""
+LARGEST_HEAD = 1000
+"""Largest head in bytes."""
+
+_WAL_HEADER = 32
+"""Bytes at the beginning of a write-ahead log; the salts are bytes 16 to 23 (SQLite's file format, section 4.1)."""
+_WRITE_VERSION, _WITH_WAL = 18, 2
+"""Place and value of the byte of a database's header that says that it has a write-ahead log (section 1.3.3)."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogHead:
+    """How far a log goes, and its files.
+
+    Attributes:
+        length: number of its events.
+        chain: the chain of the last one.
+        database: SHA-256 of the database in hexadecimal, or `ANY`.
+        wal: salts of the write-ahead log in hexadecimal, `ANY`, or `NONE`.
+    """
+
+    length: int
+    chain: bytes
+    database: str = ANY
+    wal: str = NONE
+
+    def write(self, log: Path, *, synced: bool = True) -> None:
+        """Write it beside its log.
+
+        Raises:
+            BadFile: it cannot be written.
+        """
+        line = f"{self.length} {self.chain.hex()} {self.database} {self.wal}"
+        write_whole(head_path(log), f"{line} {_sum(line)}\n".encode(), synced=synced)
+
+
+def head_path(log: Path) -> Path:
+    """Return the path of a log's head."""
+    return log.with_name(log.name + "-head")
+
+
+def wal_path(log: Path) -> Path:
+    """Return the path of a log's write-ahead log."""
+    return log.with_name(log.name + "-wal")
+
+
+def read_head(log: Path) -> LogHead:
+    """Read the head of a log.
+
+    Raises:
+        BadFile: it is missing or damaged.
+    """
+    head = head_path(log)
+    try:
+        content = content_of(head, LARGEST_HEAD).decode()
+        line, _, checksum = content.removesuffix("\n").rpartition(" ")
+        if content != f"{line} {_sum(line)}\n" or checksum != _sum(line):
+            raise ValueError
+        # Earlier releases named no files.
+        length, chain, database, wal = (*line.split(), ANY, ANY)[:4]
+        return LogHead(int(length), bytes.fromhex(chain), database, wal)
+    except (OSError, ValueError, BadFile):
+        raise BadFile(head, "is missing or damaged", restore_remedy(log)) from None
+
+
+def check_wal(log: Path) -> None:
+    """Refuse a log and a write-ahead log that do not belong together, also while a program is writing them.
+
+    Raises:
+        BadFile: they do not.
+    """
+    seen = b""
+    while True:
+        try:
+            content = content_of(head_path(log), LARGEST_HEAD)
+            if size_of(log) > LARGEST_LOG:
+                return
+            head = read_head(log)
+            wal = wal_name(log)
+            foreign = wal is not None and (head.wal not in {ANY, wal} or _is_foreign(_bytes_of(log), head))
+        except (OSError, sqlite3.Error, BadFile):
+            # What is missing or damaged is for `read_log` to report.
+            return
+        if not foreign:
+            return
+        if content == seen:
+            problem = f"it and {wal_path(log).name} do not belong together: one of them was replaced or changed"
+            raise BadFile(log, problem, restore_remedy(log))
+        # The program that writes the log may have changed one of the files since its head was read.
+        seen = content
+
+
+def database_name(log: Path) -> str:
+    """Return the name by which a head knows the database. Raises sqlite3.Error."""
+    return _name(_bytes_of(log))
+
+
+def wal_name(log: Path) -> str | None:
+    """Return the name by which a head knows the write-ahead log, or None if there is none. Raises OSError, BadFile."""
+    with contextlib.suppress(FileNotFoundError), open_regular(wal_path(log)) as file:
+        header = file.read(_WAL_HEADER)
+        if len(header) == _WAL_HEADER:
+            return header[16:24].hex()
+    return None
+
+
+def restore_remedy(log: Path) -> str:
+    """Return the remedy for a damaged log, as a clause."""
+    restore = shlex.join(["thbridge", "study", "restore", "BACKUP", "--to", str(log.parent.parent)])
+    return f"Restore the newest backup that `thbridge study status` can read: `{restore}`"
+
+
+def _is_foreign(database: bytes, head: LogHead) -> bool:
+    # A copy that `copy_log` made has none.
+    return database[_WRITE_VERSION] != _WITH_WAL or head.database not in {ANY, _name(database)}
+
+
+def _bytes_of(log: Path) -> bytes:
+    """Return the bytes of the database, without its write-ahead log.
+
+    By SQLite, since closing a file of our own would end the locks that this process has on the database.
+    """
+    uri = f"{log.absolute().as_uri()}?mode=ro&immutable=1"
+    with contextlib.closing(sqlite3.connect(uri, uri=True)) as database:
+        return database.serialize()
+
+
+def _name(database: bytes) -> str:
+    return hashlib.sha256(database).hexdigest()
+
+
+def _sum(line: str) -> str:
+    return hashlib.sha256(line.encode()).hexdigest()
