@@ -77,7 +77,7 @@ def test_a_study_with_people_goes_on_where_it_was(study: Path, tmp_path: Path, m
     table = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet")
     assert table.state.tolist() == ["complete"] * 3
     assert table.participant.tolist()[:2] == people
-    thbridge("study", "withdraw", study, people[0])
+    thbridge("study", "withdraw", study, people[0], "--yes")
     assert sum(isinstance(entry, Tombstone) for entry in read_log(study / "store" / "log")) > 100
     assert people[0] not in (tmp_path / "tables" / "manifest.json").read_text()
 

@@ -51,21 +51,12 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
             for folder in copy.recordings.iterdir() if copy.recordings.is_dir() else ():
                 if folder.is_dir() and folder.name not in people:
                     (Path.unlink if folder.is_symlink() else shutil.rmtree)(folder)
+                    sync_folder(copy.recordings)
             return (*left_out, *_missing(copy))
     except OSError as error:
         raise BadFile(
             to, f"it cannot be written ({reason_of(error)})", "Make room there, or name another by --to"
         ) from None
-
-
-def holds(backup: ExperimentFolder, participant: str) -> bool:
-    """Return True where a backup has data of a person.
-
-    Raises:
-        BadFile: its log is damaged.
-    """
-    own = any(event.event.participant == participant for event in _events(read_log(backup.log)))
-    return own or backup.recordings_of(participant).exists()
 
 
 def _events(entries: Iterable[LogEntry]) -> Iterator[LoggedEvent]:

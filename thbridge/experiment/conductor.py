@@ -4,7 +4,7 @@ It holds no state that the log does not have. Whoever opens the same log later, 
 goes on where it ended.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.experiment_file import ExperimentDesign
@@ -149,16 +149,7 @@ class Conductor:
 
         What else others' events say stays: who is excluded, say, must not count because somebody withdraws.
         """
-        sequences = [
-            entry.sequence
-            for entry in self._log.read()
-            if isinstance(entry, LoggedEvent)
-            and (
-                entry.event.participant == participant
-                or (entry.event.kind == EventKind.NOTE and participant in repr(entry.event.data))
-            )
-        ]
-        self._log.delete(sequences, self._clocks())
+        self._log.delete(sequences_of(self._log.read(), participant), self._clocks())
         entries = self._log.read()
         self.progress = Progress(self._design).after(entries)
         self._tell(entries[-1])
@@ -219,6 +210,19 @@ def _too_slow(run: Run, most_lag: float | None) -> str | None:
     if most_lag is None or run.slowest is None or run.lag is None or run.lag <= most_lag:
         return None
     return f"{run.slowest.name} was {run.lag:.1f} s behind real time; most_lag is {most_lag:g} s"
+
+
+def sequences_of(entries: Iterable[LogEntry], participant: str) -> list[int]:
+    """Return the numbers of all events of a participant, and of notes that name them."""
+    return [
+        entry.sequence
+        for entry in entries
+        if isinstance(entry, LoggedEvent)
+        and (
+            entry.event.participant == participant
+            or (entry.event.kind == EventKind.NOTE and participant.upper() in repr(entry.event.data).upper())
+        )
+    ]
 
 
 def unfinished(progress: Progress) -> Sequence[Run]:

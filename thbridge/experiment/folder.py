@@ -7,11 +7,14 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign, read_ex
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import LogEntry
 from thbridge.experiment.store.known_folders import KnownFolders
+from thbridge.experiment.store.pending_withdrawals import PendingWithdrawals, WithdrawnEvents
 from thbridge.files.disk.inside import path_inside, relative_inside
 from thbridge.files.errors import BadFile
 
 EXPERIMENT = "experiment.yaml"
 STORE, RECORDINGS, EXPORTS, FREEZE = "store", "recordings", "exports", "freeze.json"
+REPLACED = "replaced-"
+"""Prefix of the folders in the store that keep what was replaced by a backup."""
 EXAMPLE = Path(__file__).parent / "example"
 """An experiment to begin with."""
 
@@ -51,6 +54,20 @@ class ExperimentFolder:
     def backups_known(self) -> KnownFolders:
         """The list of where backups were written."""
         return KnownFolders(self.root / STORE / "backups.json", self.root, "backups")
+
+    @property
+    def pending_withdrawals(self) -> PendingWithdrawals:
+        """The list of withdrawals that are not finished."""
+        return PendingWithdrawals(self.root / STORE / "withdrawal.json")
+
+    @property
+    def withdrawn_events(self) -> WithdrawnEvents:
+        """The list of events that withdrawals deleted."""
+        return WithdrawnEvents(self.root / STORE / "withdrawn.json")
+
+    def replaced(self) -> list["ExperimentFolder"]:
+        """Return what `study restore` has replaced, in the order of their numbers: folders like this one."""
+        return [ExperimentFolder(path) for path in sorted((self.root / STORE).glob(f"{REPLACED}*")) if path.is_dir()]
 
     @property
     def recordings(self) -> Path:

@@ -1,126 +1,263 @@
-"""Withdrawal of a person: nothing of them stays in the log, recordings, exports and backups that a study knows of."""
+"""Withdrawal of a participant: nothing of them stays in the log, recordings, exports and backups that a study knows.
 
+A list in the store has the withdrawal before anything is deleted, and loses it when nothing is left. So a withdrawal
+that was killed, or could not reach a backup, is finished later: each command of a study begins with that.
+"""
+
+import re
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from thbridge.experiment.backup import back_up, holds
-from thbridge.experiment.conductor import Conductor, Draw
+from thbridge.experiment.backup import back_up
+from thbridge.experiment.conductor import sequences_of
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.export.folder import remake_export
-from thbridge.experiment.export.manifest import exports_with, last_event_of, missing_exports, people_of
+from thbridge.experiment.export.folder import clear_remains, remake_export
+from thbridge.experiment.export.manifest import exports_with, known_exports, last_event_of, missing_exports, people_of
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.store.event_log import ExperimentLog, read_log
+from thbridge.experiment.progress import Progress
+from thbridge.experiment.store.event_log import ExperimentLog, deleted_digests, read_log
 from thbridge.experiment.store.events import Clocks, LogEntry, LoggedEvent
+from thbridge.experiment.store.pending_withdrawals import PendingWithdrawal
+from thbridge.files.disk.inside import fault_of_name
+from thbridge.files.disk.synced import sync_folder
 from thbridge.files.errors import BadFile, reason_of
+
+_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
+"""An id of a participant, where nothing but the name of a folder says that it is one."""
 
 
 class NobodyWithdraws(Exception):  # noqa: N818 - it is told as a sentence
-    """The study has nothing of a person of this id or code."""
+    """The study has nothing of a participant of this id or code."""
+
+
+@dataclass(frozen=True, slots=True)
+class WithdrawalPlan:
+    """What a withdrawal is going to delete.
+
+    Attributes:
+        withdrawal: the participant with their code.
+        log_entries: number of the log's entries that are deleted.
+        recordings: number and bytes of the files in the participant's recordings, by their folder.
+        exports: the exports that are written again.
+        backups: the backups that are brought up to date.
+        missing: exports and backups that are not where they were written.
+    """
+
+    withdrawal: PendingWithdrawal
+    log_entries: int
+    recordings: Mapping[Path, tuple[int, int]]
+    exports: tuple[Path, ...]
+    backups: tuple[Path, ...]
+    missing: tuple[Path, ...]
 
 
 @dataclass(slots=True)
 class Withdrawal:
-    """Withdrawal that was carried out.
+    """Withdrawal that was carried out, as far as it could be.
 
     Attributes:
-        participant: id of the person.
-        done: sentences on what was deleted or made anew.
-        left: sentences on what somebody has to do, since no program can.
-        failed: sentences on what could not be done, and is to be tried again.
+        participant: id of the participant.
+        code: their completion code; empty if there is none.
+        done: sentences on what was deleted or written again.
+        left: sentences on what somebody has to do, because no program can.
+        failed: sentences on what could not be done, and is tried again later.
     """
 
     participant: str
+    code: str
     done: list[str] = field(default_factory=list)
     left: list[str] = field(default_factory=list)
     failed: list[str] = field(default_factory=list)
 
 
+def plan_withdrawal(study: ExperimentFolder, design: ExperimentDesign, named: str) -> WithdrawalPlan:
+    """Return what is deleted if a participant withdraws.
+
+    Args:
+        study: its folder.
+        design: the study.
+        named: the participant's id or their completion code, with any blanks and in any case.
+
+    Raises:
+        NobodyWithdraws: the study knows nobody of this id or code.
+        BadFile: the log or a list of folders cannot be read.
+    """
+    entries = study.entries()
+    codes = {run.participant: run.code for run in Progress(design).after(entries).runs.values()}
+    wanted = plain(named)
+    known = {*codes, *_people_elsewhere(study)}
+    found = [each for each in known if each == named.strip()] or sorted(
+        each for each in known if wanted and wanted in {plain(each), plain(codes.get(each, ""))}
+    )
+    if len(found) != 1:
+        raise NobodyWithdraws(named)
+    (participant,) = found
+    recordings = {}
+    for folder in (study, *study.replaced()):
+        if (path := _recordings(folder, participant)) is not None and path.exists():
+            sizes = [file.stat().st_size for file in path.rglob("*") if file.is_file()]
+            recordings[path] = (len(sizes), sum(sizes))
+    backups = study.backups_known.paths()
+    return WithdrawalPlan(
+        PendingWithdrawal(participant, codes.get(participant, "")),
+        len(sequences_of(entries, participant)),
+        recordings,
+        exports_with(study, participant),
+        tuple(path for path in backups if path.is_dir()),
+        (*missing_exports(study), *(path for path in backups if not path.is_dir())),
+    )
+
+
 def withdraw(
     study: ExperimentFolder,
     design: ExperimentDesign,
-    named: str,
+    withdrawal: PendingWithdrawal,
     versions: Mapping[str, str],
     changed: Sequence[str] | None,
     clocks: Callable[[], Clocks],
-    draw: Draw,
 ) -> Withdrawal:
-    """Delete everything of a person; what was interrupted or failed is done when this is called again.
+    """Delete everything of a participant; what is interrupted or fails is for `finish_withdrawals`.
 
     Args:
         study: its folder; no other program may be running it.
         design: the study.
-        named: the person's id, or their completion code.
-        versions: of the programs, for exports that are made anew.
+        withdrawal: who withdraws.
+        versions: of the programs, for exports that are written again.
         changed: what differs from the registered study, likewise; None: it was not registered.
         clocks: the time now.
-        draw: source of chance.
 
     Raises:
-        NobodyWithdraws: nothing is known of the person.
-        BadFile: the log or a list of folders cannot be read or written, or another program runs the study.
+        BadFile: the log or a list cannot be read or written, or another program runs the study.
     """
-    known = study.entries()
     with ExperimentLog(study.log) as log:
-        conductor = Conductor(design, log, clocks, draw)
-        runs = conductor.progress.runs
-        participant = next((run.participant for run in runs.values() if run.code == _plain(named)), named)
-        recordings = study.recordings / participant
-        held, backups = exports_with(study, participant), study.backups_known.paths()
-        listed = [export for export in held if participant in (people_of(export) or ())]
-        if not (
-            participant in runs or recordings.exists() or listed or any(_holds(path, participant) for path in backups)
-        ):
-            raise NobodyWithdraws(named)
-        told = Withdrawal(participant)
-        if participant in runs:
-            conductor.withdraw(participant)
-    told.done.append(f"{study.log}: all events of {participant} are deleted.")
-    entries = read_log(study.log)
-    told.left += _named_elsewhere(entries, participant)
-    if recordings.exists():
-        try:
-            shutil.rmtree(recordings)
-            told.done.append(f"{recordings}: deleted.")
-        except OSError as error:
-            told.failed.append(f"{recordings}: it cannot be deleted ({reason_of(error)}). Delete it yourself.")
+        study.pending_withdrawals.add(withdrawal)
+        return _carried_out(study, design, log, withdrawal, versions, changed, clocks)
+
+
+def finish_withdrawals(
+    study: ExperimentFolder,
+    design: ExperimentDesign,
+    versions: Mapping[str, str],
+    changed: Sequence[str] | None,
+    clocks: Callable[[], Clocks],
+) -> list[Withdrawal]:
+    """Finish all withdrawals that have begun; see `withdraw`."""
+    if not (pending := study.pending_withdrawals.read()):
+        return []
+    with ExperimentLog(study.log) as log:
+        return [_carried_out(study, design, log, each, versions, changed, clocks) for each in pending]
+
+
+def plain(word: str) -> str:
+    """Return an id or a code without the blanks with which it is shown, in capitals."""
+    return "".join(word.split()).upper()
+
+
+def _carried_out(
+    study: ExperimentFolder,
+    design: ExperimentDesign,
+    log: ExperimentLog,
+    withdrawal: PendingWithdrawal,
+    versions: Mapping[str, str],
+    changed: Sequence[str] | None,
+    clocks: Callable[[], Clocks],
+) -> Withdrawal:
+    participant = withdrawal.participant
+    told = Withdrawal(participant, withdrawal.code)
+    known = log.read()
     last = known[-1].sequence if known else 0
-    for export in held:
+    if sequences := sequences_of(known, participant):
+        log.delete(sequences, clocks())
+    study.withdrawn_events.add(deleted_digests(study.log))
+    told.done.append(f"{study.log}: all events of {participant} are deleted.")
+    entries = log.read()
+    told.left += _named_elsewhere(entries, participant)
+    _delete_recordings(study, told)
+    for old in study.replaced():
+        _withdraw_from_replaced(old, told, clocks)
+    for export in exports_with(study, participant):
         if (of := last_event_of(export)) is not None and of > last:
             told.failed.append(
                 f"{export}: it was made of a log with {of} events, and this one has {last}: this is an older copy of "
-                f"that study. The export still has data of {participant}: withdraw them there, too."
+                f"that study. The export still has data of {participant}: withdraw them there, too, or delete it."
             )
             continue
         _remake(study, design, entries, export, versions, changed, told)
-    for backup in backups:
+    for export in known_exports(study):
+        clear_remains(export)
+    for export in missing_exports(study):
+        told.failed.append(f"{export}: an export was written here, and is here no more.")
+    for backup in study.backups_known.paths():
         if not backup.is_dir():
-            told.left.append(f"{backup}: a backup was written here, and is here no more. Delete what is left of it.")
+            told.failed.append(f"{backup}: a backup was written here, and is here no more.")
             continue
         try:
             back_up(study, backup)
             told.done.append(f"{backup}: this backup is brought up to date, without {participant}.")
         except BadFile as fault:
             told.failed.append(f"{fault} {backup} may still have data of {participant}.")
-    for export in missing_exports(study):
-        told.left.append(
-            f"{export}: an export was written here, and is here no more. If it was moved, delete it there."
-        )
+    if not told.failed:
+        study.pending_withdrawals.remove(withdrawal)
     return told
 
 
-def _plain(code: str) -> str:
-    """Return a code without the blank with which it is shown, and in its own letters."""
-    return code.replace(" ", "").upper()
+def _people_elsewhere(study: ExperimentFolder) -> Iterator[str]:
+    """Yield ids that recordings, exports, backups and replaced files have, whether the log knows them or not."""
+    backups = [ExperimentFolder(path) for path in study.backups_known.paths()]
+    for folder in (study, *backups, *study.replaced()):
+        if folder.recordings.is_dir():
+            yield from (path.name for path in folder.recordings.iterdir() if _ID.fullmatch(path.name))
+    for folder in (*backups, *study.replaced()):
+        try:
+            events = [entry.event for entry in read_log(folder.log) if isinstance(entry, LoggedEvent)]
+        except BadFile:
+            continue
+        yield from (event.participant for event in events if event.participant)
+    for export in known_exports(study):
+        yield from (each for each in people_of(export) or () if _ID.fullmatch(each))
 
 
-def _holds(backup: Path, participant: str) -> bool:
-    """Return True where a backup is known to have data of somebody."""
+def _recordings(folder: ExperimentFolder, participant: str) -> Path | None:
+    """Return the folder of a participant's recordings; None if their id, which a damaged log may have, names none.
+
+    Raises:
+        BadFile: a link leads out of the folder.
+    """
+    return None if fault_of_name(participant) else folder.recordings_of(participant)
+
+
+def _delete_recordings(folder: ExperimentFolder, told: Withdrawal) -> None:
     try:
-        return holds(ExperimentFolder(backup), participant)
-    except BadFile:
-        return False
+        recordings = _recordings(folder, told.participant)
+        if recordings is None or not recordings.exists():
+            return
+        shutil.rmtree(recordings)
+        sync_folder(recordings.parent)
+    except BadFile as fault:
+        told.failed.append(str(fault))
+    except OSError as error:
+        told.failed.append(f"{recordings}: it cannot be deleted ({reason_of(error)}). Delete it yourself.")
+    else:
+        told.done.append(f"{recordings}: deleted.")
+
+
+def _withdraw_from_replaced(old: ExperimentFolder, told: Withdrawal, clocks: Callable[[], Clocks]) -> None:
+    """Delete a participant from what a backup has replaced."""
+    _delete_recordings(old, told)
+    if not old.log.exists():
+        return
+    try:
+        with ExperimentLog(old.log) as log:
+            if sequences := sequences_of(log.read(), told.participant):
+                log.delete(sequences, clocks())
+                told.done.append(f"{old.log}: all events of {told.participant} are deleted.")
+    except BadFile as fault:
+        told.failed.append(
+            f"{fault} A backup has replaced this log. It may have data of {told.participant}: "
+            f"take from it what you need, and delete {old.root}."
+        )
 
 
 def _named_elsewhere(entries: Sequence[LogEntry], participant: str) -> list[str]:

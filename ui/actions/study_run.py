@@ -17,6 +17,7 @@ from thbridge.experiment.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile
+from ui.actions.unfinished_study import finish_begun_withdrawals
 from ui.display import why_no_window
 from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames
@@ -37,6 +38,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         desk: True to open the researcher's desk, too.
         program: command of another window that speaks the messages of `ui.model.kiosk`; empty: ours.
     """
+    finish_begun_withdrawals(folder)
     with bad_input():
         place, clock = ExperimentFolder(folder), StudyClock()
         design = place.read(with_files=True)

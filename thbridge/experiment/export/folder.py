@@ -20,7 +20,7 @@ from thbridge.experiment.export.tables import ExperimentRecords, game_tables, lo
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.recordings import told_leftovers
 from thbridge.experiment.store.events import LogEntry
-from thbridge.files.disk.synced import make_folder
+from thbridge.files.disk.synced import make_folder, sync_file, sync_folder
 from thbridge.files.disk.whole import new_folder
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.tables.csv_cells import SENTENCE, text_cell
@@ -95,19 +95,35 @@ def remake_export(
     if last is None:
         raise BadFile(folder, f"its {MANIFEST} is missing or damaged", "Delete what is in it of this study yourself")
     records = records_of(design, [entry for entry in entries if entry.sequence <= last], study.root)
-    new = folder.with_name(f".{folder.name}-new")
+    new = _remade(folder)
     with _writing(folder), ExitStack() as written:
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir()
         written.callback(shutil.rmtree, new, ignore_errors=True)
         _write_export(study, records, new, versions, changed, scripts=folder)
         kept = {path.name for path in new.iterdir()}
+        for path in new.rglob("*"):
+            (sync_folder if path.is_dir() else sync_file)(path)
         for name in ("results", "data", "tables"):
-            shutil.rmtree(folder / name, ignore_errors=True)
+            if (folder / name).is_dir():
+                shutil.rmtree(folder / name)
         # The manifest last: as long as it is the old one, this can be done once more.
         for path in sorted(new.iterdir(), key=lambda path: path.name == MANIFEST):
+            if path.name == MANIFEST:
+                sync_folder(folder)
             path.replace(folder / path.name)
+        sync_folder(folder)
         return tuple(sorted(path for path in folder.iterdir() if path.name not in kept))
+
+
+def clear_remains(folder: Path) -> None:
+    """Delete what a program that was killed while it wrote an export again has left beside it."""
+    shutil.rmtree(_remade(folder), ignore_errors=True)
+
+
+def _remade(folder: Path) -> Path:
+    """Return the folder in which an export is written again."""
+    return folder.with_name(f".{folder.name}-new")
 
 
 @contextmanager

@@ -347,6 +347,17 @@ def _reason(error: Exception) -> str:
     return os.strerror(errno.ENOSPC) if is_full else str(error)
 
 
+def deleted_digests(path: Path) -> frozenset[bytes]:
+    """Return the digests of the events that withdrawals deleted from a log, as far as it can be read."""
+    found: set[bytes] = set()
+    # Of a damaged log, rows can be read up to the damage; its write-ahead log may be another one's.
+    for mode in ("ro", "ro&immutable=1"):
+        with contextlib.suppress(sqlite3.Error), contextlib.closing(_opened(path, mode)) as database:
+            for (digest,) in database.execute("SELECT digest FROM events WHERE content IS NULL ORDER BY sequence"):
+                found.add(bytes(digest))
+    return frozenset(found)
+
+
 class LogFollower:
     """Reads a log as it grows: all of it at first, then only what has been appended, verified as `read_log` does.
 

@@ -33,7 +33,19 @@ class KnownFolders:
         """
         known, path = self._noted(), self._told(folder)
         if path not in known:
-            write_whole(self._list, (json.dumps([*known, path], indent=1, ensure_ascii=False) + "\n").encode())
+            self._write([*known, path])
+
+    def remove(self, folder: Path) -> bool:
+        """Forget a folder that is gone for good; return False if the list does not have it.
+
+        Raises:
+            BadFile: the list cannot be read or written.
+        """
+        known, path = self._noted(), self._told(folder)
+        if path not in known:
+            return False
+        self._write([each for each in known if each != path])
+        return True
 
     def paths(self) -> list[Path]:
         """Return all of them, whether they are still there or not.
@@ -42,6 +54,9 @@ class KnownFolders:
             BadFile: the list cannot be read.
         """
         return [self._root / path for path in self._noted()]
+
+    def _write(self, folders: list[str]) -> None:
+        write_whole(self._list, (json.dumps(folders, indent=1, ensure_ascii=False) + "\n").encode())
 
     def _told(self, folder: Path) -> str:
         """Path within the study's folder, if it is there; else an absolute one."""

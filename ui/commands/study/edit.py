@@ -21,6 +21,7 @@ def study_edit(
 ) -> None:
     """Edit a study file, or a study with people, in a window: all settings with their meaning, and the same checks."""
     from thbridge.experiment.folder import ExperimentFolder
+    from ui.actions.unfinished_study import finish_begun_withdrawals
     from ui.first_start import announce_compiling
 
     if file.is_dir():
@@ -28,6 +29,7 @@ def study_edit(
         if not file.is_file():
             new = command("study", "new", "FOLDER")
             fail(BAD_INPUT, f"{folder}: there is no {file.name}. Begin a study with people by `{new}`, or name a file.")
+        finish_begun_withdrawals(folder)
     reason = why_no_window()
     if reason is not None:
         fail(BAD_INPUT, f"{reason} Or edit {file} as text, and check it with `thbridge study check`.")

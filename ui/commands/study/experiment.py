@@ -1,9 +1,7 @@
 """Commands for studies with people: `thbridge study new`, `run`, `status`, `watch`, `freeze`, `backup`, ..."""
 
-import secrets
 import shlex
 import shutil
-import time
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -56,7 +54,9 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     from thbridge.experiment.recordings import told_leftovers
     from thbridge.experiment.store.event_log import read_log
     from thbridge.experiment.store.events import RunState
+    from ui.actions.unfinished_study import finish_begun_withdrawals
 
+    finish_begun_withdrawals(folder)
     with bad_input():
         place = ExperimentFolder(folder)
         design = place.read()
@@ -93,8 +93,10 @@ def study_watch(
     from thbridge.experiment.folder import ExperimentFolder
 
     if not hosted:
+        from ui.actions.unfinished_study import finish_begun_withdrawals
         from ui.sources.experiment import ExperimentSource
 
+        finish_begun_withdrawals(folder)
         with bad_input():
             source = ExperimentSource(ExperimentFolder(folder), utc_now)
         reason = why_no_window()
@@ -145,7 +147,9 @@ def study_preview(
 
         raise typer.Exit(open_kiosk(look.value, windowed=True, title="Preview: nothing is kept"))
     from ui.actions.study_preview import preview_step
+    from ui.actions.unfinished_study import finish_begun_withdrawals
 
+    finish_begun_withdrawals(folder)
     preview_step(folder, step, condition, group, look.value)
 
 
@@ -154,7 +158,9 @@ def study_freeze(folder: FolderOfExperiment) -> None:
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import freeze
+    from ui.actions.unfinished_study import finish_begun_withdrawals
 
+    finish_begun_withdrawals(folder)
     with bad_input():
         place = ExperimentFolder(folder)
         place.read(with_files=True)
@@ -172,7 +178,9 @@ def study_export(
     from thbridge.experiment.export.folder import export_experiment
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
+    from ui.actions.unfinished_study import finish_begun_withdrawals
 
+    finish_begun_withdrawals(folder)
     with bad_input():
         place = ExperimentFolder(folder)
         design, installed = place.read(), versions()
@@ -194,7 +202,9 @@ def study_backup(
     """Back up a study, also while people go through it: log, recordings and files, each verified."""
     from thbridge.experiment.backup import back_up
     from thbridge.experiment.folder import ExperimentFolder
+    from ui.actions.unfinished_study import finish_begun_withdrawals
 
+    finish_begun_withdrawals(folder)
     with bad_input():
         place = ExperimentFolder(folder)
         place.read()
@@ -210,34 +220,22 @@ def study_backup(
 def study_withdraw(
     folder: FolderOfExperiment,
     participant: Annotated[
-        str, typer.Argument(help="Id of the person, such as P-7K3FQ, or their completion code.", metavar="PARTICIPANT")
-    ],
+        list[str] | None,
+        typer.Argument(
+            help="Id of the participant, such as P-7K3FQ, or their completion code, with or without its blank.",
+            metavar="PARTICIPANT",
+        ),
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Delete without asking, for scripts.")] = False,
+    gone: Annotated[
+        list[Path] | None,
+        typer.Option("--gone", help="An export or a backup that no longer exists anywhere.", metavar="PATH"),
+    ] = None,
 ) -> None:
-    """Delete one person for good from log, recordings, exports and backups; tell of what may be elsewhere."""
-    from thbridge.app.compose.machine import versions
-    from thbridge.experiment.folder import ExperimentFolder
-    from thbridge.experiment.freeze import deviations
-    from thbridge.experiment.store.events import Clocks
-    from thbridge.experiment.withdrawal import NobodyWithdraws, withdraw
+    """Delete one participant for good from log, recordings, exports and backups, after showing what that is."""
+    from ui.actions.study_withdrawal import withdraw_participant
 
-    def now() -> Clocks:
-        return Clocks(utc_now(), time.monotonic_ns())
-
-    with bad_input():
-        place, installed = ExperimentFolder(folder), versions()
-        design, changed = place.read(), deviations(place, installed)
-        try:
-            told = withdraw(place, design, participant, installed, changed, now, secrets.randbelow)
-        except NobodyWithdraws:
-            who = f"{participant}: the study has nothing of anybody of this id or completion code."
-            fail(BAD_INPUT, f"{who} `{command('study', 'status', folder)}` lists the ids.")
-    for sentence in (*told.done, *told.left, *told.failed):
-        note(sentence)
-    if told.failed:
-        again = command("study", "withdraw", folder, told.participant)
-        fail(FAILED, f"Not everything is deleted. Mend what is said above, then once more: `{again}`.")
-    others = "Copies made otherwise (of the folder, recordings, results, markers) are not known here"
-    note(f"{others}: delete {told.participant} there.")
+    withdraw_participant(folder, " ".join(participant) if participant else None, gone or (), yes=yes)
 
 
 def study_rehearse(
@@ -255,8 +253,10 @@ def study_rehearse(
     from thbridge.experiment.rehearsal.people import read_people
     from thbridge.experiment.rehearsal.rehearsal import rehearse
     from thbridge.files.disk.whole import new_folder
+    from ui.actions.unfinished_study import finish_begun_withdrawals
     from ui.progress import bar_of_progress
 
+    finish_begun_withdrawals(folder)
     with bad_input():
         place = ExperimentFolder(folder)
         design = place.read(with_files=True)
@@ -296,7 +296,9 @@ def study_power(
     from thbridge.experiment.rehearsal.power import WARM, PowerTask
     from ui.actions.engines import chosen_engine
     from ui.actions.study_power import estimate_shown, power_tasks, show_estimates
+    from ui.actions.unfinished_study import finish_begun_withdrawals
 
+    finish_begun_withdrawals(folder)
     with TemporaryDirectory(prefix="thbridge-power-") as scratch:
         root = to or Path(scratch)
         with bad_input():

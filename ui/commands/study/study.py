@@ -45,7 +45,9 @@ def study_check(
         from thbridge.experiment.design.experiment_file import notices_of
         from thbridge.experiment.folder import ExperimentFolder
         from thbridge.experiment.markers import why_no_markers
+        from ui.actions.unfinished_study import finish_begun_withdrawals
 
+        finish_begun_withdrawals(file)
         with bad_input():
             design = ExperimentFolder(file).read(with_files=True)
         each = f"{len(design.conditions)} conditions for each" if len(design.conditions) > 1 else "one condition"

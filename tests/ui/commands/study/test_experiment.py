@@ -54,7 +54,7 @@ def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path)
     recording = tmp_path / "rehearsal" / "recordings" / gone / "step-5.bag"
     recording.parent.mkdir(parents=True)
     recording.write_bytes(b"a game")
-    thbridge("study", "withdraw", tmp_path / "rehearsal", gone)
+    thbridge("study", "withdraw", tmp_path / "rehearsal", gone, "--yes")
     assert gone not in thbridge("study", "status", tmp_path / "rehearsal")
     for file in (tmp_path / "rehearsal").rglob("*"):
         assert gone not in file.name
@@ -94,7 +94,7 @@ def test_files_that_a_game_lacks_are_told_before_anybody_comes(folder: Path, opt
 
 def test_somebody_who_never_took_part_cannot_withdraw(folder: Path, tmp_path: Path) -> None:
     thbridge("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
-    done = runner.invoke(app, ["study", "withdraw", str(tmp_path / "rehearsal"), "P-NOBODY"])
+    done = runner.invoke(app, ["study", "withdraw", str(tmp_path / "rehearsal"), "P-NOBODY", "--yes"])
     assert done.exit_code == 2
     assert "nothing of anybody of this id" in " ".join(done.output.split())
 

@@ -1,6 +1,7 @@
 """Somebody who took part at the kiosk withdraws, and nothing of them is left wherever the study has data."""
 
 import json
+import random
 import re
 import shutil
 from pathlib import Path
@@ -8,12 +9,15 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from tests.thbridge.experiment.test_event_log import NOON
 from tests.ui.commands.study.test_experiment import runner, thbridge
 from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
+from thbridge.experiment.conductor import Conductor, sequences_of
 from thbridge.experiment.export.manifest import manifest_text
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Tombstone
+from thbridge.experiment.withdrawal import plan_withdrawal
 from ui.cli import app
 from ui.hosting.kiosk.games import StudyGames
 
@@ -95,7 +99,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
         assert len({each.split(" in /")[0] for each in found}) == wanted, found
     others = [rows(export, gone) for export in (inside, outside)]
 
-    said = " ".join(thbridge("study", "withdraw", study, gone).split())
+    said = " ".join(thbridge("study", "withdraw", study, gone, "--yes").split())
 
     assert f"{outside / 'notes' / 'people.txt'} is none of the export's files, and names {gone}. Delete that." in said
     (outside / "notes" / "people.txt").unlink()
@@ -113,7 +117,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
         entries = read_log(place / "store" / "log")
         assert any(isinstance(entry, Tombstone) for entry in entries)
         assert len(people(place)) == 2
-    assert "has nothing of anybody" in told_by("study", "withdraw", study, gone)
+    assert "has nothing of anybody" in told_by("study", "withdraw", study, gone, "--yes")
 
 
 def test_an_older_copy_of_a_study_leaves_exports_alone_that_know_more(finished: Path, tmp_path: Path) -> None:
@@ -128,7 +132,7 @@ def test_an_older_copy_of_a_study_leaves_exports_alone_that_know_more(finished: 
     shutil.copy(newer / "store" / "exports.json", log.parent / "exports.json")
     before = {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()}
     _, gone, _ = people(tmp_path / "older")
-    said = told_by("study", "withdraw", tmp_path / "older", gone)
+    said = told_by("study", "withdraw", tmp_path / "older", gone, "--yes")
     assert f"this is an older copy of that study. The export still has data of {gone}" in said
     assert {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()} == before
 
@@ -141,11 +145,14 @@ def test_somebody_who_knows_their_completion_code_alone_can_withdraw(study: Path
         for entry in folder.entries()
         if not isinstance(entry, Tombstone) and entry.event.kind == "run-ended" and entry.event.participant == first
     )
-    thbridge("study", "withdraw", study, f"{code[:4]} {code[4:].lower()}")
+    # As the last page shows it, and a shell takes it apart.
+    thbridge("study", "withdraw", study, code[:4], code[4:].lower(), "--yes")
     assert people(study) == others
+    thbridge("study", "withdraw", study, others[0].lower(), "--yes")
+    assert people(study) == others[1:]
 
 
-def test_folders_that_are_gone_are_told_and_what_comes_back_is_done_then(study: Path, tmp_path: Path) -> None:
+def test_what_is_not_there_is_done_by_the_next_command_once_it_is(study: Path, tmp_path: Path) -> None:
     export, backup, away = tmp_path / "export", tmp_path / "backup", tmp_path / "away"
     first, *_ = people(study)
     thbridge("study", "export", study, "--to", export)
@@ -153,12 +160,123 @@ def test_folders_that_are_gone_are_told_and_what_comes_back_is_done_then(study: 
     away.mkdir()
     for each in (export, backup):
         each.rename(away / each.name)
-    said = " ".join(thbridge("study", "withdraw", study, first).split())
-    assert f"{export}: an export was written here, and is here no more" in said
-    assert f"{backup}: a backup was written here, and is here no more" in said
+    for command in ("withdraw", "withdraw"):
+        said = told_by("study", command, study, first, "--yes")
+        assert f"{export}: an export was written here, and is here no more" in said
+        assert f"{backup}: a backup was written here, and is here no more" in said
+        assert f"The withdrawal of {first} is not finished" in said
     for each in (export, backup):
         (away / each.name).rename(each)
-    thbridge("study", "withdraw", study, first)
+    assert f"The withdrawal of {first}, which was interrupted, is finished" in thbridge("study", "status", study)
+    assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
+    assert "interrupted" not in thbridge("study", "status", study)
+
+
+def test_an_export_that_no_longer_exists_is_forgotten_if_somebody_says_so(study: Path, tmp_path: Path) -> None:
+    first, *_ = people(study)
+    export = tmp_path / "export"
+    thbridge("study", "export", study, "--to", export)
+    assert "there is such a folder" in told_by("study", "withdraw", study, "--gone", export)
+    assert "was written there" in told_by("study", "withdraw", study, "--gone", tmp_path / "other")
+    shutil.rmtree(export)
+    told_by("study", "withdraw", study, first, "--yes")
+    assert f"of {first}, which was interrupted, is finished" in thbridge("study", "withdraw", study, "--gone", export)
+    assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
+
+
+def test_a_backup_in_use_is_done_by_the_next_command(study: Path, tmp_path: Path) -> None:
+    backup, (first, *_) = tmp_path / "backup", people(study)
+    thbridge("study", "backup", study, "--to", backup)
+    with ExperimentLog(backup / "store" / "log"):
+        assert "another program runs this study" in told_by("study", "withdraw", study, first, "--yes")
+    assert traces(backup, [first])
+    thbridge("study", "withdraw", study, first, "--yes")
+    assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
+
+
+def test_nothing_but_an_id_or_a_code_withdraws_anybody(study: Path) -> None:
+    first, second, _ = people(study)
+    folder = ExperimentFolder(study)
+    with ExperimentLog(folder.log) as log:
+        conductor = Conductor(folder.read(), log, lambda: NOON, random.Random(1).randrange)
+        conductor.exclude(second, "was asleep")
+        # Somebody without a completion code.
+        conductor.admit()
+    before = contents(study)
+    inside = (f"recordings/{first}", f"../recordings/{first}", f"{first}/", f"./{first}", f"{first}/.", str(study))
+    for named in ("..", ".", "", " ", "\t", "/", "/etc", "recordings", "P-", "P-\0", "*", "log", *inside):
+        done = runner.invoke(app, ["study", "withdraw", str(study), named, "--yes"])
+        assert done.exit_code == 2, (named, done.output)
+        assert "lists the ids" in done.output
+        assert contents(study) == before, named
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    files = (path for path in folder.rglob("*") if path.is_file() and path.name not in {"log-shm", "log-wal"})
+    return {path: path.read_bytes() for path in files}
+
+
+def test_what_is_deleted_is_shown_and_confirmed_first(
+    study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    export, backup, (first, *_) = tmp_path / "export", tmp_path / "backup", people(study)
+    thbridge("study", "export", study, "--to", export)
+    thbridge("study", "backup", study, "--to", backup)
+    before = contents(tmp_path)
+    events = [entry.event for entry in read_log(study / "store" / "log") if not isinstance(entry, Tombstone)]
+    files = len([path for path in (study / "recordings" / first).rglob("*") if path.is_file()])
+
+    done = runner.invoke(app, ["study", "withdraw", str(study), first])
+
+    assert done.exit_code == 2
+    assert "add --yes" in done.output
+    said = " ".join(done.output.split())
+    assert f"log: {sum(event.participant == first for event in events)} entries will be deleted" in said
+    assert f"{study / 'recordings' / first}: {files} files, 0.1 MB, will be deleted" in said
+    assert f"{export}: this export will be written again without {first}" in said
+    assert f"{backup}: this backup will be brought up to date" in said
+    monkeypatch.setattr("typer.testing._NamedTextIOWrapper.isatty", lambda _: True, raising=False)
+    refused = runner.invoke(app, ["study", "withdraw", str(study), first], input="n\n")
+    assert refused.exit_code == 1
+    assert "Nothing was deleted." in refused.output
+    assert contents(tmp_path) == before
+    assert runner.invoke(app, ["study", "withdraw", str(study), first], input="y\n").exit_code == 0
+    assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
+
+
+COMMANDS = {
+    "status": (),
+    "check": (),
+    "freeze": (),
+    "export": ("--to", "OUT"),
+    "backup": ("--to", "OUT"),
+    "rehearse": ("--to", "OUT", "--no-games"),
+    "watch": (),
+    "preview": ("none",),
+    "edit": (),
+    "run": (),
+    "power": ("--score", "none", "--factor", "none"),
+    "withdraw": ("CODE",),
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_each_command_of_a_study_finishes_a_withdrawal_first(
+    study: Path, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ui.display.why_no_window", lambda: "no window")
+    for module in ("ui.actions.study_run", "ui.commands.study.experiment", "ui.commands.study.edit"):
+        monkeypatch.setattr(f"{module}.why_no_window", lambda: "There is no window.")
+    first, *_ = people(study)
+    folder = ExperimentFolder(study)
+    plan = plan_withdrawal(folder, folder.read(), first)
+    # A program was killed when it had written its intention and wiped the log.
+    folder.pending_withdrawals.add(plan.withdrawal)
+    with ExperimentLog(folder.log) as log:
+        log.delete(sequences_of(log.read(), first), NOON)
+    words = [{"OUT": tmp_path / "out", "CODE": plan.withdrawal.code}.get(word, word) for word in COMMANDS[name]]
+    done = runner.invoke(app, ["study", name, str(study), *map(str, words)])
+    assert f"The withdrawal of {first}, which was interrupted, is finished" in " ".join(done.output.split())
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 
@@ -169,7 +287,7 @@ def test_a_backup_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path)
     assert "no backup" in told_by("study", "backup", study, "--to", tmp_path / "photos")
     backup = tmp_path / "backup"
     thbridge("study", "backup", study, "--to", backup)
-    thbridge("study", "withdraw", backup, people(study)[0])
+    thbridge("study", "withdraw", backup, people(study)[0], "--yes")
     assert "somebody ran the study there" in told_by("study", "backup", study, "--to", backup)
     new = tmp_path / "new"
     (recording,) = sorted((study / "recordings").rglob("*.bag"))[:1]

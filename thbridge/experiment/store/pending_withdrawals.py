@@ -1,0 +1,131 @@
+"""Withdrawals that were begun and are not finished, and the digests of events that withdrawals deleted."""
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from thbridge.files.disk.synced import sync_folder
+from thbridge.files.disk.whole import write_whole
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.json_text import json_of
+
+
+@dataclass(frozen=True, slots=True)
+class PendingWithdrawal:
+    """A withdrawal that has begun.
+
+    Attributes:
+        participant: id of the participant.
+        code: their completion code; empty if there is none.
+    """
+
+    participant: str
+    code: str = ""
+
+
+class PendingWithdrawals:
+    """The list of withdrawals that have begun, in a file that exists only while there are some.
+
+    It is on the disk before anything is deleted, and goes when nothing is left.
+
+    Args:
+        path: the file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def read(self) -> tuple[PendingWithdrawal, ...]:
+        """Return all of them.
+
+        Raises:
+            BadFile: the file cannot be read.
+        """
+        try:
+            return tuple(PendingWithdrawal(str(one["participant"]), str(one["code"])) for one in _read(self._path))
+        except (KeyError, TypeError):
+            raise _damaged(self._path) from None
+
+    def add(self, withdrawal: PendingWithdrawal) -> None:
+        """Note a withdrawal before anything is deleted.
+
+        Raises:
+            BadFile: the file cannot be read or written; nothing is noted.
+        """
+        pending = self.read()
+        if withdrawal not in pending:
+            _write(self._path, [asdict(one) for one in (*pending, withdrawal)])
+
+    def remove(self, withdrawal: PendingWithdrawal) -> None:
+        """Forget a withdrawal that is finished.
+
+        Raises:
+            BadFile: the file cannot be read or written.
+        """
+        if left := [asdict(one) for one in self.read() if one != withdrawal]:
+            _write(self._path, left)
+            return
+        try:
+            self._path.unlink(missing_ok=True)
+            sync_folder(self._path.parent)
+        except OSError as error:
+            problem = f"it cannot be deleted ({reason_of(error)})"
+            raise BadFile(self._path, problem, "Give the right to write its folder") from None
+
+
+class WithdrawnEvents:
+    """Digests of all events that withdrawals deleted, in a file; they name nobody.
+
+    A restored log is an earlier one, which may still have these events.
+
+    Args:
+        path: the file, which need not be there.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def read(self) -> frozenset[bytes]:
+        """Return all of them.
+
+        Raises:
+            BadFile: the file cannot be read.
+        """
+        try:
+            return frozenset(bytes.fromhex(one) for one in _read(self._path))
+        except (TypeError, ValueError):
+            raise _damaged(self._path) from None
+
+    def add(self, digests: Iterable[bytes]) -> None:
+        """Add digests.
+
+        Raises:
+            BadFile: the file cannot be read or written.
+        """
+        known = self.read()
+        if not known.issuperset(digests):
+            _write(self._path, sorted(digest.hex() for digest in known.union(digests)))
+
+
+def _read(path: Path) -> list:  # type: ignore[type-arg]  # whatever JSON has
+    try:
+        content = json_of(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return []
+    except OSError as error:
+        raise BadFile(path, f"cannot be read ({reason_of(error)})", "Give the right to read it") from None
+    except ValueError:
+        raise _damaged(path) from None
+    if not isinstance(content, list):
+        raise _damaged(path)
+    return content
+
+
+def _write(path: Path, content: list[object] | list[dict[str, str]] | list[str]) -> None:
+    write_whole(path, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
+
+
+def _damaged(path: Path) -> BadFile:
+    remedy = "Look in it for who withdrew, move it away, and withdraw them again with `thbridge study withdraw`"
+    return BadFile(path, "is damaged: it lists withdrawals", remedy)

@@ -1,0 +1,21 @@
+"""What an interrupted command has left to do in a study; each command of a study begins with that."""
+
+from pathlib import Path
+
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.files.errors import BadFile
+from ui.terminal import note
+
+
+def finish_begun_withdrawals(folder: Path) -> None:
+    """Finish withdrawals that have begun, and print what cannot be done yet; the command then does its own work."""
+    try:
+        pending = ExperimentFolder(folder).pending_withdrawals.read()
+    except BadFile as fault:
+        note(str(fault))
+        return
+    if pending:
+        # A second of imports that is hardly ever needed.
+        from ui.actions.study_withdrawal import finish_and_report  # noqa: PLC0415
+
+        finish_and_report(folder, pending)
