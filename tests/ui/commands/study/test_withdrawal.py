@@ -53,7 +53,7 @@ def study(finished: Path, tmp_path: Path) -> Path:
 
 
 def people(study: Path) -> list[str]:
-    return re.findall(r"P-\w+", thbridge("study", "status", study))
+    return re.findall(r"^  (P-\w+)  ", thbridge("study", "status", study), re.MULTILINE)
 
 
 def told_by(*arguments: object) -> str:
