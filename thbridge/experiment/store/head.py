@@ -88,7 +88,7 @@ def read_head(log: Path) -> LogHead:
         # Earlier releases named no files.
         length, chain, database, wal = (*line.split(), ANY, ANY)[:4]
         return LogHead(int(length), bytes.fromhex(chain), database, wal)
-    except (OSError, ValueError, BadFile):
+    except (OSError, ValueError):
         raise BadFile(head, "is missing or damaged", restore_remedy(log)) from None
 
 
