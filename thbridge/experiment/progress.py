@@ -10,7 +10,7 @@ from pathlib import Path
 
 from thbridge.experiment.allocation.places import NoPlace, Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign
-from thbridge.experiment.design.plan import PlannedStep, plan_of
+from thbridge.experiment.design.plan import PlannedStep, plan_of, repeated_from
 from thbridge.experiment.design.steps import Failed, ResumeRule, StepKind
 from thbridge.experiment.questionnaires.form import Item
 from thbridge.experiment.store.events import (
@@ -294,16 +294,10 @@ def _ended(run: Run, number: int, outcome: StepOutcome) -> Run:
     if outcome is not StepOutcome.FAILED:
         return following
     if tried < step.entry.attempts:
-        return dataclasses.replace(following, step=_repeated(run.plan, step))
+        return dataclasses.replace(following, step=repeated_from(run.plan, step))
     if step.entry.failed is Failed.GO_ON:
         return dataclasses.replace(following, failed=run.failed | {number})
     return dataclasses.replace(following, state=RunState.EXCLUDED, reason=f"failed {step.name}")
-
-
-def _repeated(plan: tuple[PlannedStep, ...], check: PlannedStep) -> int:
-    """Number of the step from which a failed check is repeated: the last of its name before it, or the check itself."""
-    named = (step.number for step in reversed(plan[: check.number]) if step.name == check.entry.repeat)
-    return next(named, check.number)
 
 
 def options_shown(item: Item) -> dict[str, JsonValue]:

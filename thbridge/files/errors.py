@@ -101,6 +101,11 @@ class FaultCollection:
         """Return the only fault, or all of them, of which there is at least one."""
         return self.found[0] if len(self.found) == 1 else BadFiles(tuple(self.found))
 
+    def raise_any(self) -> None:
+        """Raise all faults together, if there are any."""
+        if self.found:
+            raise self.together()
+
 
 def reason_of(error: OSError) -> str:
     """The system's text for an error, without the call and address that asyncio adds."""

@@ -353,7 +353,27 @@ def with_team_size(study: Study, robots: int) -> Study:
     """Return the study with a team of this size; sections and mishaps of robots beyond it are left out."""
     each = {number: software for number, software in study.each.items() if number <= robots}
     mishaps = tuple(mishap for mishap in study.mishaps if mishap.robot <= robots)
-    return dataclasses.replace(study, robots=robots, each=each, mishaps=mishaps)
+    manners = {number: manner for number, manner in study.dialogue.each.items() if number <= robots}
+    talk = dataclasses.replace(study.dialogue, each=manners)
+    return dataclasses.replace(study, robots=robots, each=each, mishaps=mishaps, dialogue=talk)
+
+
+def check_manners(loaded: Loaded[Study], base: str = "") -> None:
+    """Raise BadFile for manners of robots that the study does not have, whatever number of robots people choose.
+
+    Such a study can be read, because recordings of it must stay readable; a check refuses it.
+
+    Args:
+        loaded: the study.
+        base: key under which it is written, with its dot; empty: it is a whole file.
+    """
+    study = loaded.value
+    most = max((study.robots, *(study.participant.robots or ())))
+    for number in study.dialogue.each:
+        if number > most:
+            problem = f"there is no robot {number}: the study has {most}"
+            remedy = f"Write a number from 1 to {most}, or raise robots"
+            raise loaded.fault(f"{base}dialogue.each.{number}", problem, remedy)
 
 
 def load_study(path: Path) -> Loaded[Study]:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import typer
 
+from thbridge.experiment.check import read_for_people
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.markers import MarkerStream
@@ -41,7 +42,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
     finish_begun_withdrawals(folder)
     with bad_input():
         place, clock = ExperimentFolder(folder), StudyClock()
-        design = place.read(with_files=True)
+        design = read_for_people(place)
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)
         why = None if program else why_no_window()

@@ -20,6 +20,7 @@ from ui.model.study_form.resources import is_named, resources_for
 COMMENTED = """\
 # who decides
 title: Robots that argue   # for the registration
+consent_elsewhere: Participants signed a form.
 within:
   dialogue.condition: [supervisor, collaborator]  # the factor
 steps:
@@ -192,6 +193,8 @@ def test_new_and_shipped_files(folder: Path) -> None:
     assert set(faulty(new)) == {"title"}
     new = changed(folder, new.set(new.fields()["title"], "Who decides?"))
     new = changed(folder, new.add(new.groups()["steps"]))
+    assert [fault.key for fault in new.faults] == ["steps"]
+    new = changed(folder, new.set(new.fields()["consent_elsewhere"], "Participants sign a form."))
     assert new.faults == ()
     text = (SHIPPED / "experiment.yaml").read_text()
     shipped = draft_of_file(SHIPPED / "experiment.yaml", text)

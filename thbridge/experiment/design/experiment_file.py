@@ -1,8 +1,6 @@
 """The file of an experiment: what differs between conditions, how many people, and the steps of each."""
 
 import itertools
-import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -93,6 +91,11 @@ class ExperimentFile:
         0,
         3600,
     )
+    consent_elsewhere: str = param(
+        "",
+        "sentence on how participants gave consent outside of the program, such as on paper, for the methods text; "
+        "empty: a step asks for it",
+    )
     markers: bool = param(
         default=False, help="whether each event of the log goes to other recorders (Lab Streaming Layer)"
     )
@@ -141,6 +144,8 @@ class ExperimentDesign:
         forms: the form of each step that has one, by the step's index.
         practices: the studies of each practice game, by the step's index: for each combination between people, one for
             each condition in which the person may play it.
+        lines: line of each key and item of the file, by its path.
+        form_files: each form with the lines of its file, by the step's index.
     """
 
     path: Path
@@ -151,6 +156,12 @@ class ExperimentDesign:
     orders: tuple[Order, ...]
     forms: Mapping[int, Form]
     practices: Mapping[int, tuple[tuple[Study, ...], ...]] = field(default_factory=dict)
+    lines: Mapping[str, int] = field(default_factory=dict)
+    form_files: Mapping[int, Loaded[Form]] = field(default_factory=dict)
+
+    def fault(self, key: str, problem: str, remedy: str) -> BadFile:
+        """Return a fault at a key of the file, with the nearest line."""
+        return Loaded(self.path, self.file, self.lines).fault(key, problem, remedy)
 
     @property
     def allocation(self) -> Allocation:
@@ -218,7 +229,7 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
         cells.append(Cell(_named(cell), _labels(cell), tuple(studies)))
         if faults.found:
             break
-    forms: dict[int, Form] = {}
+    forms: dict[int, Loaded[Form]] = {}
     for problem in _problems(loaded, len(conditions)):
         faults.found.append(problem)
     for index, entry in enumerate(file.steps):
@@ -231,8 +242,18 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
     if faults.found:
         raise faults.together()
     practices = _practices(loaded, entries.get("steps"), cells, files if with_files else None)
-    orders = _orders(file.order, len(conditions))
-    return ExperimentDesign(path, beside, file, conditions, tuple(cells), orders, forms, practices)
+    return ExperimentDesign(
+        path,
+        beside,
+        file,
+        conditions,
+        tuple(cells),
+        _orders(file.order, len(conditions)),
+        {index: form.value for index, form in forms.items()},
+        practices,
+        lines=loaded.lines,
+        form_files=forms,
+    )
 
 
 def _practices(
@@ -287,14 +308,14 @@ def _study(path: Path, start: Node, levels: Mapping[str, Level]) -> Loaded[Study
     return merged(start, path, tree)
 
 
-def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry) -> Form:
+def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry) -> Loaded[Form]:
     own, shipped = loaded.path.parent / entry.form, SHIPPED / f"{entry.form}.yaml"
     path = shipped if not is_regular(own) and is_regular(shipped) else own
     if not is_regular(path):
         names = ", ".join(sorted(form.stem for form in SHIPPED.glob("*.yaml")))
         raise loaded.fault(f"steps[{index}].form", f"there is no form {entry.form}", f"Name a file, or one of {names}")
-    form = read_form(path).value
-    if entry.step is StepKind.CHECK and not any(item.is_checked for item in form.items):
+    form = read_form(path)
+    if entry.step is StepKind.CHECK and not any(item.is_checked for item in form.value.items):
         remedy = "Write `correct` at one of its items at least"
         raise BadFile(path, "a check needs right answers", remedy, key="items")
     return form
@@ -314,11 +335,12 @@ def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFi
     file = loaded.value
     if not file.steps:
         yield loaded.fault("steps", "nobody has anything to do", "Write a line '- {step: trial}' at least")
-    if file.seeds and len(file.seeds) < conditions:
-        remedy = f"Write {conditions}, one for each trial of a person"
-        yield loaded.fault("seeds", f"{len(file.seeds)} seeds for {conditions} trials", remedy)
-    trials = [entry for entry in file.steps if entry.step is StepKind.TRIAL and entry.each_condition]
-    if conditions > 1 and not trials:
+    trials = [entry.each_condition for entry in file.steps if entry.step is StepKind.TRIAL]
+    played = sum(conditions if each else 1 for each in trials)
+    if file.seeds and len(file.seeds) < played:
+        remedy = f"Write {played}, one for each trial of a person"
+        yield loaded.fault("seeds", f"{len(file.seeds)} seeds for {played} trials", remedy)
+    if conditions > 1 and not any(trials):
         remedy = "Mark the trial: {step: trial, each_condition: true}"
         yield loaded.fault("steps", "no trial comes once for each condition", remedy)
     names: dict[str, int] = {}
@@ -359,25 +381,3 @@ def practice_seed(design: ExperimentDesign, attempt: int) -> int:
     trials = {*design.file.seeds} or {drawn_seed(design, trial) for trial in range(MOST_TRIALS)}
     drawn = int(noise.key(design.file.seed, "experiment", "practice", str(attempt))) % LARGEST_SEED
     return next(seed for seed in itertools.count(drawn) if seed not in trials) % LARGEST_SEED
-
-
-def is_even(design: ExperimentDesign) -> bool:
-    """Return True when each order comes equally often in a full experiment."""
-    return math.gcd(design.file.quota, len(design.orders)) == len(design.orders)
-
-
-def notices_of(design: ExperimentDesign) -> tuple[str, ...]:
-    """Return in sentences what is right and yet may not be meant."""
-    notices = [
-        f"{text}: still has a gap to fill in ({gap.group()}). People would read it."
-        for text in dict.fromkeys(entry.text for entry in design.file.steps if entry.text is not None)
-        if (gap := _GAP.search(read_text(design.path.parent / text)))
-    ]
-    if not is_even(design):
-        orders, quota = len(design.orders), design.file.quota
-        notices.append(f"Of {orders} orders some come more often: the quota, {quota}, is no multiple of them.")
-    return tuple(notices)
-
-
-_GAP = re.compile(r"\[(Replace|Write|Insert|TODO)\b[^\]]*\](?!\()")
-"""A place in a text that its author has yet to fill in, as in the example's consent."""

@@ -1,6 +1,7 @@
 """The steps of one person: those of the file, with trials in the person's order of conditions."""
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from thbridge.experiment.allocation.places import Place
@@ -50,3 +51,12 @@ def plan_of(design: ExperimentDesign, place: Place) -> tuple[PlannedStep, ...]:
 def _only(design: ExperimentDesign, entry: StepEntry) -> int | None:
     """A trial outside of all conditions is played in the only one."""
     return 0 if entry.step is StepKind.TRIAL and len(design.conditions) == 1 else None
+
+
+def repeated_from(plan: Sequence[PlannedStep], check: PlannedStep) -> int:
+    """Return the number of the step from which a failed check is repeated.
+
+    It is the last step of the name in `repeat` before the check, or the check itself.
+    """
+    named = (step.number for step in reversed(plan[: check.number]) if step.name == check.entry.repeat)
+    return next(named, check.number)

@@ -156,15 +156,16 @@ def study_preview(
 def study_freeze(folder: FolderOfExperiment) -> None:
     """Write the fingerprint of the experiment, for a preregistration; exports tell whether it still holds."""
     from thbridge.app.compose.machine import versions
+    from thbridge.experiment.check import check_experiment
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import freeze
     from ui.actions.unfinished_study import finish_begun_withdrawals
 
     finish_begun_withdrawals(folder)
     with bad_input():
-        place = ExperimentFolder(folder)
-        place.read(with_files=True)
-        found = freeze(place, versions(), utc_now())
+        place, installed = ExperimentFolder(folder), versions()
+        check_experiment(place, installed)
+        found = freeze(place, installed, utc_now())
     say(found.digest)
     note(f"Wrote {place.freeze}. Put this hash into the registration.")
 

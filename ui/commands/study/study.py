@@ -1,5 +1,6 @@
 """`thbridge study init` and `study check`."""
 
+from itertools import chain
 from pathlib import Path
 from typing import Annotated
 
@@ -39,24 +40,31 @@ def study_check(
     file: Annotated[Path, typer.Argument(help="A study file, or the folder of a study with people.")],
 ) -> None:
     """Check a study file, or a study with people, and everything it names."""
+    from thbridge.study.study_file import check_manners, load_study
     from ui.settings import setting_of, study_of
 
     if file.is_dir():
-        from thbridge.experiment.design.experiment_file import notices_of
+        from thbridge.app.compose.machine import versions
+        from thbridge.experiment.check import check_experiment
+        from thbridge.experiment.design.advice import advice_on, people_in_words
         from thbridge.experiment.folder import ExperimentFolder
         from thbridge.experiment.markers import why_no_markers
         from ui.actions.unfinished_study import finish_begun_withdrawals
+        from ui.open_doors import check_doors
 
         finish_begun_withdrawals(file)
         with bad_input():
-            design = ExperimentFolder(file).read(with_files=True)
-        each = f"{len(design.conditions)} conditions for each" if len(design.conditions) > 1 else "one condition"
-        say(f"{file}: no faults; {design.allocation.size} people, {each}")
-        for notice in notices_of(design):
-            note(notice)
+            design = check_experiment(ExperimentFolder(file), versions())
+        for study in chain.from_iterable(cell.studies for cell in design.cells):
+            check_doors(study)
+        say(f"{file}: no faults; {people_in_words(design)}")
+        for advice in advice_on(design):
+            note(advice)
         if design.file.markers and (reason := why_no_markers()):
             note(reason)
         note(f"Rehearse it with simulated people: `{command('study', 'rehearse', file, '--to', 'rehearsal')}`.")
         return
     setting_of(study_of(file, {}), file)
+    with bad_input():
+        check_manners(load_study(file))
     say(f"{file}: no faults")

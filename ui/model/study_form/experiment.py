@@ -6,7 +6,9 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
-from thbridge.experiment.design.experiment_file import ExperimentFile, experiment_of, notices_of
+from thbridge.experiment.design.advice import advice_on
+from thbridge.experiment.design.experiment_file import ExperimentFile, experiment_of
+from thbridge.experiment.design.soundness import faults_of
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import EXPERIMENT
 from thbridge.files.errors import BadFile, BadFiles
@@ -117,7 +119,8 @@ def _experiment_draft(path: Path, text: str) -> ExperimentDraft:
         return ExperimentDraft(path, text, None, form, None, (fault,), ())
     draft = ExperimentDraft(path, text, tree, _heeded(form_of(text, tree, _START, _LABEL)), None, (), ())
     try:
-        return dataclasses.replace(draft, notices=notices_of(experiment_of(path, tree)))
+        design = experiment_of(path, tree)
+        return dataclasses.replace(draft, faults=tuple(faults_of(design)), notices=advice_on(design))
     except BadFiles as faults:
         return dataclasses.replace(draft, faults=faults.faults)
     except BadFile as fault:

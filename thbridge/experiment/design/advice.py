@@ -1,0 +1,148 @@
+"""Advice on an experiment: what is no fault, and yet spoils a measure or would be objected to by a reviewer."""
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+
+from thbridge.experiment.allocation.places import Place
+from thbridge.experiment.design.experiment_file import ExperimentDesign, OrderKind, name_of
+from thbridge.experiment.design.plan import plan_of
+from thbridge.experiment.design.steps import Failed, StepKind
+from thbridge.experiment.questionnaires.form import MEASURED, Form, Scale
+from thbridge.files.disk.text_files import read_text
+
+_GAP = re.compile(r"\[(Replace|Write|Insert|TODO)\b[^\]]*\](?!\()")
+"""A place in a text that its author has yet to fill in, as in the example's consent."""
+
+
+def advice_on(design: ExperimentDesign) -> tuple[str, ...]:
+    """Return in sentences what is right and yet may not be meant, most serious first."""
+    return (
+        *_on_texts(design),
+        *_on_orders(design),
+        *_on_results_shown(design),
+        *_on_steps(design),
+        *_on_checks(design),
+        *_on_forms(design),
+        *_on_methods(design),
+    )
+
+
+def people_in_words(design: ExperimentDesign) -> str:
+    """Return how many participants there are, and how many conditions each of them meets."""
+    people, groups, within = design.allocation.size, len(design.cells), len(design.conditions)
+    if groups == 1:
+        return f"{people} people, " + ("one condition" if within == 1 else f"{within} conditions for each")
+    met = "one" if within == 1 else f"{within}"
+    return f"{people} people in {groups} groups; each person meets {met} of {groups * within} conditions"
+
+
+def _on_texts(design: ExperimentDesign) -> Iterator[str]:
+    for text in dict.fromkeys(entry.text for entry in design.file.steps if entry.text is not None):
+        words = read_text(design.path.parent / text)
+        if gap := _GAP.search(words):
+            yield f"{text}: still has a gap to fill in ({gap.group()}). People would read it."
+        elif not words.strip():
+            yield f"{text}: is empty. People would see an empty page."
+
+
+def _on_orders(design: ExperimentDesign) -> Iterator[str]:
+    orders, file = len(design.orders), design.file
+    if file.quota % orders:
+        yield f"Of {orders} orders some come more often: the quota, {file.quota}, is no multiple of them."
+    if len(design.conditions) == 1:
+        return
+    if file.order is OrderKind.FIXED:
+        yield (
+            "All people meet the conditions in the same order, so effects of condition and of practice or fatigue "
+            "cannot be told apart. Write `order: balanced`."
+        )
+    elif file.order is OrderKind.CYCLIC and len(design.conditions) > 2:
+        yield (
+            "With `order: cyclic` a condition mostly follows the same other one, so after-effects are not balanced. "
+            "Write `order: balanced`."
+        )
+    if len(set(file.seeds)) < len(file.seeds):
+        yield "Two trials have the same seed under `seeds`, so people meet the same hidden treasures again."
+
+
+def _on_results_shown(design: ExperimentDesign) -> Iterator[str]:
+    """Yield where a game compares its result with the best possible one before a form asks about it."""
+    if not any(study.participant.shows.answers for cell in design.cells for study in cell.studies):
+        return
+    plan = plan_of(design, Place(0, 0, 0))
+    trial = next((step.number for step in plan if step.entry.step is StepKind.TRIAL), len(plan))
+    form = next((step for step in plan[trial:] if step.entry.step is StepKind.FORM), None)
+    if form is not None:
+        yield (
+            f"A game ends with what was in the rooms and the best possible score, which may bias the answers to "
+            f"{form.name} after it. Write `participant.shows.answers: false` under `base`; `results: true` at the "
+            "debrief shows it there."
+        )
+
+
+def _on_steps(design: ExperimentDesign) -> Iterator[str]:
+    steps = design.file.steps
+    kinds = [entry.step for entry in steps]
+    if StepKind.DEBRIEF not in kinds:
+        yield "Nobody reads what the study was about. Add {step: debrief, text: FILE} as the last step."
+    if StepKind.TRIAL in kinds and StepKind.PRACTICE not in kinds[: kinds.index(StepKind.TRIAL)]:
+        yield "No practice comes before the first trial, so it measures how people learn the window. Add a practice."
+    if StepKind.TRIAL in kinds and StepKind.CHECK not in kinds:
+        yield "No check shows that people understood the task. Add {step: check, form: FILE}."
+
+
+def _on_checks(design: ExperimentDesign) -> Iterator[str]:
+    for index, entry in enumerate(design.file.steps):
+        if entry.step is not StepKind.CHECK:
+            continue
+        name = name_of(index, entry)
+        if entry.attempts == 1 and entry.failed is Failed.EXCLUDE:
+            yield f"{name}: one wrong answer excludes a person at once. Write `attempts: 2`, or `failed: go on`."
+        asked = [item for item in design.forms[index].items if item.is_checked and item.scale is Scale.CHOICE]
+        fixed = [item for item in asked if not item.shuffle]
+        if fixed and len(asked) > 1 and all(item.correct == item.options[0] for item in fixed):
+            yield f"{name}: the first answer is always the right one. Write `shuffle: true` at its items."
+
+
+def _on_forms(design: ExperimentDesign) -> Iterator[str]:
+    forms = {form.path: form.value for form in design.form_files.values()}
+    for path, form in forms.items():
+        for words in _on_form(form):
+            yield f"{path.stem}: {words}"
+
+
+def _on_form(form: Form) -> Iterator[str]:
+    bare = [
+        item.id
+        for item in form.items
+        if item.scale in {Scale.LIKERT, Scale.ANALOGUE} and not (item.words[0] and item.words[-1])
+    ]
+    if bare:
+        yield f"{_listed(bare)}: the ends of the scale have no words. Write `low` and `high`, or `labels`."
+    texts = Counter(" ".join(item.text.casefold().split()) for item in form.items if item.text)
+    for words, times in texts.items():
+        if times > 1:
+            ids = [item.id for item in form.items if " ".join(item.text.casefold().split()) == words]
+            yield f"{_listed(ids)}: ask the same in the same words."
+    for name, items in form.subscales.items():
+        if len(items) == 1:
+            yield f"the score {name} has one item, so it has no reliability. Ask several items about it."
+        elif (
+            len(items) > 2 and not any(item.reverse for item in items) and all(each.scale in MEASURED for each in items)
+        ):
+            yield (
+                f"no item of the score {name} is reversed, so agreement with everything looks like a high score. "
+                "Word some items the other way, with `reverse: true`."
+            )
+
+
+def _on_methods(design: ExperimentDesign) -> Iterator[str]:
+    """Yield what a paper must report, and nobody has written yet."""
+    if not design.file.recruitment.strip():
+        yield "It is not written how people are found and paid. Write `recruitment: SENTENCE`, for the methods text."
+
+
+def _listed(names: list[str]) -> str:
+    shown = ", ".join(names[:5])
+    return f"{shown} and {len(names) - 5} more" if len(names) > 5 else shown

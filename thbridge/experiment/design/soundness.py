@@ -1,0 +1,216 @@
+"""Faults of an experiment that would spoil or lose data once people take part.
+
+An experiment with such faults can be read, because a study that is under way must open, go on and export. The check,
+freezing and the run of a new study refuse it.
+"""
+
+from collections.abc import Iterator
+from itertools import chain
+
+from thbridge.experiment.allocation.places import Place
+from thbridge.experiment.design.experiment_file import ExperimentDesign, name_of
+from thbridge.experiment.design.plan import plan_of, repeated_from
+from thbridge.experiment.design.steps import StepEntry, StepKind
+from thbridge.experiment.questionnaires.form import MEASURED, Form, Item, Scale
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
+from thbridge.files.disk.text_files import read_text
+from thbridge.files.errors import BadFile, FaultCollection
+from thbridge.files.yaml.load import Loaded
+from thbridge.study.external_nodes import ExternalNodes
+from thbridge.study.robots_from import RobotsFrom
+from thbridge.study.study_file import check_manners
+
+GATHERING = {StepKind.PRACTICE, StepKind.CHECK, StepKind.TRIAL, StepKind.FORM}
+"""Kinds of steps in which participants do or answer something that is recorded."""
+
+_COLUMNS = """
+actor advice advice_from advice_right advised advised_known after_advice_s after_advice_wall_s agreed agreed_at answer
+answered appropriate attempt attention_s author away away_s bag began began_s booked calibration cause cell challenges
+changes choice collisions concurrent_activity condition confidence consent_sha256 content counts crashed data
+debriefed decided_by decision decision_s decision_wall_s dialogues disagreed duration_s end ended ended_s energy_left
+energy_spent error_rate error_rate_set fan_out finished first_choice functional_delay game game_number game_s gave_in
+hesitation_s human_idle identified idle interaction_s item items keyed kind late_share locution lsl_s matter misheard
+monotonic_ns most_lag_s moves moves_failed name neglect_s not_applicable opener options options_shown order outcome
+over parent participant pasted place points reason recording refused_when_wrong repeated replied_s reply_s
+reply_wall_s resumed right robot robot_idle rooms_reached rooms_visited scale score seed seen_s sequence sha256
+shown_s shown_wall_s sim_seconds simulated_s speaker stands state step subscale switched taken_when_right talk text
+time_s topic trial trust under_way_s value waiting_s wall wall_seconds words
+"""
+TAKEN_COLUMNS = frozenset(_COLUMNS.split())
+"""Names of columns of exported tables. A factor of the same name would overwrite the column."""
+
+
+def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
+    """Yield all faults that would spoil data, each with its line and remedy."""
+    yield from _of_consent(design)
+    yield from _of_factors(design)
+    yield from _of_games(design)
+    for index, entry in enumerate(design.file.steps):
+        yield from _of_branch(design, index, entry)
+        if entry.step is StepKind.TRIAL and not entry.each_condition and len(design.conditions) > 1:
+            problem = f"this game belongs to none of the {len(design.conditions)} conditions, so it would not be played"
+            yield design.fault(f"steps[{index}]", problem, "Write each_condition: true, or step: practice")
+        if entry.step is StepKind.CHECK:
+            yield from _of_check(design, index, entry)
+    yield from _of_repetitions(design)
+    for form in {form.path: form for form in design.form_files.values()}.values():
+        yield from _of_answers(form)
+
+
+def _of_consent(design: ExperimentDesign) -> Iterator[BadFile]:
+    """Yield faults of a study that records people who did not give consent, or not yet."""
+    kinds = [entry.step for entry in design.file.steps]
+    asked = kinds.index(StepKind.CONSENT) if StepKind.CONSENT in kinds else None
+    for entry in design.file.steps:
+        if entry.step is StepKind.CONSENT and entry.text is not None:
+            path = design.path.parent / entry.text
+            if not read_text(path).strip():
+                yield BadFile(path, "there is nothing to agree to in it", "Write the text for consent")
+    if design.file.consent_elsewhere.strip():
+        return
+    first = next((index for index, kind in enumerate(kinds) if kind in GATHERING), None)
+    if asked is None:
+        remedy = (
+            "Write {step: consent, text: FILE} before all that is recorded; if participants consent elsewhere, such as "
+            "on paper, write how: `consent_elsewhere: SENTENCE`"
+        )
+        yield design.fault("steps", "nobody is asked for consent", remedy)
+    elif first is not None and first < asked:
+        problem = f"{name_of(first, design.file.steps[first])} comes before the consent, which is step {asked + 1}"
+        yield design.fault(f"steps[{first}]", problem, "Move the consent before it")
+
+
+def _of_factors(design: ExperimentDesign) -> Iterator[BadFile]:
+    for section, levels in (("within", design.conditions[0].levels), ("between", design.cells[0].levels)):
+        for factor in levels:
+            if factor in TAKEN_COLUMNS:
+                problem = "exported tables have another column of this name"
+                yield design.fault(f"{section}.{factor}", problem, f"Write another name, such as {factor}_level")
+
+
+def _of_games(design: ExperimentDesign) -> Iterator[BadFile]:
+    """Yield faults of games that simulated robots at the kiosk cannot play as the study says."""
+    faults = FaultCollection()
+    practices = chain.from_iterable(design.practices.values())
+    for study in chain.from_iterable((*(cell.studies for cell in design.cells), *practices)):
+        with faults.kept():
+            check_manners(Loaded(design.path, study, design.lines), "base.")
+        if study.robots_from is RobotsFrom.ROS:
+            faults.found.append(design.fault("base.robots_from", "the kiosk simulates its robots", "Write sim"))
+        if study.external_nodes is not ExternalNodes.NONE:
+            problem = "the kiosk's robots run their own navigation"
+            faults.found.append(design.fault("base.external_nodes", problem, "Write none"))
+    # The same key may be wrong in each condition.
+    yield from {str(fault): fault for fault in faults.found}.values()
+
+
+def _of_branch(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
+    """Yield faults of a step that no answer, or no answer that can be given, leads to."""
+    names = {name_of(number, step): number for number, step in enumerate(design.file.steps[:index])}
+    for branch, answer in entry.when.items():
+        key = f"steps[{index}].when"
+        step, _, name = branch.rpartition(".")
+        form = design.forms.get(names.get(step, -1))
+        if form is None:
+            yield design.fault(key, f"{step} has no form, so it has no answers", "Name a step with a form")
+            continue
+        item = next((item for item in form.items if item.id == name), None)
+        if item is None:
+            remedy = f"Write one of {', '.join(f'{step}.{item.id}' for item in form.items)}"
+            yield design.fault(key, f"{step} has no item {name}", remedy)
+        elif item.scale is not Scale.CHOICE or item.several:
+            yield design.fault(key, f"{branch} is not a choice of one answer", "Name an item of the scale choice")
+        elif answer not in (offered := [*item.options, *([NOT_APPLICABLE] if item.not_applicable else [])]):
+            yield design.fault(key, f"{answer!r} is no answer to {branch}", f"Write one of {', '.join(offered)}")
+
+
+def _of_check(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
+    """Yield faults of a check that nobody can pass, or that is judged by an answer that is not right."""
+    form = design.form_files[index]
+    asked = [(number, item) for number, item in enumerate(form.value.items) if item.is_checked]
+    if entry.right is not None and entry.right > len(asked):
+        problem = f"{entry.right} right answers are asked for, and {len(asked)} items have one"
+        yield design.fault(f"steps[{index}].right", problem, f"Write at most {len(asked)}")
+    for number, item in asked:
+        correct = {"correct": item.correct} if item.correct is not None else {}
+        keys = {f"correct_by_condition.{key}": answer for key, answer in item.correct_by_condition.items()}
+        for key, answer in {**correct, **keys}.items():
+            if never := _why_never_given(item, answer):
+                yield form.fault(f"items[{number}].{key}", *never)
+        if item.correct_by_condition:
+            for fault in _of_answer_key(design, entry, item):
+                yield form.fault(f"items[{number}].correct_by_condition", *fault)
+
+
+def _why_never_given(item: Item, answer: str) -> tuple[str, str] | None:
+    """Return problem and remedy of a right answer that nobody can give."""
+    if item.scale is Scale.CHOICE:
+        if item.several:
+            return "an item with several answers has no single right one", "Take `several` away"
+        if answer not in item.options:
+            return f"{answer!r} is none of its answers", f"Write one of {', '.join(item.options)}"
+    elif item.scale in {*MEASURED, Scale.NUMBER}:
+        try:
+            within = item.least <= float(answer) <= item.greatest
+        except ValueError:
+            within = False
+        if not within:
+            return f"{answer!r} is none of its answers", f"Write a number from {item.least:g} to {item.greatest:g}"
+    return None
+
+
+def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> Iterator[tuple[str, str]]:
+    """Yield problem and remedy of right answers by condition, where some participants meet no or several conditions."""
+    within = {factor: [each.levels[factor] for each in design.conditions] for factor in design.conditions[0].levels}
+    between = {factor: [each.levels[factor] for each in design.cells] for factor in design.cells[0].levels}
+    factors = {**within, **between}
+    named = dict.fromkeys(key.partition("=")[0] for key in item.correct_by_condition)
+    unknown = [factor for factor in named if factor not in factors]
+    if unknown:
+        yield f"{unknown[0]} is no factor", f"Write FACTOR=LEVEL with one of {', '.join(factors) or 'no factors'}"
+        return
+    if len(named) > 1:
+        yield f"answers by several factors ({', '.join(named)})", "Write those of one factor"
+        return
+    (factor,) = named
+    levels = dict.fromkeys(factors[factor])
+    written = [key.partition("=")[2] for key in item.correct_by_condition]
+    if lost := next((level for level in written if level not in levels), None):
+        yield f"{factor} has no level {lost}", f"Write one of {', '.join(levels)}"
+    missing = [level for level in levels if level not in written]
+    if missing and item.correct is None:
+        yield (
+            f"there is no right answer at {factor}={missing[0]}",
+            "Write one for each level, or also `correct`",
+        )
+    if factor in within and not entry.each_condition and len(design.conditions) > 1:
+        problem = f"each participant meets all levels of {factor}, and is asked once, outside of all conditions"
+        yield problem, "Write each_condition: true at the check and place it before its trial, or one `correct` for all"
+
+
+def _of_repetitions(design: ExperimentDesign) -> Iterator[BadFile]:
+    """Yield faults of checks whose repetition would have a participant do again what counts as data."""
+    # The kinds of steps are the same at each place.
+    plan, found = plan_of(design, Place(0, 0, 0)), dict[int, BadFile]()
+    for check in plan:
+        if check.entry.step is not StepKind.CHECK or check.entry.attempts == 1:
+            continue
+        again = plan[repeated_from(plan, check) - 1 : check.number - 1]
+        data = next((step for step in again if step.entry.step in {StepKind.TRIAL, StepKind.FORM}), None)
+        if data is not None:
+            problem = f"a participant who fails the check would do {data.name} again, which counts as data"
+            remedy = "Name a step after it, in each condition if the check is, or take `repeat` away"
+            found.setdefault(check.index, design.fault(f"steps[{check.index}].repeat", problem, remedy))
+    yield from found.values()
+
+
+def _of_answers(form: Loaded[Form]) -> Iterator[BadFile]:
+    """Yield faults of items whose answers could not be told apart, or not be given."""
+    for number, item in enumerate(form.value.items):
+        key = f"items[{number}]"
+        if twice := next((option for option in item.options if item.options.count(option) > 1), None):
+            yield form.fault(f"{key}.options", f"{twice!r} stands twice", "Keep one of the two")
+        if item.not_applicable and NOT_APPLICABLE in item.options:
+            yield form.fault(f"{key}.options", f"{NOT_APPLICABLE!r} is an answer already", "Take it out of the options")
+        if item.labels and item.scale is not Scale.LIKERT:
+            yield form.fault(f"{key}.labels", f"a {item.scale} has words at its ends", "Write low and high instead")
