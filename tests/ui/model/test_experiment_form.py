@@ -13,7 +13,8 @@ from thbridge.experiment.folder import EXAMPLE as SHIPPED
 from thbridge.files.yaml.edit import moved
 from thbridge.files.yaml.tree import parse
 from thbridge.hunt.refusals import RequestRefused
-from ui.model.study_form.experiment import _OF_KINDS, ExperimentDraft, draft_of_file, header_of
+from ui.model.study_form.experiment import _OF_KINDS, ExperimentDraft
+from ui.model.study_form.files import draft_of_file, header_of
 from ui.model.study_form.form import FormField, editable_text
 from ui.model.study_form.resources import is_named, resources_for
 

@@ -236,17 +236,17 @@ def test_a_robot_gets_software_of_its_own() -> None:
 
 @pytest.mark.parametrize("words", ["kld_err", "kld err", "largest error between", "KLD_ERR", "amcl kld"])
 def test_search_finds_by_name_and_by_meaning(words: str) -> None:
-    assert "robot.amcl.kld_err" in [field.key for field in search_fields(quick("").form, words)]
+    assert "robot.amcl.kld_err" in [field.key for field in search_fields(quick("").form.all_fields(), words)]
 
 
 def test_search_puts_exact_names_first_and_knows_old_ones() -> None:
     form = quick(WRITTEN).form
-    assert search_fields(form, "alpha1")[0].key == "noise.odometry.alpha1"
-    assert search_fields(form, "pdist_scale")[0].key == "robot.TrajectoryPlannerROS.path_distance_bias"
-    assert [field.key for field in search_fields(quick("").form, "pdist")] == [
+    assert search_fields(form.all_fields(), "alpha1")[0].key == "noise.odometry.alpha1"
+    assert search_fields(form.all_fields(), "pdist_scale")[0].key == "robot.TrajectoryPlannerROS.path_distance_bias"
+    assert [field.key for field in search_fields(quick("").form.all_fields(), "pdist")] == [
         "robot.TrajectoryPlannerROS.path_distance_bias"
     ]
-    assert search_fields(form, "  ") == ()
+    assert search_fields(form.all_fields(), "  ") == ()
 
 
 def test_history_goes_back_and_forth_and_takes_typing_together() -> None:

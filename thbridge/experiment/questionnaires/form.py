@@ -168,7 +168,16 @@ def read_form(path: Path) -> Loaded[Form]:
     Raises:
         BadFile: it cannot be read, or is faulty; as BadFiles, all faults at once.
     """
-    loaded = load_tree(path, _alike(parse(path, read_text(path))), Form)
+    return form_of_tree(path, parse(path, read_text(path)))
+
+
+def form_of_tree(path: Path, tree: Node) -> Loaded[Form]:
+    """Read a form from its tree.
+
+    Raises:
+        BadFile: as for `read_form`.
+    """
+    loaded = load_tree(path, _alike(tree), Form)
     faults = FaultCollection()
     for problem in _problems(loaded.value):
         with faults.kept():

@@ -1,8 +1,9 @@
 """A study file while it is edited: its text, the form of it, and its faults."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
 from thbridge.app.compose.setting import read_setting
@@ -14,7 +15,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import Study, StudyFile, load_study_tree, study_before
 from ui.model.differences import differences
-from ui.model.study_form.form import FormField, FormGroup, RepeatKind, form_of, typed_as_yaml
+from ui.model.study_form.form import FormField, FormGroup, RepeatKind, editable_text, form_of, typed_as_yaml
 
 HEADER = "# A study. Every key may be left out; what is not written here is as by default.\n"
 """First line of a new file."""
@@ -23,6 +24,7 @@ _NEW_ITEMS: Mapping[str, str] = {
     "things": '{{name: "thing {number}", shape: crate, at: [0, 0, 0]}}',
     "mishaps": "{{robot: 1, what: dies, time: 60}}",
     "steps": "{{step: pause}}",
+    "items": '{{id: item_{number}, text: "What is asked or said"}}',
 }
 
 
@@ -103,12 +105,21 @@ class StudyDraft:
             number = robot or next(n for n in range(1, len(taken) + 2) if str(n) not in taken)
             return self._put(f"{group.key}.{number}", "{}")
         number = len(group.groups)
-        names = {field.value for item in group.groups for field in item.fields if field.key.endswith(".name")}
-        free = next(n for n in range(1, number + 2) if f'"thing {n}"' not in names and f"thing {n}" not in names)
+        fields = [field for item in group.groups for field in item.fields]
+        names = {editable_text(field) for field in fields if field.key.endswith((".name", ".id"))}
+        free = next(n for n in range(1, number + 2) if not {f"thing {n}", f"item_{n}"} & names)
         value = _NEW_ITEMS[group.key].format(number=free)
         if number == 0 and (self.tree is None or node_at(self.tree, steps_of(group.key)) is None):
             return self._put(group.key, f"[{value}]")
         return self._put(f"{group.key}[{number}]", value)
+
+    def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
+        """Return the keys that can be added to a section whose keys people choose, each with its field."""
+        return {}
+
+    def allows_own_names(self, group: FormGroup) -> bool:
+        """Return True if a key added to a section may have a name that is none of `keys_for`."""
+        return False
 
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
         """Return the text with another key in a section whose keys people choose."""
@@ -158,7 +169,7 @@ def draft_of(path: Path, text: str) -> StudyDraft:
     return dataclasses.replace(draft, study=loaded.value, notices=loaded.notices)
 
 
-def search_fields(form: FormGroup, words: str) -> tuple[FormField, ...]:
+def search_fields(fields: Iterable[FormField], words: str) -> tuple[FormField, ...]:
     """Return the fields in whose key, name (old ones, too) or help each of these words occurs, exact names first."""
     wanted = [word.replace(" ", "_") for word in words.lower().split()]
     if not wanted:
@@ -171,7 +182,25 @@ def search_fields(form: FormGroup, words: str) -> tuple[FormField, ...]:
         name, query = field.key.rpartition(".")[2].lower(), "_".join(wanted)
         return name != query, query not in name, field.key.startswith("each.")
 
-    return tuple(sorted((f for f in form.all_fields() if all(word in searchable(f) for word in wanted)), key=rank))
+    return tuple(sorted((f for f in fields if all(word in searchable(f) for word in wanted)), key=rank))
+
+
+def keys_like(words: str, keys: Mapping[str, FormField]) -> tuple[FormField, ...]:
+    """Return the keys for a search, the likeliest first; all of them if the words are empty.
+
+    A key fits if each word occurs in its name, its meaning or its choices. If none fits, those with the most similar
+    names are returned, so that a slip of the keyboard still finds its key.
+    """
+    if not words.strip():
+        return tuple(keys.values())
+    if found := search_fields(keys.values(), words):
+        return found
+    last: dict[str, str] = {}
+    for key in keys:
+        last.setdefault(key.rpartition(".")[2], key)
+    wanted = "_".join(words.lower().split())
+    close = get_close_matches(wanted.rpartition(".")[2], last, n=5) or get_close_matches(wanted, keys, n=5)
+    return tuple(keys[last.get(name, name)] for name in close)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,7 @@
 """The file of a study with people while it is edited, by the same form as a study file."""
 
 import dataclasses
-from collections.abc import Collection, Mapping
-from difflib import get_close_matches
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -15,10 +14,10 @@ from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.tree import Section, parse
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.study.study_file import Study, StudyFile
-from ui.model.study_form.draft import HEADER, StudyDraft, draft_of, search_fields
+from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.form import FieldKind, FormField, FormGroup, RepeatKind, form_of
 
-_HEADER = "# A study with people: what differs between conditions, how many people, and what each goes through.\n"
+HEADER = "# A study with people: what differs between conditions, how many people, and what each goes through.\n"
 _LABEL = "Study with people"
 _LEVELS = "Levels: [ONE, OTHER], {from: A, to: B, steps: N}, or {NAME: {KEY: VALUE, ...}, ...}"
 _START = ExperimentFile(title="")
@@ -41,6 +40,15 @@ _OF_KINDS: Mapping[str, frozenset[StepKind]] = {
 @dataclasses.dataclass(frozen=True, slots=True)
 class ExperimentDraft(StudyDraft):
     """A text of the file of a study with people, and all that follows from it."""
+
+    def keys_for(self, group: FormGroup) -> Mapping[str, FormField]:
+        """Return the keys of studies that a section does not have."""
+        taken = {field.label for field in group.fields}
+        return {key: field for key, field in study_fields().items() if key not in taken}
+
+    def allows_own_names(self, group: FormGroup) -> bool:
+        """Return True for factors: the levels of one with its own name set several keys each."""
+        return group.key != "base"
 
     def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
         """Return the text with another key of a study: a factor has all choices as its levels, or the default."""
@@ -65,35 +73,8 @@ class ExperimentDraft(StudyDraft):
 @cache
 def study_fields() -> Mapping[str, FormField]:
     """The keys of studies, for factors, each with its field."""
-    return {field.key: field for field in _study_form().all_fields()}
-
-
-@cache
-def _study_form() -> FormGroup:
-    """The form of an empty study."""
-    return form_of("", Section(1, []), StudyFile.of(Study()))
-
-
-def keys_like(words: str, without: Collection[str] = ()) -> tuple[FormField, ...]:
-    """Return the keys of studies for a search, the likeliest first; all of them if the words are empty.
-
-    A key fits if each word occurs in its name, its meaning or its choices. If none fits, those with the most similar
-    names are returned, so that a slip of the keyboard still finds its key.
-
-    Args:
-        words: what to search for.
-        without: keys to leave out.
-    """
-    free = {key: field for key, field in study_fields().items() if key not in without}
-    if not words.strip():
-        return tuple(free.values())
-    found = [field for field in search_fields(_study_form(), words) if field.key in free]
-    if found:
-        return tuple(found)
-    last = {key.rpartition(".")[2]: key for key in reversed(free)}
-    wanted = "_".join(words.lower().split())
-    close = get_close_matches(wanted.rpartition(".")[2], last, n=5) or get_close_matches(wanted, free, n=5)
-    return tuple(free[last.get(name, name)] for name in close)
+    form = form_of("", Section(1, []), StudyFile.of(Study()))
+    return {field.key: field for field in form.all_fields()}
 
 
 def is_experiment(path: Path) -> bool:
@@ -101,17 +82,8 @@ def is_experiment(path: Path) -> bool:
     return path.name == EXPERIMENT
 
 
-def draft_of_file(path: Path, text: str) -> StudyDraft:
-    """Read and check the text of a study file, or of a study with people, as `thbridge study check` does."""
-    return _experiment_draft(path, text) if is_experiment(path) else draft_of(path, text)
-
-
-def header_of(path: Path) -> str:
-    """Return the first line of a new file."""
-    return _HEADER if is_experiment(path) else HEADER
-
-
-def _experiment_draft(path: Path, text: str) -> ExperimentDraft:
+def experiment_draft(path: Path, text: str) -> ExperimentDraft:
+    """Read and check the text of the file of a study with people."""
     try:
         tree = parse(path, text)
     except BadFile as fault:

@@ -146,6 +146,9 @@ class FormGroup:
         return sum(field.written is not None for field in self.all_fields())
 
 
+_ORDERED = frozenset({"steps", "items"})
+"""Lists of sections whose order matters: steps of a study with people, items of a questionnaire."""
+
 _NOISE_OF = {home: f"noise.{path}" for path, home in TARGET_PATHS.items()}
 """The place in the section `noise` of each number that has another home."""
 
@@ -350,7 +353,7 @@ class _Builder:
         node = node_at(self._tree, steps_of(key))
         count = len(node.items) if isinstance(node, Listing) else 0
         groups = [self._item(into, f"{key}[{index}]", index) for index in range(count)]
-        repeats = RepeatKind.STEPS if key == "steps" else RepeatKind.ITEMS
+        repeats = RepeatKind.STEPS if key in _ORDERED else RepeatKind.ITEMS
         return FormGroup(key, _label(key), help_text, (), tuple(groups), repeats)
 
     def _keys(self, key: str, help_text: str) -> FormGroup:
@@ -370,7 +373,7 @@ class _Builder:
             place = f"{key}.{field.name}"
             default = "" if required(field) else _default_of(field)
             fields.append(self._field(place, hints[field.name], field.metadata, default, [place]))
-        name = next((field.written for field in fields if field.key == f"{key}.name"), None)
+        name = next((field.written for field in fields if field.key in {f"{key}.name", f"{key}.id"}), None)
         label = f"{index + 1}" if name is None else f"{index + 1}: {name.strip(chr(34))}"
         order = tuple(field.name for field in dataclasses.fields(into))
         return FormGroup(key, label, "", tuple(fields), (), None, order)

@@ -66,6 +66,11 @@ def is_named(key: str) -> bool:
     return _shared(key) in _FINDERS
 
 
+def names_form(key: str) -> bool:
+    """Return True for the field of a step that names a questionnaire."""
+    return re.fullmatch(r"steps\[\d+\]\.form", key) is not None
+
+
 def is_path(key: str) -> bool:
     """Return True for a field that may name any file or folder of its kind, wherever it lies."""
     return is_named(key) and _shared(key) not in _NAMES

@@ -10,7 +10,7 @@ from thbridge.files.disk.edited_file import TextOnDisk, read_edited, write_edite
 from thbridge.files.errors import BadFile
 from thbridge.hunt.refusals import RequestRefused
 from ui.model.study_form.draft import StudyDraft, UndoHistory
-from ui.model.study_form.experiment import draft_of_file, header_of
+from ui.model.study_form.files import draft_of_file, header_of
 from ui.windows.editing.background import BackgroundWorker
 
 _TYPING = 120
@@ -121,6 +121,12 @@ class StudyEditor(QObject):
     def say(self, text: str) -> None:
         """Replace the whole text."""
         self.change("text", lambda _: text)
+
+    def check_again(self) -> None:
+        """Check the text again, after a file that it names was changed."""
+        if self.settled:
+            draft, history = self.draft, self.history
+            self._work.ask(lambda: _Outcome(draft_of_file(draft.path, history.text), history, ()))
 
     def undo(self) -> None:
         """Go one step back."""

@@ -1,11 +1,13 @@
-"""Dialog that chooses a key of studies, as a factor or for all games: a search line over a list."""
+"""Dialog that chooses a key to add to a section: a search line over a list."""
+
+from collections.abc import Mapping
 
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLineEdit, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
-from ui.model.study_form.experiment import keys_like
-from ui.model.study_form.form import FormGroup
+from ui.model.study_form.draft import keys_like
+from ui.model.study_form.form import FormField
 from ui.windows.look import GAP, follow_text, label, px, spaced
 from ui.windows.words_of_others import shown
 
@@ -14,27 +16,30 @@ _TO_LIST = frozenset({Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_PageUp, Qt.Key.
 
 
 class KeyChooser(QDialog):
-    """Dialog that chooses a key for a section of the file of a study with people.
+    """Dialog that chooses a key for a section whose keys people choose.
 
     Args:
-        group: the section; keys that it has already are not offered.
+        title: name of the section.
+        keys: that can be added to it, each with its field.
         parent: the window.
+        own_names: True if the key may also have another name.
 
     Attributes:
         chosen: the key, or a name of one's own; empty until one was chosen.
     """
 
-    def __init__(self, group: FormGroup, parent: QWidget | None) -> None:
+    def __init__(self, title: str, keys: Mapping[str, FormField], parent: QWidget | None, *, own_names: bool) -> None:
         super().__init__(parent)
         self.setWindowTitle("Add a key")
         self.chosen = ""
-        self._taken = frozenset(field.label for field in group.fields)
+        self._keys = keys
+        self._allows_own_names = own_names
         self.search = QLineEdit(placeholderText="Find a key by its name or meaning", clearButtonEnabled=True)
         self.search.setAccessibleName("Find a key by its name or meaning")
         self.search.textChanged.connect(self._find)
         self.search.installEventFilter(self)
         self.list = QListWidget()
-        self.list.setAccessibleName("Keys of studies")
+        self.list.setAccessibleName("Keys")
         self.list.setWordWrap(True)
         self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.list.itemActivated.connect(self.accept)
@@ -45,11 +50,10 @@ class KeyChooser(QDialog):
         self.own = buttons.addButton("", QDialogButtonBox.ButtonRole.ActionRole)
         self.own.clicked.connect(self._choose_own)
         self.own.setVisible(False)
-        self._has_levels = group.key != "base"
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column = spaced(QVBoxLayout(self), GAP, 2 * GAP)
-        for part in (label(group.label, bold=True), self.search, self.list, self.words, buttons):
+        for part in (label(title, bold=True), self.search, self.list, self.words, buttons):
             column.addWidget(part, part is self.list)
         follow_text(self, lambda it: it.resize(px(520), px(460)))
         self._find("")
@@ -70,7 +74,7 @@ class KeyChooser(QDialog):
 
     def _find(self, words: str) -> None:
         self.list.clear()
-        found = keys_like(words, self._taken)
+        found = keys_like(words, self._keys)
         for field in found:
             item = QListWidgetItem(shown(f"{field.key}\n{field.help}"))
             item.setData(Qt.ItemDataRole.UserRole, field.key)
@@ -85,7 +89,7 @@ class KeyChooser(QDialog):
             else f"{len(found)} keys"
         )
         # Only a factor may have a name that is no key: its levels then set several keys each.
-        self.own.setVisible(self._has_levels and bool(name) and all(field.key != name for field in found))
+        self.own.setVisible(self._allows_own_names and bool(name) and all(field.key != name for field in found))
         self.own.setText(f"Use \u201c{shown(name)}\u201d as a name for levels of several keys")
         self.list.setCurrentRow(0 if found else -1)
         self._allow(self.list.currentRow())

@@ -39,6 +39,8 @@ class FieldsPage(QScrollArea):
         edited: a person typed or chose something: the field's key, and the text.
         edit_finished: the person is done with the field.
         reset: a person wants the field's default back.
+        file_wanted: a person wants to edit the file that a field names.
+        preview_wanted: a person wants to see a step as participants do.
         opened: a person wants to see a section.
         added: a person wants another item in a section.
         removed: a person wants an item gone.
@@ -50,6 +52,8 @@ class FieldsPage(QScrollArea):
     edited = Signal(str, str)
     edit_finished = Signal(str)
     reset = Signal(str)
+    file_wanted = Signal(str)
+    preview_wanted = Signal(str)
     opened = Signal(str)
     added = Signal(str)
     removed = Signal(str)
@@ -102,7 +106,7 @@ class FieldsPage(QScrollArea):
 
     def show_found(self, draft: StudyDraft, words: str) -> None:
         """Show the fields that a search found."""
-        fields = search_fields(draft.form, words)
+        fields = search_fields(draft.form.all_fields(), words)
         told = f"{len(fields)} found" if len(fields) <= _MOST_FOUND else f"{len(fields)} found; the first {_MOST_FOUND}"
         group = FormGroup(
             _FOUND, f"“{words}”: {told}" if fields else f"“{words}”: nothing found", "", fields[:_MOST_FOUND], ()
@@ -193,6 +197,8 @@ class FieldsPage(QScrollArea):
                 button.clicked.connect(partial(self._move, group.key, by))
                 self._moving[group.key, by] = button
                 row.addWidget(button)
+        if not first and whole.key == "steps":
+            row.addWidget(self._button("Preview", group, self.preview_wanted))
         if not first and whole.repeats in {RepeatKind.ITEMS, RepeatKind.STEPS}:
             row.addWidget(self._button("Remove", group, self.removed))
         elif first and group.key not in {"", _FOUND} and group.repeats is None:
@@ -222,6 +228,7 @@ class FieldsPage(QScrollArea):
             row.edited.connect(self.edited)
             row.edit_finished.connect(self.edit_finished)
             row.reset.connect(self.reset)
+            row.file_wanted.connect(self.file_wanted)
             column.addWidget(row)
             self.rows[field.key] = row
             self._refresh_row(row)
@@ -231,7 +238,7 @@ class FieldsPage(QScrollArea):
         return () if self._draft is None else resources_for(key, self._draft)
 
     def _fill_adding(self, row: QHBoxLayout, group: FormGroup) -> None:
-        words = {RepeatKind.ROBOTS: "Add a robot with software of its own", RepeatKind.KEYS: "Add a key of studies …"}
+        words = {RepeatKind.ROBOTS: "Add a robot with software of its own", RepeatKind.KEYS: "Add a key …"}
         what = words.get(group.repeats or RepeatKind.ITEMS, f"Add to {button_text(group.label)}")
         button = QPushButton(what)
         button.clicked.connect(lambda: self.added.emit(group.key))

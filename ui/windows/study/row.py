@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBo
 
 from thbridge.files.errors import BadFile
 from ui.model.study_form.form import FieldKind, FormField, editable_text, hint_of
-from ui.model.study_form.resources import NamedResource, is_named
+from ui.model.study_form.resources import NamedResource, is_named, names_form
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import GAP, FoldingRow, follow_text, font, label, px, spaced
 from ui.windows.study.resource_list import ResourceList
@@ -79,11 +79,13 @@ class FieldRow(FoldingRow):
         edited: a person typed or chose something: the field's key, and the text.
         edit_finished: the person is done with the field.
         reset: a person wants the field's default back.
+        file_wanted: a person wants to edit the file that the field names: the field's key.
     """
 
     edited = Signal(str, str)
     edit_finished = Signal(str)
     reset = Signal(str)
+    file_wanted = Signal(str)
 
     def __init__(
         self,
@@ -134,6 +136,11 @@ class FieldRow(FoldingRow):
             values.addWidget(self._slider, 1)
         elif narrow:
             values.addStretch(1)
+        if names_form(field.key):
+            edit = QPushButton("Edit …")
+            edit.setAccessibleName(f"Edit the form of {field.key.partition('.')[0]}")
+            edit.clicked.connect(lambda: self.file_wanted.emit(self.field.key))
+            values.addWidget(edit)
         values.addWidget(self.last_widget)
         self.show_field(field, ())
 

@@ -4,7 +4,7 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
-from PySide6.QtCore import QSignalBlocker, QSize, Qt, Slot
+from PySide6.QtCore import QProcess, QSignalBlocker, QSize, Qt, Slot
 from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -19,8 +19,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.model.study_form.experiment import is_experiment
-from ui.model.study_form.form import FieldKind, RepeatKind
+from thbridge.experiment.questionnaires.form import SHIPPED
+from thbridge.files.disk.whole import write_whole
+from thbridge.files.errors import BadFile
+from ui.model.study_form.files import all_well
+from ui.model.study_form.form import FieldKind, RepeatKind, editable_text
+from ui.model.study_form.questionnaire import START
+from ui.terminal import THBRIDGE
 from ui.windows.editing.changes import ChangesPage
 from ui.windows.editing.faults import FaultList
 from ui.windows.look import GAP, FoldingRow, follow_text, label, open_within_screen, px, spaced, style_as_panel
@@ -56,7 +61,7 @@ class StudyWindow(QMainWindow):
         self.text = TextPage()
         self.changes = ChangesPage()
         self.faults = FaultList(
-            "No faults: people can go through it." if is_experiment(path) else "No faults: this study can be played.",
+            all_well(path, self.editor.draft.text),
             lambda told: told.removeprefix(f"{path}, ").removeprefix(f"{path}: "),
         )
         self._title = label(path.name, "title", bold=True)
@@ -230,9 +235,51 @@ class StudyWindow(QMainWindow):
 
     def _add_key(self, key: str) -> None:
         """Ask which key to add to a section, and add it."""
-        chooser = KeyChooser(self.editor.draft.groups()[key], self)
+        draft = self.editor.draft
+        group = draft.groups()[key]
+        chooser = KeyChooser(group.label, draft.keys_for(group), self, own_names=draft.allows_own_names(group))
         if chooser.exec() and (name := chooser.chosen):
             self.editor.change(f"+{key}.{name}", lambda draft: draft.add_key(draft.groups()[key], name), at_once=True)
+
+    def _open_form(self, key: str) -> None:
+        """Edit the questionnaire that a step names in a window of its own; make the file first if there is none."""
+        name = editable_text(self.editor.draft.fields()[key])
+        beside, shipped = self.editor.path.parent, SHIPPED / f"{name}.yaml"
+        path, start = beside / (name or "questionnaire.yaml"), START
+        if not path.is_file():
+            path = path if path.suffix else path.with_suffix(".yaml")
+            words = f"There is no {path.name} in the study's folder."
+            if shipped.is_file():
+                words = f"{name} comes with the program. {path.name} in the study's folder will be its copy."
+                start = shipped.read_text(encoding="utf-8")
+            if not path.is_file() and not self._asked(words, f"Create {path.name}"):
+                return
+            try:
+                if not path.is_file():
+                    write_whole(path, start.encode())
+            except BadFile as fault:
+                self._failed(str(fault))
+                return
+            self.editor.set(key, path.name, at_once=True)
+        try:
+            window = StudyWindow(path)
+        except BadFile as fault:
+            self._failed(str(fault))
+            return
+        window.setParent(self, Qt.WindowType.Window)
+        window.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        window.editor.saved.connect(self.editor.check_again)
+        window.show()
+
+    def _preview(self, key: str) -> None:
+        """Show a step as participants see it, in a window of its own."""
+        if self.editor.dirty or self.editor.draft.faults:
+            what = "Save the file" if self.editor.dirty else "Correct the faults"
+            self._failed(f"A preview shows the saved file. {what} first.")
+            return
+        number = int(key.removeprefix("steps[").removesuffix("]")) + 1
+        program, *arguments = (*THBRIDGE, "study", "preview", str(self.editor.path.parent.resolve()), str(number))
+        QProcess.startDetached(program, arguments)
 
     def _move(self, key: str, by: int) -> None:
         self.editor.change(f"~{key}", lambda draft: draft.move(draft.groups()[key], by), at_once=True)
@@ -400,6 +447,8 @@ class StudyWindow(QMainWindow):
             page.edit_finished.connect(self._field_finished)
             page.reset.connect(self._field_reset)
             page.opened.connect(self.open_section)
+            page.file_wanted.connect(self._open_form)
+            page.preview_wanted.connect(self._preview)
             page.added.connect(self._add)
             page.removed.connect(self._remove)
             page.moved.connect(self._move)

@@ -5,15 +5,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QProcess, Qt, QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QComboBox, QLabel, QLineEdit, QPushButton
+from PySide6.QtWidgets import QApplication, QComboBox, QLabel, QLineEdit, QMessageBox, QPushButton
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.fitting import SIZES, misfits, settle
 from tests.ui.windows.study.test_study_window import leave, opened
 from tests.ui.windows.walking import nameless
 from thbridge.experiment.folder import EXAMPLE
+from thbridge.experiment.questionnaires.form import SHIPPED
+from ui.model.study_form.form import editable_text
 from ui.windows.study import StudyWindow
 from ui.windows.study.key_chooser import KeyChooser
 
@@ -157,7 +159,13 @@ def test_it_fits_and_speaks(window: StudyWindow, qtbot: QtBot) -> None:
 
 
 def choosing(window: StudyWindow, words: str) -> KeyChooser:
-    chooser = KeyChooser(window.editor.draft.groups()["between"], window)
+    return choosing_in(window, "between", words)
+
+
+def choosing_in(window: StudyWindow, section: str, words: str) -> KeyChooser:
+    draft = window.editor.draft
+    group = draft.groups()[section]
+    chooser = KeyChooser(group.label, draft.keys_for(group), window, own_names=draft.allows_own_names(group))
     chooser.search.setText(words)
     return chooser
 
@@ -184,12 +192,84 @@ def test_a_name_of_ones_own_is_chosen_by_its_own_button_alone(window: StudyWindo
     assert not chooser.add.isEnabled()
     chooser.own.click()
     assert chooser.chosen == "zzqx 9"
-    base = KeyChooser(window.editor.draft.groups()["base"], window)
-    base.search.setText("zzqx")
+    base = choosing_in(window, "base", "zzqx")
     assert base.own.isHidden()
 
 
 def test_keys_that_are_there_are_not_offered_again(window: StudyWindow) -> None:
-    within = KeyChooser(window.editor.draft.groups()["within"], window)
-    within.search.setText("dialogue.condition")
+    within = choosing_in(window, "within", "dialogue.condition")
     assert "dialogue.condition" not in [within.list.item(row).data(256) for row in range(within.list.count())]
+
+
+def answered(words: str) -> None:
+    """Answer the next question by the button of these words."""
+
+    def answer() -> None:
+        box = QApplication.activeModalWidget()
+        assert isinstance(box, QMessageBox)
+        next(each for each in box.buttons() if each.text() == words).click()
+
+    QTimer.singleShot(0, answer)
+
+
+def form_window(window: StudyWindow) -> StudyWindow:
+    (found,) = (each for each in window.findChildren(StudyWindow) if each.isVisible())
+    return found
+
+
+def test_the_form_of_a_step_is_edited_in_a_window_of_its_own(window: StudyWindow, qtbot: QtBot) -> None:
+    folder = window.editor.path.parent
+    window.open_section("steps")
+    settled(window, qtbot)
+    button(window, "Edit the form of steps[3]").click()
+    form = form_window(window)
+    assert form.editor.path == folder / "understood.yaml"
+    form.editor.set("items[0].id", "who")
+    qtbot.waitUntil(lambda: form.editor.settled)
+    with qtbot.waitSignal(form.editor.saved):
+        form.save()
+    assert "id: who" in (folder / "understood.yaml").read_text()
+    form.close()
+    # A form that comes with the program is copied before it is changed.
+    answered("Create trust.yaml")
+    button(window, "Edit the form of steps[6]").click()
+    settled(window, qtbot)
+    assert editable_text(window.editor.draft.fields()["steps[6].form"]) == "trust.yaml"
+    assert (folder / "trust.yaml").read_text() == (SHIPPED / "trust.yaml").read_text()
+    qtbot.waitUntil(lambda: len([each for each in window.findChildren(StudyWindow) if each.isVisible()]) == 1)
+    form_window(window).close()
+
+
+def test_a_form_that_was_mended_is_checked_again(window: StudyWindow, qtbot: QtBot) -> None:
+    path = window.editor.path.parent / "understood.yaml"
+    right = path.read_text()
+    path.write_text(right.replace("id: costs", "id: decides"))
+    window.editor.check_again()
+    qtbot.waitUntil(lambda: bool(window.editor.draft.faults))
+    window.open_section("steps")
+    settled(window, qtbot)
+    button(window, "Edit the form of steps[3]").click()
+    form = form_window(window)
+    form.editor.say(right)
+    form.editor.settle()
+    qtbot.waitUntil(lambda: form.editor.settled and not form.editor.draft.faults)
+    with qtbot.waitSignal(form.editor.saved):
+        form.save()
+    qtbot.waitUntil(lambda: not window.editor.draft.faults)
+    form.close()
+
+
+def test_a_step_is_previewed_from_the_saved_file_alone(
+    window: StudyWindow, qtbot: QtBot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started: list[list[str]] = []
+    monkeypatch.setattr(QProcess, "startDetached", lambda _program, arguments: started.append(arguments))
+    window.open_section("steps")
+    settled(window, qtbot)
+    button(window, "Preview 4: check (understood.yaml)").click()
+    assert started[0][-4:] == ["study", "preview", str(window.editor.path.parent), "4"]
+    window.editor.set("title", "Another title")
+    settled(window, qtbot)
+    answered("OK")
+    button(window, "Preview 4: check (understood.yaml)").click()
+    assert len(started) == 1

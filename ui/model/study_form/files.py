@@ -1,0 +1,34 @@
+"""The files that one form edits: studies, studies with people, and their questionnaires."""
+
+from pathlib import Path
+
+from ui.model.study_form import draft as studies
+from ui.model.study_form import experiment, questionnaire
+from ui.model.study_form.draft import StudyDraft
+from ui.model.study_form.experiment import is_experiment
+from ui.model.study_form.questionnaire import is_questionnaire
+
+
+def draft_of_file(path: Path, text: str) -> StudyDraft:
+    """Read and check a text by the kind of its file, as `thbridge study check` does."""
+    if is_experiment(path):
+        return experiment.experiment_draft(path, text)
+    if is_questionnaire(path, text):
+        return questionnaire.questionnaire_draft(path, text)
+    return studies.draft_of(path, text)
+
+
+def header_of(path: Path) -> str:
+    """Return the text of a new file."""
+    if is_experiment(path):
+        return experiment.HEADER
+    return questionnaire.START if is_questionnaire(path, "") else studies.HEADER
+
+
+def all_well(path: Path, text: str) -> str:
+    """Return the sentence that a file has no faults."""
+    if is_experiment(path):
+        return "No faults: people can go through it."
+    if is_questionnaire(path, text):
+        return "No faults: people can fill it in."
+    return "No faults: this study can be played."
