@@ -49,7 +49,7 @@ def test_items_are_added_changed_moved_and_removed_and_all_else_stays(tmp_path: 
     draft = drafted(tmp_path, draft.remove(draft.groups()["items[4]"]))
     draft = drafted(tmp_path, draft.set(draft.fields()["items[3].text"], "I was sure."))
     assert draft.text.splitlines()[:6] == TEXT.splitlines()
-    assert draft.text.splitlines()[6:] == ["  - {id: item_2, text: I was sure.}"]
+    assert draft.text.splitlines()[6:] == ['  - {id: item_2, text: "I was sure."}']
 
 
 def test_common_keys_are_offered_and_written(tmp_path: Path) -> None:

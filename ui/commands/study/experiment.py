@@ -41,7 +41,8 @@ def study_new(
         shutil.copytree(EXAMPLE, new, dirs_exist_ok=True)
     note(
         f"Wrote {folder}. Change its experiment.yaml and texts, in an editor or by "
-        f"`{command('study', 'edit', folder)}`; then check it: `{command('study', 'check', folder)}`."
+        f"`{command('study', 'edit', folder)}`; then check it: `{command('study', 'check', folder)}`. "
+        "docs/study-keys.md explains all keys of its files."
     )
 
 

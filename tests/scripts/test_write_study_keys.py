@@ -1,0 +1,25 @@
+"""The page of the keys of studies with people is what the program has, and its example is right."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+from thbridge.experiment.questionnaires.form import form_of_tree
+from thbridge.files.yaml.tree import parse
+
+ROOT = Path(__file__).parents[2]
+SCRIPT = ROOT / "scripts" / "write_study_keys.py"
+PAGE = (ROOT / "docs" / "study-keys.md").read_text(encoding="utf-8")
+
+
+def test_the_page_is_up_to_date() -> None:
+    spec = importlib.util.spec_from_file_location("write_study_keys", SCRIPT)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert module.document() == PAGE, "python scripts/write_study_keys.py"
+
+
+def test_the_questionnaire_of_the_page_has_no_faults() -> None:
+    (text,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
+    form = form_of_tree(Path("page.yaml"), parse(Path("page.yaml"), text)).value
+    assert len({item.scale for item in form.items}) == 6, "an item of each scale"
