@@ -9,14 +9,16 @@ from sim.common.robot_numbers import index_of, robot_name
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import HuntOutcome
 from thbridge.app.run_statistics import RobotStatistics
+from thbridge.files.disk.inside import path_inside
 from thbridge.recording.recordings import parts_of
-from ui.terminal import out
+from ui.terminal import bad_input, out
 
 
 def usual_bag(setting: StudySetting) -> Path:
-    """Return the default path of a hunt's recording."""
+    """Return the default path of a hunt's recording; the program ends if the map's name cannot be part of it."""
     study = setting.study
-    return Path("bags") / f"{setting.map.name}-{study.robots}robots-seed{study.seed}.bag"
+    with bad_input():
+        return path_inside(Path("bags"), f"{setting.map.name}-{study.robots}robots-seed{study.seed}.bag")
 
 
 def _robot_rows(robot: RobotStatistics) -> Iterator[tuple[str, str]]:

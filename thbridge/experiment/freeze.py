@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,8 +17,14 @@ _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
 
 
 def data_of(folder: str, names: list[str]) -> set[str]:
-    """Return those names in an experiment's folder that come of running it, for `shutil.copytree` to leave out."""
-    return {name for name in names if name in _DATA - {FREEZE} and Path(folder, "experiment.yaml").exists()}
+    """Return the names in an experiment's folder that are data, for `shutil.copytree` to leave out.
+
+    Links that lead nowhere, or to a folder above them, are left out as well: a copy would have no end.
+    """
+    data = {name for name in names if name in _DATA - {FREEZE} and Path(folder, "experiment.yaml").exists()}
+    links = [link for name in names if (link := Path(folder, name)).is_symlink()]
+    here = Path(os.path.realpath(folder))
+    return data | {link.name for link in links if not link.exists() or here.is_relative_to(os.path.realpath(link))}
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,7 @@ from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
 from sim.parameters import WorldParameters
 from sim.robot.costmap.footprint import radii
+from thbridge.files.disk.inside import fault_of_path
 from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, BadFiles
@@ -193,6 +194,8 @@ def _read_map_yaml(map_yaml: Path, moved: bool = False) -> tuple[Loaded[_MapYaml
     if entry.free_thresh >= entry.occupied_thresh:
         problem = f"{entry.free_thresh} is not below occupied_thresh {entry.occupied_thresh}"
         raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
+    if problem := fault_of_path(entry.image):
+        raise loaded.fault("image", problem, "Name the image, beside map.yaml or with its full path")
     image = map_yaml.parent / entry.image
     if moved and not is_regular(image):
         image = map_yaml.parent / image.name

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from thbridge.files.disk.inside import fault_of_path
 from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.errors import BadFile
 
@@ -13,9 +14,6 @@ ResourceKind = Literal["maps", "templates"]
 
 PACKAGE = Path(__file__).resolve().parent.parent
 """The folder of the package thbridge, in a wheel or in a checkout."""
-
-LONGEST_PATH = 4096
-"""Characters of the longest path that Linux takes."""
 
 _MARKS: Mapping[ResourceKind, str] = {"maps": "map.yaml", "templates": "DialogueText"}
 """The file that every folder of a kind has."""
@@ -48,8 +46,7 @@ class Resources:
             BadFile: there is no such folder.
         """
         mark, word = _MARKS[kind], _WORDS[kind]
-        if len(wanted) > LONGEST_PATH:
-            problem = f"no {word} has a name of {len(wanted)} characters"
+        if wanted and (problem := fault_of_path(wanted)):
             raise BadFile(self.root / kind, problem, f"The names are: {self._listed(kind)}")
         if "/" in wanted or "\\" in wanted:
             folder = beside / Path(wanted).expanduser()

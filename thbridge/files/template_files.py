@@ -11,10 +11,12 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from thbridge.dialogue.moves import Scenario
 from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template
 from thbridge.dialogue.words import word_fault
+from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.regular_files import open_regular
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.map_times import MAP_TIMES, read_map_times
@@ -77,11 +79,15 @@ class TemplateSet:
     pictures: Mapping[str, bytes]
 
 
-def read_template_set(folder: Path) -> TemplateSet:
+def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxyType({})) -> TemplateSet:
     """Read a template folder for the server.
 
     A `treasures.participant` in the folder must agree with `treasures`; else participants would be offered names that
     no treasure has.
+
+    Args:
+        folder: the folder.
+        replaced: image files by name that are taken instead of those in the folder.
 
     Raises:
         BadFiles: all that is missing or wrong in its files, and where two do not agree.
@@ -114,7 +120,7 @@ def read_template_set(folder: Path) -> TemplateSet:
         for kind in treasures.kinds:
             with faults.kept():
                 image = kind.image or ""
-                pictures[image] = _picture(path, kind.name, folder / PICTURES / image)
+                pictures[image] = _picture(path, kind.name, folder / PICTURES, image, replaced.get(image))
     if faults.found or treasures is None or dialogue is None:
         raise faults.together()
     return TemplateSet(treasures.rooms, costs, place, treasures.properties, treasures.kinds, dialogue, pictures)
@@ -156,11 +162,13 @@ def _priced_map(path: Path) -> str | None:
     return load(path, _SetYaml).value.map if path.exists() else None
 
 
-def _picture(treasures: Path, name: str, file: Path) -> bytes:
-    """The image file of a treasure."""
+def _picture(treasures: Path, name: str, folder: Path, image: str, data: bytes | None) -> bytes:
+    """Return the image file of a treasure, which is read where there are no `data` of it."""
+    file = path_inside(folder, image)
     try:
-        with open_regular(file) as opened:
-            data = opened.read(LARGEST_PICTURE + 1)
+        if data is None:
+            with open_regular(file) as opened:
+                data = opened.read(LARGEST_PICTURE + 1)
     except FileNotFoundError:
         problem, remedy = f"there is no picture {file.name}", f"put it into {file.parent} or mend the file name"
         raise BadFile(treasures, problem, remedy, key=name) from None

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from sim.parameters import param
 from thbridge.dialogue.words import WORDS
+from thbridge.files.disk.inside import fault_of_name
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.template_lines import count_in, first_line, numbered_lines
 from thbridge.files.yaml.load import Loaded, load
@@ -245,4 +246,4 @@ def _treasure_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
 
 def _is_plain_name(image: str) -> bool:
     """Return True for the name of a file without folder and blanks."""
-    return not ("/" in image or "\\" in image or image in ("", ".", "..") or len(image.split()) > 1)
+    return not fault_of_name(image) and len(image.split()) == 1

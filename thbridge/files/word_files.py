@@ -15,6 +15,7 @@ from thbridge.dialogue.wording.language import AboutRobot, Grammar, Language, Mo
 from thbridge.dialogue.wording.lines import LINES, LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, ValueKind, reserved_words
 from thbridge.dialogue.words import reserved_in, spelling_fault
+from thbridge.files.disk.inside import path_inside
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import read_rulebook
 from thbridge.files.resources import PACKAGE
@@ -104,7 +105,7 @@ def read_language(
     folders = tuple(folders)
     locutions = read_rulebook().locutions if locutions is None else locutions
     language = _read(folders, name, {each.name for each in locutions}, ())
-    folder = next(folder / name for folder in reversed(folders) if name in languages_in(folder))
+    folder = next(path_inside(folder, name) for folder in reversed(folders) if name in languages_in(folder))
     faults = tuple(_lacking(folder, language, locutions))
     if faults:
         raise BadFiles(faults)
@@ -140,7 +141,7 @@ def _read(folders: Sequence[Path], name: str, locutions: Collection[str], above:
     files: list[Loaded[_WordsYaml]] = []
     for folder in folders:
         of_folder: list[Loaded[_WordsYaml]] = []
-        for path in sorted((folder / name).glob("*.yaml")):
+        for path in sorted(path_inside(folder, name).glob("*.yaml")):
             with faults.kept():
                 of_folder.append(load(path, _WordsYaml))
         for loaded in of_folder:

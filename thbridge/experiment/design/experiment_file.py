@@ -14,9 +14,10 @@ from thbridge.experiment.allocation.places import Allocation
 from thbridge.experiment.design.practice import practice_problems, practice_studies, without_bases
 from thbridge.experiment.design.steps import StepEntry, StepKind
 from thbridge.experiment.questionnaires.form import SHIPPED, Form, read_form
+from thbridge.files.disk.inside import fault_of_name
 from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.disk.text_files import read_text
-from thbridge.files.errors import BadFile, FaultCollection
+from thbridge.files.errors import BadFile, FaultCollection, visible
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Section, at_line, parse
 from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread
@@ -28,6 +29,8 @@ MOST_CONDITIONS = 16
 MOST_PEOPLE = 100_000
 MOST_TRIALS = 64
 """Trials of a person whose seeds practice keeps away from."""
+LONGEST_TITLE = 200
+"""Letters of a title."""
 LARGEST_SEED = 2**31 - 1
 _OWN_READING = ("base", "within", "between")
 """Keys whose contents are keys of studies."""
@@ -310,7 +313,7 @@ def _study(path: Path, start: Node, levels: Mapping[str, Level]) -> Loaded[Study
 
 def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry) -> Loaded[Form]:
     own, shipped = loaded.path.parent / entry.form, SHIPPED / f"{entry.form}.yaml"
-    path = shipped if not is_regular(own) and is_regular(shipped) else own
+    path = shipped if not is_regular(own) and not fault_of_name(entry.form) and is_regular(shipped) else own
     if not is_regular(path):
         names = ", ".join(sorted(form.stem for form in SHIPPED.glob("*.yaml")))
         raise loaded.fault(f"steps[{index}].form", f"there is no form {entry.form}", f"Name a file, or one of {names}")
@@ -333,6 +336,9 @@ def name_of(index: int, entry: StepEntry) -> str:
 def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFile]:
     """Yield what is valid alone but not together."""
     file = loaded.value
+    if len(file.title) > LONGEST_TITLE or visible(file.title) != file.title:
+        problem = f"a title has at most {LONGEST_TITLE} letters, on one line"
+        yield loaded.fault("title", problem, "Shorten it: exports name files and headings after it")
     if not file.steps:
         yield loaded.fault("steps", "nobody has anything to do", "Write a line '- {step: trial}' at least")
     trials = [entry.each_condition for entry in file.steps if entry.step is StepKind.TRIAL]

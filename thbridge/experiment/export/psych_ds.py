@@ -11,10 +11,13 @@ from thbridge.experiment.export.families.described import ColumnDescription, Exp
 
 JsonLd = dict[str, object]
 
+LONGEST_WORD = 100
+"""Letters of a title in names of files, which end at 255 bytes."""
+
 
 def file_name(title: str, table: str) -> str:
-    """Return the name of a table's file: keywords and values, as Psych-DS spells them."""
-    return f"study-{_word(title)}_description-{_word(table.replace('_', ' '))}_data.csv"
+    """Return the name of a table's file: keywords and values, as Psych-DS spells them; a long title is cut off."""
+    return f"study-{_word(title)[:LONGEST_WORD]}_description-{_word(table.replace('_', ' '))}_data.csv"
 
 
 def dataset_description(title: str, tables: Iterable[ExperimentTable], notes: Sequence[str]) -> str:

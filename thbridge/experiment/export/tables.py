@@ -16,6 +16,7 @@ from thbridge.experiment.export.families.moves import dialogue_games, moves
 from thbridge.experiment.export.families.people import participants, steps
 from thbridge.experiment.export.families.reliance import reliance, reliance_of
 from thbridge.experiment.export.families.trials import RecordingState, Trial, trials, trials_of
+from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.events import LogEntry, LoggedEvent
 from thbridge.files.errors import BadFile
@@ -106,7 +107,7 @@ def game_tables(records: ExperimentRecords) -> Iterator[ExperimentTable | str]:
             yield f"{where} {is_so}; tables of games have no rows of it."
             continue
         try:
-            recorded = RecordedTrial(trial, read_game(records.root / str(trial.bag)))
+            recorded = RecordedTrial(trial, read_game(ExperimentFolder(records.root).bag_named(trial.bag)))
         except BadFile as error:
             yield f"{where} cannot be read ({error.problem}); tables of games have no rows of it."
             continue

@@ -4,6 +4,7 @@ import json
 import os
 from pathlib import Path
 
+from thbridge.files.disk.inside import fault_of_name, fault_of_path
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.json_text import json_of
@@ -72,6 +73,11 @@ class KnownFolders:
             raise BadFile(self._list, f"cannot be read ({reason_of(error)})", _REMEDY) from None
         except ValueError:
             told = None
-        if not isinstance(told, list):
+        if not isinstance(told, list) or not all(isinstance(path, str) for path in told):
             raise BadFile(self._list, f"is no list of {self._what}", _REMEDY)
-        return [str(path) for path in told]
+        for path in told:
+            # They may be anywhere; those in the study's folder have no way out of it.
+            names = [] if path.startswith("/") or path == "." else path.split("/")
+            if problem := fault_of_path(path) or next(filter(None, map(fault_of_name, names)), ""):
+                raise BadFile(self._list, problem, _REMEDY, key=repr(path))
+        return told

@@ -5,8 +5,10 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile, visible
 
-LONGEST_NAME = 200
-"""Longest name, in bytes of UTF-8; file systems take 255, and files have suffixes, above all while they are written."""
+LONGEST_NAME = 240
+"""Longest name, in bytes of UTF-8; file systems take 255, of which a file needs 15 while it is written."""
+LONGEST_PATH = 4095
+"""Longest path, in bytes, as in Linux."""
 
 _REMEDY = f"Give a name of 1 to {LONGEST_NAME} bytes, without slashes, backslashes and control characters"
 
@@ -40,6 +42,17 @@ def relative_inside(folder: Path, path: str) -> Path:
     if path.startswith("/"):
         raise BadFile(folder, "this is an absolute path", f"Give a path inside {folder}", key=repr(path))
     return path_inside(folder, *path.split("/"))
+
+
+def fault_of_path(path: str) -> str:
+    """Return what is wrong with a path that may lead anywhere, such as one in a study file, as a clause; or nothing."""
+    if not path.strip():
+        return "this path is empty" if not path else "this path has only blanks"
+    if visible(path) != path:
+        return "this path has a control character"
+    if len(path.encode()) > LONGEST_PATH or any(len(name.encode()) > LONGEST_NAME for name in path.split("/")):
+        return f"this path is too long: {LONGEST_PATH} bytes are allowed, and {LONGEST_NAME} for each name in it"
+    return ""
 
 
 def fault_of_name(name: str) -> str:

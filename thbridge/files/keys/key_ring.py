@@ -12,6 +12,7 @@ from pathlib import Path
 
 import msgspec
 
+from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.regular_files import content_of
 from thbridge.files.disk.synced import make_folder
 from thbridge.files.disk.whole import whole_file, write_whole
@@ -111,7 +112,7 @@ class KeyRing:
         if _NAME.fullmatch(name) is None:
             problem = f"{name!r} is no name of a key"
             raise BadFile(self._path, problem, "take small letters, digits, - and _, a letter first")
-        path = self.folder / f"{name}{KEY_SUFFIX}"
+        path = path_inside(self.folder, f"{name}{KEY_SUFFIX}")
         with self._locked():
             if any(entry.name == name for entry in self.entries):
                 remedy = "take another name; a name is never used again"

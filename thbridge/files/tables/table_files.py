@@ -14,6 +14,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from pyarrow import compute, csv, ipc, parquet
 
+from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.spool import SpoolFile
 from thbridge.files.progress import Tell
 from thbridge.files.tables.csv_cells import text_cells
@@ -108,6 +109,7 @@ class TableFiles:
             values: values of the columns, in their order.
 
         Raises:
+            BadFile: the name is no name of a file.
             OSError: the disk is full, or the like.
         """
         table = arrow_table(columns, values)
@@ -120,7 +122,7 @@ class TableFiles:
                 include_header=name not in self._begun, quoting_style="needed", quoting_header="needed"
             )
             self._begun.add(name)
-            with (self._folder / f"{name}.csv").open("ab") as file:
+            with path_inside(self._folder, f"{name}.csv").open("ab") as file:
                 csv.write_csv(plain, file, options)
 
     def finish(self, tell: Tell) -> None:
@@ -135,7 +137,7 @@ class TableFiles:
         done, total = 0, sum(map(len, self._waiting.values()))  # of integers
         for name, extents in self._waiting.items():
             pieces = (_unpacked(self._spool.get(*extent)) for extent in extents)
-            for _ in _write_parquet(self._folder / f"{name}.parquet", pieces):
+            for _ in _write_parquet(path_inside(self._folder, f"{name}.parquet"), pieces):
                 done += 1
                 tell("pieces of tables", done, total)
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
+from thbridge.files.disk.inside import fault_of_path
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.declarations import (
@@ -141,6 +142,8 @@ class _Reader:
         choices = choices_of(hint, metadata)
         if choices and node.text not in choices:
             return self.wrong(node.line, key, f"{node.text!r} is no choice here", wanted(hint, metadata))
+        if isinstance(hint, type) and issubclass(hint, Path) and (problem := fault_of_path(node.text)):
+            return self.wrong(node.line, key, problem, wanted(hint, metadata))
         if isinstance(hint, type) and issubclass(hint, (str, Path)):
             return hint(node.text)
         if get_origin(hint) is Literal:

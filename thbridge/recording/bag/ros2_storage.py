@@ -19,6 +19,7 @@ from rosbags.typesys import Stores, get_typestore
 from ruamel.yaml import YAML
 from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, NodeEvent
 
+from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.regular_files import content_of, open_regular
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.damage import TooLargeChunk
@@ -50,10 +51,12 @@ def plain_recording(path: Path, work: Path) -> Iterator[Path]:
 
     Raises:
         TooLargeChunk: it unpacks to more than it may.
-        BadFile: a file of it is a pipe or a device.
+        BadFile: a file of it is a pipe or a device, or a link leads out of its folder.
         OSError, YAMLError: it cannot be read.
     """
     for file in path.rglob("*") if path.is_dir() else [path]:
+        if file.is_symlink() and file != path:
+            path_inside(path, *file.relative_to(path).parts)
         if file.exists() and not file.is_dir():
             open_regular(file).close()
     copy = _unpacked_folder(path, work) if path.is_dir() else None
@@ -149,7 +152,7 @@ def _unpacked_folder(path: Path, work: Path) -> Path | None:
         files = [PurePath(str(name)) for name in names]
         so_far = UnpackedBytes(size_of(path))
         for file in files:
-            unpack_file(path / file.name, copy / file.stem, so_far)
+            unpack_file(path_inside(path, file.name), path_inside(copy, file.stem), so_far)
         told |= {"compression_format": "", "compression_mode": "", "relative_file_paths": [it.stem for it in files]}
         with (copy / METADATA).open("w", encoding="utf-8") as out:
             YAML(typ="safe").dump(metadata, out)

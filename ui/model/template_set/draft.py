@@ -7,7 +7,7 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.template_files import DIALOGUE_TEXT, TemplateSet, read_template_set
-from thbridge.files.treasure_files import PARTICIPANT_TREASURES, PICTURES, TREASURES, TREASURES_YAML
+from thbridge.files.treasure_files import PARTICIPANT_TREASURES, TREASURES, TREASURES_YAML
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,28 +48,18 @@ def template_draft(folder: Path, texts: Mapping[str, str], pictures: Mapping[str
     with tempfile.TemporaryDirectory(prefix="thbridge-") as scratch:
         mirror = Path(scratch) / folder.resolve().name
         mirror.mkdir()
-        _link_all(folder, mirror, but={*texts, *((PICTURES,) if pictures else ())})
-        if pictures:
-            (mirror / PICTURES).mkdir()
-            if (folder / PICTURES).is_dir():
-                _link_all(folder / PICTURES, mirror / PICTURES, but=set(pictures))
-            for name, data in pictures.items():
-                (mirror / PICTURES / name).write_bytes(data)
+        for path in folder.iterdir():
+            if path.name not in texts:
+                (mirror / path.name).symlink_to(path.resolve())
         for name, text in texts.items():
             (mirror / name).write_text(text, encoding="utf-8", newline="")
         try:
-            return TemplateDraft(folder, texts, read_template_set(mirror), ())
+            return TemplateDraft(folder, texts, read_template_set(mirror, pictures), ())
         except BadFiles as several:
             found = several.faults
         except BadFile as fault:
             found = (fault,)
         return TemplateDraft(folder, texts, None, tuple(_in_its_folder(fault, mirror, folder) for fault in found))
-
-
-def _link_all(folder: Path, mirror: Path, but: set[str]) -> None:
-    for path in folder.iterdir():
-        if path.name not in but:
-            (mirror / path.name).symlink_to(path.resolve())
 
 
 def _in_its_folder(fault: BadFile, mirror: Path, folder: Path) -> BadFile:

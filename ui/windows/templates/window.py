@@ -25,6 +25,7 @@ from PySide6.QtWidgets import (
 
 from thbridge.dialogue.words import allowed_words
 from thbridge.files.disk.edited_file import TextOnDisk, read_edited, write_edited
+from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import read_map
@@ -175,7 +176,7 @@ class TemplateWindow(QMainWindow):
             for name in list(self._new_pictures):
                 with suppress(OSError):  # told by the writing that follows
                     (self.folder / PICTURES).mkdir(exist_ok=True)
-                write_whole(self.folder / PICTURES / name, self._new_pictures[name])
+                write_whole(path_inside(self.folder / PICTURES, name), self._new_pictures[name])
                 del self._new_pictures[name]
         except BadFile as fault:
             self._tell(str(fault))
@@ -191,8 +192,8 @@ class TemplateWindow(QMainWindow):
 
     def _picture_on_disk(self, name: str) -> bytes | None:
         try:
-            return (self.folder / PICTURES / name).read_bytes()
-        except OSError:
+            return path_inside(self.folder / PICTURES, name).read_bytes()
+        except (OSError, BadFile):
             return None
 
     def closeEvent(self, event: QCloseEvent) -> None:

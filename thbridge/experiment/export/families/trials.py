@@ -20,8 +20,10 @@ from thbridge.experiment.export.families.described import (
     time,
     whole,
 )
+from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import JsonValue, StepOutcome
+from thbridge.files.errors import BadFile
 from thbridge.recording.recordings import digest_of
 from thbridge.timing.pace_meter import LATE, real_time
 
@@ -91,8 +93,8 @@ def _state(attempt: Attempt, root: Path) -> RecordingState:
     if attempt.game is None or "bag" not in attempt.game:
         return RecordingState.NONE
     try:
-        digest = digest_of(root / str(attempt.game["bag"]))
-    except OSError:
+        digest = digest_of(ExperimentFolder(root).bag_named(attempt.game["bag"]))
+    except (OSError, BadFile):
         return RecordingState.MISSING
     return RecordingState.AS_RECORDED if digest == attempt.game.get("sha256") else RecordingState.CHANGED
 
