@@ -19,16 +19,16 @@ import pytest
 from tests.thbridge.experiment.test_backup import play
 from tests.thbridge.experiment.test_design import write
 from thbridge.analysis.export.exporting import table_name
-from thbridge.experiment.backup import back_up, holds
+from thbridge.experiment.backup import back_up
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import LONGEST_TITLE
 from thbridge.experiment.export.folder import export_experiment
 from thbridge.experiment.export.manifest import exports_with
 from thbridge.experiment.export.psych_ds import file_name
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import EventKind
 from thbridge.experiment.store.event_log import ExperimentLog
-from thbridge.experiment.store.events import Clocks
+from thbridge.experiment.store.events import Clocks, EventKind
+from thbridge.experiment.withdrawal import NobodyWithdraws, plan_withdrawal
 from thbridge.files.disk.inside import LONGEST_NAME, path_inside
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.key_ring import KeyRing
@@ -139,11 +139,14 @@ def of_event(root: Path, outside: Path, name: str) -> None:
     refused_if(len(sentences) >= 2)
 
 
-def of_backup(root: Path, outside: Path, name: str) -> None:
+def of_withdrawal(root: Path, outside: Path, name: str) -> None:
+    """What a person types as the id or code of who withdraws."""
     study = ExperimentFolder(root / "study")
     shutil.copytree(root / "played", study.root)
     linked(study.recordings, outside)
-    holds(study, name)
+    with pytest.raises(NobodyWithdraws):
+        plan_withdrawal(study, study.read(), name)
+    study.recordings_of(name)
 
 
 def of_list(root: Path, outside: Path, name: str) -> None:
@@ -238,7 +241,7 @@ PLACES: dict[str, Callable[[Path, Path, str], None]] = {
         of_person,
         of_export,
         of_event,
-        of_backup,
+        of_withdrawal,
         of_list,
         of_picture,
         of_language,
@@ -270,7 +273,7 @@ def test_a_supplied_name_leads_nowhere_else(place: str, played: Path, tmp_path: 
         (outside / "xx").mkdir(parents=True)
         (outside / "secret").write_bytes(SECRET)
         (outside / "xx" / "x.yaml").write_text("language: {title: Secret, falls_back_on: en}\n")
-        if place in ("event", "backup"):
+        if place in ("event", "withdrawal"):
             shutil.copytree(played, root / "played")
         name = str(outside / "secret") if what == "absolute" else written
         with untouched(outside), pytest.raises(BadFile) as refused:
