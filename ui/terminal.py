@@ -150,6 +150,8 @@ def whole_standard_output() -> Iterator[None]:
         code = _code_of(failed)
     else:
         return
+    if sys.stdout is None:
+        sys.exit(code)
     # What is left would be tried again by Python, and told as a fault.
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)

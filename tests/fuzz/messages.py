@@ -4,7 +4,9 @@ Whole examples come from a hunt that is kept for replays (`tests/system/studies_
 """
 
 import json
+import sqlite3
 from collections.abc import Callable
+from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import islice
@@ -22,6 +24,12 @@ from tests.thbridge.protocols.mavlink.rig import Rig
 from thbridge.app.session.input_records import from_record
 from thbridge.app.session.watch_requests import WatchRequestHandler, request_line
 from thbridge.dialogue.portrait import DialoguePortrait, PortrayedBelief, PortrayedGame, read_portrait
+from thbridge.experiment.design.experiment_file import read_experiment
+from thbridge.experiment.progress import BadHistory, Progress
+from thbridge.experiment.store.decoding import BadEvent
+from thbridge.experiment.store.decoding import decoded as event_of
+from thbridge.experiment.store.event_log import read_log
+from thbridge.experiment.store.events import LoggedEvent
 from thbridge.hunt.codec import from_json
 from thbridge.protocols.credentials import KeyAnswer, key_line, parse_answer, secret_of
 from thbridge.protocols.mavlink.dialect import decoded, payload_of
@@ -324,6 +332,31 @@ def _read_event(data: bytes) -> None:
     from_json(data.decode(errors="replace"))
 
 
+PEOPLE = ROOT / "tests" / "system" / "studies_of_0_1" / "with-people"
+
+
+@cache
+def _study_events() -> tuple[bytes, ...]:
+    """The contents of a log, one of each kind, whose digests would keep mistakes from what reads them."""
+    with closing(sqlite3.connect(f"file:{PEOPLE}/store/log?mode=ro&immutable=1", uri=True)) as database:
+        rows = database.execute("SELECT content FROM events ORDER BY sequence").fetchall()
+    kinds = {json.loads(content)["kind"]: content.encode() for (content,) in reversed(rows)}
+    return tuple(kinds.values())
+
+
+@cache
+def _people() -> Progress:
+    """People who have just begun."""
+    entries = [entry for entry in read_log(PEOPLE / "store" / "log") if isinstance(entry, LoggedEvent)]
+    return Progress(read_experiment(PEOPLE / "experiment.yaml")).after(entries[:3])
+
+
+def _read_study_event(data: bytes) -> None:
+    event = event_of(data.decode(errors="replace"))
+    with suppress(BadHistory):  # most events cannot follow the first three
+        _people().after([LoggedEvent(4, event)])
+
+
 ADDRESSES = (b"10.0.0.1:14550", b"[::1]:5760", b"2@localhost:14550", b"10.0.0.0/24")
 
 
@@ -345,6 +378,7 @@ MESSAGES = {
     "datagrams": MessageTarget(300, _datagrams, _read_datagram),
     "inputs": MessageTarget(300, _input_records, _read_input, (ValueError,)),
     "events": MessageTarget(300, _events, _read_event, (ValueError,)),
+    "study-events": MessageTarget(300, _study_events, _read_study_event, (BadEvent,)),
     "portraits": MessageTarget(200, lambda: (PORTRAIT.json().encode(),), _read_portrait, (ValueError,)),
     "wizard": MessageTarget(200, lambda: (len(WIZARD).to_bytes(4, "little") + WIZARD,), decode_wizard, (ValueError,)),
     "addresses": MessageTarget(300, lambda: ADDRESSES, _read_address),

@@ -25,6 +25,7 @@ from thbridge.analysis.summary import summarise
 from thbridge.analysis.to_mcap import to_mcap
 from thbridge.analysis.to_ros2 import to_ros2
 from thbridge.batch.design import read_design
+from thbridge.batch.status import status_of
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
 from thbridge.experiment.questionnaires.form import read_form
 from thbridge.experiment.rehearsal.people import read_people
@@ -230,6 +231,13 @@ def _sweeps(folder: Path) -> tuple[str, ...]:
     return "sweep.yaml", "study.yaml"
 
 
+MANIFEST = """\
+{"layout": 1, "versions": {"thbridge": "0.1.0"}, "design": {"factors": ["robots"],
+ "levels": {"1": {"robots": "1"}, "2": {"robots": "2"}}, "seeds": [1, 2, 3], "max_seconds": 60.0,
+ "measures": ["score"], "one_bag_in": 0, "one_verified_in": 10, "chunk": 2, "files": {}, "studies": {}}}
+"""
+
+
 def _languages(folder: Path) -> tuple[str, ...]:
     shutil.copytree(LANGUAGE, folder / "ours", dirs_exist_ok=True)
     return tuple(f"ours/{path.name}" for path in sorted(LANGUAGE.iterdir()))
@@ -323,6 +331,7 @@ TARGETS = {
         lambda folder, name: _taken(read_form(folder / name)),
     ),
     "sweep": Target(15, _sweeps, lambda folder, name: _taken(read_design(folder / "sweep.yaml"))),
+    "sweep-folder": Target(150, _texts(sweep_json=MANIFEST), lambda folder, name: _taken(status_of(folder))),
     "templates": Target(150, _templates, lambda folder, name: _taken(read_template_set(folder))),
     "languages": Target(4, _languages, lambda folder, name: _taken(read_language((folder,), "ours"))),
     "dialogue-games": Target(20, _games, lambda folder, name: _taken(read_rulebook((folder,)))),

@@ -6,11 +6,14 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from typing import Annotated, cast
+
+import msgspec
+from msgspec import Meta
 
 from thbridge.app.compose.machine import machine, versions
 from thbridge.batch.chunks import GameChunk, chunks_of
-from thbridge.batch.design import SweepDesign
+from thbridge.batch.design import MOST_CONDITIONS, SweepDesign
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.disk.whole import PART, whole_file
 from thbridge.files.errors import BadFile
@@ -22,6 +25,8 @@ from thbridge.study.text import resolved
 LAYOUT = 1
 """Layout of the folder; another number is of another release."""
 LARGEST_MANIFEST = 1 << 28
+MOST_CHUNKS = 10_000_000
+"""Most chunks of a manifest that is read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +120,7 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
         # Of several that begin at once, one wins.
         with suppress(FileExistsError), whole_file(folder.manifest, folders=True, exclusive=True) as file:
             file.write((json.dumps(told, indent=1) + "\n").encode())
-    there = _read(folder)["design"]
+    _, there = _read(folder)
     if there != here:
         problem = f"{root} has the games of another design: {_difference(folder, design, there, here)}"
         raise BadFile(design.path, problem, "Name another folder by --out, or take the change back")
@@ -125,17 +130,16 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
 def read_manifest(root: Path) -> tuple[SweepFolder, SweepManifest]:
     """Read what a folder tells of its sweep. Raises BadFile."""
     folder = SweepFolder(root)
-    told = _read(folder)
-    design = cast(Mapping[str, object], told["design"])
-    levels = cast(Mapping[str, Mapping[str, str]], design["levels"])
+    read, _ = _read(folder)
+    design = read.design
     return folder, SweepManifest(
-        factors=tuple(cast("list[str]", design["factors"])),
-        levels={int(number): named for number, named in levels.items()},
-        seeds=tuple(cast("list[int]", design["seeds"])),
-        measures=tuple(cast("list[str]", design["measures"])),
-        one_verified_in=cast(int, design["one_verified_in"]),
-        chunk=cast(int, design["chunk"]),
-        versions=cast(Mapping[str, str], told["versions"]),
+        factors=tuple(design.factors),
+        levels=design.levels,
+        seeds=tuple(design.seeds),
+        measures=tuple(design.measures),
+        one_verified_in=design.one_verified_in,
+        chunk=design.chunk,
+        versions=read.versions,
     )
 
 
@@ -194,10 +198,31 @@ def _digest(path: Path) -> str:
     return digest.hexdigest()
 
 
-def _read(folder: SweepFolder) -> Mapping[str, object]:
-    path, remedy = folder.manifest, "name the folder of a sweep"
+class _ManifestDesign(msgspec.Struct):
+    """What readers of a manifest rely on of its design; the rest is compared with a new design as it stands."""
+
+    factors: list[str]
+    levels: dict[Annotated[int, Meta(ge=1, le=MOST_CONDITIONS)], dict[str, str]]
+    seeds: list[Annotated[int, Meta(ge=0, le=2**63 - 1)]]
+    measures: list[str]
+    one_verified_in: Annotated[int, Meta(ge=0, le=2**63 - 1)]
+    chunk: Annotated[int, Meta(ge=1, le=2**31)]
+
+
+class _ManifestFile(msgspec.Struct):
+    """A manifest as its file has it."""
+
+    layout: int
+    design: _ManifestDesign
+    versions: dict[str, str]
+
+
+def _read(folder: SweepFolder) -> tuple[_ManifestFile, Mapping[str, object]]:
+    """Return what a manifest says, and its design as it stands. Raises BadFile."""
+    path, remedy = folder.manifest, "name the folder of a sweep, or bring this file back"
     try:
-        told: object = json_of(read_text(path, LARGEST_MANIFEST))
+        text = read_text(path, LARGEST_MANIFEST)
+        told: object = json_of(text)
     except json.JSONDecodeError as error:
         raise BadFile(path, f"not JSON ({error.msg})", remedy, line=error.lineno) from None
     except ValueError as error:
@@ -206,7 +231,15 @@ def _read(folder: SweepFolder) -> Mapping[str, object]:
         raise BadFile(path, fault.problem, remedy) from None
     if not isinstance(told, dict) or told.get("layout") != LAYOUT:
         raise BadFile(path, "another release of this program began this sweep", "go on with that release")
-    return cast(Mapping[str, object], told)
+    try:
+        read = msgspec.json.decode(text, type=_ManifestFile)
+    except (msgspec.MsgspecError, RecursionError) as error:
+        raise BadFile(path, f"it is not as a sweep writes it ({error})", remedy) from None
+    if sorted(read.design.levels) != list(range(1, len(read.design.levels) + 1)):
+        raise BadFile(path, "its conditions are not numbered from 1 without gaps", remedy, key="levels")
+    if len(read.design.levels) * -(-len(read.design.seeds) // read.design.chunk) > MOST_CHUNKS:
+        raise BadFile(path, f"it has more than {MOST_CHUNKS} chunks of games", remedy, key="seeds")
+    return read, cast(Mapping[str, object], told["design"])
 
 
 def _difference(folder: SweepFolder, design: SweepDesign, there: object, here: object) -> str:

@@ -9,6 +9,7 @@ import types
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cache
 from pathlib import Path
 from typing import cast, get_args, get_origin, get_type_hints
 
@@ -224,6 +225,12 @@ def differing_games(path: Path, condition: int) -> list[str]:
     ]
 
 
+def versions_in(path: Path) -> str:
+    """Return the versions of the programs that wrote a chunk, as JSON. Raises BadFile."""
+    metadata = read_table(path, ["seed"]).schema.metadata or {}
+    return str(metadata.get(VERSIONS.encode(), b"{}"), errors="replace")
+
+
 def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
     """Read some columns of a file. Raises BadFile: it is not what was written, none of ours, or too large for one."""
     remedy = "delete it: a further run plays its games again"
@@ -238,9 +245,27 @@ def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
         if file.metadata.num_rows > MOST_GAMES or unpacked > LARGEST_TABLE:
             problem = f"{file.metadata.num_rows} games that unpack to {unpacked} bytes are more than a chunk has"
             raise BadFile(path, problem, remedy)
-        return file.read(columns)
-    except (OSError, pa.ArrowException) as error:
+        table = file.read(columns)
+    except (OSError, pa.ArrowException, UnicodeDecodeError) as error:
         raise BadFile(path, f"it cannot be read ({error})", remedy) from None
+    known, always = _known_columns()
+    for field in table.schema:
+        if (kind := known.get(field.name)) is not None and field.type != kind:
+            raise BadFile(path, f"its column {field.name} is {field.type} and not {kind}", remedy)
+        if field.name in always and table[field.name].null_count:
+            raise BadFile(path, f"its column {field.name} has gaps", remedy)
+    if (missing := next((name for name in columns or () if name not in table.column_names), None)) is not None:
+        raise BadFile(path, f"it has no column {missing}", remedy)
+    return table
+
+
+@cache
+def _known_columns() -> tuple[Mapping[str, pa.DataType], frozenset[str]]:
+    """Return the types of the columns that readers rely on, and those that have a value in each row."""
+    hints = {**get_type_hints(GameResult), **get_type_hints(Verification), "equal": bool}
+    hints.pop("measures")
+    always = frozenset(name for name, hint in hints.items() if get_origin(hint) is not types.UnionType)
+    return {name: _arrow(hint) for name, hint in hints.items()}, always
 
 
 def _is_damaged(content: bytes) -> bool:

@@ -1,16 +1,15 @@
 """Status of a sweep, as its folder tells it while any number of programs work on it, or none."""
 
-import json
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pyarrow import parquet
+import msgspec
 
 from thbridge.batch.chunks import is_drawn
 from thbridge.batch.folder import read_manifest
-from thbridge.batch.results import VERSIONS, GameStatus, differing_games, game_faults, read_table
+from thbridge.batch.results import GameStatus, differing_games, game_faults, read_table, versions_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,13 +66,13 @@ def status_of(root: Path) -> SweepStatus:
         if path.exists():
             rows = read_table(path, ["status", "cpu_seconds"]).to_pylist()
             written.append((path.stat().st_mtime, len(rows)))
-            versions[(parquet.read_metadata(path).metadata or {}).get(VERSIONS.encode(), b"{}").decode()] += 1
+            versions[versions_in(path)] += 1
             for row in rows:
                 by_status[row["status"]] += 1
                 cpu += row["cpu_seconds"]
             faults += game_faults(path, chunk.condition)
         if again.exists():
-            verified += parquet.read_metadata(again).num_rows
+            verified += read_table(again, ["seed"]).num_rows
             differing += differing_games(again, chunk.condition)
     done = by_status.total()
     rate = _rate(sorted(written))
@@ -107,4 +106,8 @@ def _rate(written: list[tuple[float, int]]) -> float | None:
 
 
 def _told(versions: str) -> str:
-    return ", ".join(f"{name} {version}" for name, version in json.loads(versions).items())
+    try:
+        told = msgspec.json.decode(versions, type=dict[str, str])
+    except (msgspec.MsgspecError, RecursionError):
+        return "unknown versions"
+    return ", ".join(f"{name} {version}" for name, version in told.items())

@@ -30,7 +30,12 @@ def collect(root: Path) -> pa.Table:
     tables = [table for chunk in manifest.chunks if (table := _games(folder, chunk)) is not None]
     if not tables:
         raise BadFile(root, "no games have been played yet", "run `thbridge sweep` first")
-    return pa.concat_tables(tables).sort_by([("condition", "ascending"), ("seed", "ascending")]).combine_chunks()
+    try:
+        whole = pa.concat_tables(tables)
+    except pa.ArrowException as error:
+        remedy = "delete the files of the other design or release: a further run plays their games again"
+        raise BadFile(root / "games", f"its files have different columns ({error})", remedy) from None
+    return whole.sort_by([("condition", "ascending"), ("seed", "ascending")]).combine_chunks()
 
 
 def _games(folder: SweepFolder, chunk: GameChunk) -> pa.Table | None:

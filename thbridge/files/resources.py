@@ -49,7 +49,12 @@ class Resources:
         if wanted and (problem := fault_of_path(wanted)):
             raise BadFile(self.root / kind, problem, f"The names are: {self._listed(kind)}")
         if "/" in wanted or "\\" in wanted:
-            folder = beside / Path(wanted).expanduser()
+            try:
+                folder = beside / Path(wanted).expanduser()
+            except RuntimeError:
+                problem = f"{wanted.partition('/')[0]} is the folder of no user of this machine"
+                remedy = f"Give the path of a {word} without ~, or one of: {self._listed(kind)}"
+                raise BadFile(Path(wanted), problem, remedy) from None
             if is_regular(folder / mark):
                 return folder
             problem = f"there is no {mark} in this folder"
