@@ -175,7 +175,7 @@ Processes = Annotated[
 ]
 DaskScheduler = Annotated[
     str | None,
-    typer.Option("--scheduler", help="Scheduler of a Dask cluster, such as tcp://10.0.0.1:8786.", metavar="ADDRESS"),
+    typer.Option("--scheduler", help="Scheduler of a Dask cluster, such as tls://10.0.0.1:8786.", metavar="ADDRESS"),
 ]
 SlurmJobs = Annotated[int, typer.Option("--jobs", help="Jobs of Slurm to submit at a time.", min=1, max=10_000)]
 SlurmOptions = Annotated[

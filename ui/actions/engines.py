@@ -4,12 +4,14 @@ import os
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from ipaddress import ip_address
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from thbridge.batch.engines.engine import Engine, EngineFailed, TaskT
 from thbridge.batch.engines.processes import ProcessEngine
 from ui.options import EngineKind
-from ui.terminal import BAD_INPUT, FAILED, fail
+from ui.terminal import BAD_INPUT, FAILED, fail, note
 
 
 def chosen_engine(
@@ -40,7 +42,7 @@ def chosen_engine(
     if kind is EngineKind.PROCESSES:
         return ProcessEngine(processes or len(os.sched_getaffinity(0)), warm)
     if kind is EngineKind.DASK and scheduler is None:
-        fail(BAD_INPUT, "--engine dask: where is the cluster? Add --scheduler, such as tcp://10.0.0.1:8786.")
+        fail(BAD_INPUT, "--engine dask: where is the cluster? Add --scheduler, such as tcp://127.0.0.1:8786.")
     wrong = next((option for option in job_options or () if not all(option.partition("="))), None)
     if wrong is not None:
         fail(BAD_INPUT, f"--slurm: {wrong!r} is not KEY=VALUE. Write for example --slurm partition=short.")
@@ -48,6 +50,11 @@ def chosen_engine(
         if kind is EngineKind.DASK:
             from thbridge.batch.engines.dask import DaskEngine  # noqa: PLC0415 - an extra
 
+            if is_open_to_others(scheduler or ""):
+                note(
+                    f"Warning: {scheduler} is another machine, and without TLS. Any machine that reaches the scheduler "
+                    "can run programs on its workers and here. Use a tls:// address; see docs/sweeps.md."
+                )
             return DaskEngine(scheduler or "")
         from thbridge.batch.engines.slurm import SlurmEngine  # noqa: PLC0415 - an extra
 
@@ -57,6 +64,17 @@ def chosen_engine(
         fail(FAILED, f"--engine {kind}: {missing.name} is not installed. Run: pip install 'thbridge[cluster]'")
     except EngineFailed as reason:
         fail(FAILED, str(reason))
+
+
+def is_open_to_others(scheduler: str) -> bool:
+    """Return True for the address of a scheduler that is reached over a network without TLS."""
+    scheme, separator, rest = scheduler.rpartition("://")
+    if separator and scheme in {"tls", "wss", "inproc"}:
+        return False
+    try:
+        return not ip_address(urlsplit(f"//{rest}").hostname or "").is_loopback
+    except ValueError:
+        return rest.partition(":")[0].lower() != "localhost"
 
 
 @contextmanager

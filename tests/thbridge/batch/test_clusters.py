@@ -18,10 +18,13 @@ from tests.thbridge.batch.rig import InlineEngine, games, run
 pytest.importorskip("distributed")
 pytest.importorskip("submitit")
 
+from dask import config
+
 from thbridge.batch.engines import dask
 from thbridge.batch.engines.dask import DaskEngine
 from thbridge.batch.engines.engine import EngineFailed
 from thbridge.batch.engines.slurm import SlurmEngine
+from ui.actions.engines import is_open_to_others
 
 FEW = """\
 base: {game.energy: 20}
@@ -108,6 +111,48 @@ def test_dask_workers_play_the_same_games_though_one_is_killed(
     assert (told.games, told.played, told.verified, told.differing) == (4, 4, 4, 0)
     assert games(root).equals(games(whole))
     assert len(list(root.glob("games/*/*.parquet"))) == 4
+
+
+@pytest.mark.slow
+def test_dask_plays_by_tls_alone(whole: Path, tmp_path: Path) -> None:
+    """As docs/sweeps.md shows it, on this machine."""
+    words = "req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 2 -subj /CN=dask -keyout k -out c"
+    subprocess.run(["openssl", *words.split()], cwd=tmp_path, check=True, capture_output=True)
+    place, security = tmp_path / "scheduler.json", ("--tls-ca-file", "c", "--tls-cert", "c", "--tls-key", "k")
+    with ExitStack() as programs:
+        for role, more in (("dask_scheduler", ("--protocol", "tls", "--port", "0")), ("dask_worker", ("--no-nanny",))):
+            bound = (*more, "--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(place), *security)
+            command = [sys.executable, "-m", f"distributed.cli.{role}", *bound]
+            program = subprocess.Popen(command, env=SURROUNDINGS, stderr=subprocess.DEVNULL, cwd=tmp_path)
+            programs.callback(program.wait)
+            programs.callback(program.kill)
+            address = _address(place)
+        assert address.startswith("tls://127.0.0.1:")
+        for wrong in (address, address.replace("tls://", "tcp://")):
+            with pytest.raises(EngineFailed, match="No Dask scheduler answers"):
+                DaskEngine(wrong)
+        files = {"ca-file": "c", "client.cert": "c", "client.key": "k"}
+        with config.set({f"distributed.comm.tls.{key}": str(tmp_path / name) for key, name in files.items()}):
+            told = run(tmp_path / "sweep", DaskEngine(address), FEW)
+    assert (told.played, told.verified, told.differing) == (4, 4, 0)
+    assert games(tmp_path / "sweep").equals(games(whole))
+
+
+@pytest.mark.parametrize(
+    ("address", "is_open"),
+    [
+        ("tcp://10.0.0.1:8786", True),
+        ("10.0.0.1:8786", True),
+        ("tcp://robots:8786", True),
+        ("tcp://[fe80::1]:8786", True),
+        ("tls://10.0.0.1:8786", False),
+        ("tcp://127.0.0.1:8786", False),
+        ("tcp://[::1]:8786", False),
+        ("localhost:8786", False),
+    ],
+)
+def test_a_scheduler_that_others_reach_without_tls(address: str, is_open: bool) -> None:
+    assert is_open_to_others(address) is is_open
 
 
 def test_nobody_answers_for_dask(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,7 +27,7 @@ class DaskEngine(Generic[TaskT]):
     def __init__(self, scheduler: str) -> None:
         try:
             self._client = Client(scheduler, timeout=CONNECT_SECONDS, set_as_default=False)
-        except (OSError, ValueError, TimeoutError) as error:
+        except (OSError, ValueError, TimeoutError, TypeError, RuntimeError) as error:
             reason = f"No Dask scheduler answers at {scheduler} ({error})."
             raise EngineFailed(
                 f"{reason} Start one by `dask scheduler`, and workers by `dask worker ADDRESS`."
