@@ -37,6 +37,7 @@ from ui.commands.study.experiment import (
     study_power,
     study_preview,
     study_rehearse,
+    study_restore,
     study_run,
     study_status,
     study_watch,
@@ -111,6 +112,7 @@ study_app.command("preview")(study_preview)
 study_app.command("freeze")(study_freeze)
 study_app.command("export")(study_export)
 study_app.command("backup")(study_backup)
+study_app.command("restore")(study_restore)
 study_app.command("withdraw")(study_withdraw)
 app.add_typer(study_app, name="study")
 app.add_typer(templates.templates_app, name="templates")

@@ -468,6 +468,9 @@ def serve(folder: str) -> None:
                     tell("stopped")
                 case "off":
                     state = "off"
+                case "on":
+                    state = "on"
+                    tell("on")
                 case "cut":
                     # Nothing in memory may reach it any more.
                     os.close(device)
@@ -626,6 +629,19 @@ class ForgettingDisk:
                 os.close(end)
         self._say("cut" if seed is None else f"cut {seed}")
         self._expect("cut")
+
+    def kill(self, process: Killable) -> None:
+        """Kill a process at the change at which the machine has stopped, and go on without a power cut."""
+        assert self._stopped
+        assert process.pid is not None
+        end = os.pidfd_open(process.pid)
+        process.kill()
+        self._say("off")
+        select.select([end], [], [])
+        os.close(end)
+        self._say("on")
+        self._expect("on")
+        self._stopped = False
 
     def on(self) -> None:
         """Go on with the disk as it is: the next cut is another one."""

@@ -44,15 +44,16 @@ def back_up(study: ExperimentFolder, to: Path) -> tuple[str, ...]:
         with lock_log(copy.log):
             study.backups_known.add(to)
             copy_log(study.log, copy.log)
+            copy.origins.add(study.root)
             people = {entry.event.participant for entry in _events(read_log(copy.log))}
             exports = {*known_exports(study), (study.root / EXPORTS).resolve()}
             without = {(study.root / STORE).resolve(), *exports}
-            left_out = [*_copy_folder(study.root, to, study.root.resolve(), without)]
+            left_out = [*copy_folder(study.root, to, study.root.resolve(), without)]
             for folder in copy.recordings.iterdir() if copy.recordings.is_dir() else ():
                 if folder.is_dir() and folder.name not in people:
                     (Path.unlink if folder.is_symlink() else shutil.rmtree)(folder)
                     sync_folder(copy.recordings)
-            return (*left_out, *_missing(copy))
+            return (*left_out, *missing_recordings(copy))
     except OSError as error:
         raise BadFile(
             to, f"it cannot be written ({reason_of(error)})", "Make room there, or name another by --to"
@@ -63,7 +64,7 @@ def _events(entries: Iterable[LogEntry]) -> Iterator[LoggedEvent]:
     return (entry for entry in entries if isinstance(entry, LoggedEvent))
 
 
-def _copy_folder(folder: Path, to: Path, within: Path, without: set[Path]) -> Iterator[str]:
+def copy_folder(folder: Path, to: Path, within: Path, without: set[Path]) -> Iterator[str]:
     """Copy the files below a folder, but for those in some folders, and yield sentences about what is left out.
 
     Args:
@@ -88,7 +89,7 @@ def _copy_folder(folder: Path, to: Path, within: Path, without: set[Path]) -> It
         elif path.is_dir():
             if other.is_symlink() and not is_recordings:
                 other.unlink()
-            yield from _copy_folder(path, other, within if real.is_relative_to(within) else real, without)
+            yield from copy_folder(path, other, within if real.is_relative_to(within) else real, without)
         elif path.is_file():
             _copy(path, other)
         else:
@@ -117,7 +118,8 @@ def _copy(path: Path, to: Path) -> None:
         shutil.copy2(path, part)
 
 
-def _missing(copy: ExperimentFolder) -> Iterator[str]:
+def missing_recordings(copy: ExperimentFolder) -> Iterator[str]:
+    """Yield sentences about recordings of a backup that are not as its log has them."""
     for entry in _events(read_log(copy.log)):
         data = entry.event.data or {}
         if entry.event.kind != EventKind.GAME_PLAYED or "bag" not in data:

@@ -56,6 +56,11 @@ class ExperimentFolder:
         return KnownFolders(self.root / STORE / "backups.json", self.root, "backups")
 
     @property
+    def origins(self) -> KnownFolders:
+        """Of a backup: the list of where its study was, the last place last."""
+        return KnownFolders(self.root / STORE / "origins.json", self.root, "studies")
+
+    @property
     def pending_withdrawals(self) -> PendingWithdrawals:
         """The list of withdrawals that are not finished."""
         return PendingWithdrawals(self.root / STORE / "withdrawal.json")
@@ -65,9 +70,16 @@ class ExperimentFolder:
         """The list of events that withdrawals deleted."""
         return WithdrawnEvents(self.root / STORE / "withdrawn.json")
 
+    @property
+    def restoring(self) -> Path:
+        """The folder of what a restore prepares."""
+        return self.root / STORE / "restoring"
+
     def replaced(self) -> list["ExperimentFolder"]:
         """Return what `study restore` has replaced, in the order of their numbers: folders like this one."""
-        return [ExperimentFolder(path) for path in sorted((self.root / STORE).glob(f"{REPLACED}*")) if path.is_dir()]
+        return [
+            ExperimentFolder(path) for path in sorted((self.root / STORE).glob(f"{REPLACED}[0-9]*")) if path.is_dir()
+        ]
 
     @property
     def recordings(self) -> Path:

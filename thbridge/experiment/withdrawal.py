@@ -175,6 +175,8 @@ def _carried_out(
     entries = log.read()
     told.left += _named_elsewhere(entries, participant)
     _delete_recordings(study, told)
+    # Copies of the log, left by a restore that was killed before it replaced anything.
+    shutil.rmtree(study.restoring, ignore_errors=True)
     for old in study.replaced():
         _withdraw_from_replaced(old, told, clocks)
     for export in exports_with(study, participant):
@@ -197,7 +199,10 @@ def _carried_out(
             back_up(study, backup)
             told.done.append(f"{backup}: this backup is brought up to date, without {participant}.")
         except BadFile as fault:
-            told.failed.append(f"{fault} {backup} may still have data of {participant}.")
+            if _may_hold(ExperimentFolder(backup), participant):
+                told.failed.append(f"{fault} {backup} may still have data of {participant}.")
+            else:
+                told.left.append(f"{fault} {backup} has nothing of {participant}.")
     if not told.failed:
         study.pending_withdrawals.remove(withdrawal)
     return told
@@ -254,10 +259,24 @@ def _withdraw_from_replaced(old: ExperimentFolder, told: Withdrawal, clocks: Cal
                 log.delete(sequences, clocks())
                 told.done.append(f"{old.log}: all events of {told.participant} are deleted.")
     except BadFile as fault:
-        told.failed.append(
-            f"{fault} A backup has replaced this log. It may have data of {told.participant}: "
-            f"take from it what you need, and delete {old.root}."
-        )
+        if any(_names(path, told.participant) for path in old.log.parent.iterdir() if path.is_file()):
+            told.failed.append(
+                f"{fault} A backup has replaced this log. It may have data of {told.participant}: "
+                f"take from it what you need, and delete {old.root}."
+            )
+
+
+def _may_hold(backup: ExperimentFolder, participant: str) -> bool:
+    """Return True where a backup has data of a participant, or cannot be read."""
+    try:
+        return bool(sequences_of(read_log(backup.log), participant)) or _has_recordings(backup, participant)
+    except BadFile:
+        return True
+
+
+def _has_recordings(folder: ExperimentFolder, participant: str) -> bool:
+    path = _recordings(folder, participant)
+    return path is not None and path.exists()
 
 
 def _named_elsewhere(entries: Sequence[LogEntry], participant: str) -> list[str]:

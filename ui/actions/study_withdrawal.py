@@ -1,6 +1,5 @@
 """`thbridge study withdraw`, and withdrawals that were interrupted."""
 
-import sys
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -23,6 +22,7 @@ from thbridge.experiment.withdrawal import (
 )
 from thbridge.files.errors import BadFile
 from thbridge.timing.wall_clock import utc_now
+from ui.actions.confirmation import confirm
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
 
 
@@ -77,7 +77,7 @@ def withdraw_participant(folder: Path, named: str | None, gone: Sequence[Path], 
             fail(BAD_INPUT, f"{who} `{ids}` lists the ids.")
         for line in _lines(place, plan):
             note(line)
-        _confirm(plan, yes=yes)
+        confirm(f"Delete all of this of {plan.withdrawal.participant}?", "Nothing was deleted", yes=yes)
         installed = versions()
         one = withdraw(place, design, plan.withdrawal, installed, deviations(place, installed), _now)
     _report(one)
@@ -108,15 +108,6 @@ def _lines(place: ExperimentFolder, plan: WithdrawalPlan) -> Iterator[str]:
 
 def _counted(number: int, one: str, several: str) -> str:
     return f"{number} {one if number == 1 else several}"
-
-
-def _confirm(plan: WithdrawalPlan, *, yes: bool) -> None:
-    if yes:
-        return
-    if sys.stdin is None or not sys.stdin.isatty():
-        fail(BAD_INPUT, "Nothing was deleted: this needs a confirmation. Run it in a terminal, or add --yes.")
-    if not typer.confirm(f"Delete all of this of {plan.withdrawal.participant}?", err=True):
-        fail(FAILED, "Nothing was deleted.")
 
 
 def _report(one: Withdrawal) -> None:

@@ -42,7 +42,7 @@ from thbridge.experiment.store.head import (
     LARGEST_LOG,
     NONE,
     LogHead,
-    check_wal,
+    check_files,
     database_name,
     head_path,
     read_head,
@@ -112,8 +112,8 @@ class ExperimentLog:
         new = not path.exists()
         if new and head_path(path).exists():
             raise BadFile(path, "is missing, though its head is there", restore_remedy(path))
+        check_files(path)
         if not new:
-            check_wal(path)
             _recover(path)
         # Nothing is ever appended to a damaged log.
         entries = [] if new or _is_just_made(path) else read_log(path)
@@ -289,7 +289,7 @@ def read_log(path: Path) -> list[LogEntry]:
     Raises:
         BadFile: it is none, or not what was written: a row was changed, moved, added or is missing.
     """
-    check_wal(path)
+    check_files(path)
     try:
         with contextlib.closing(_opened(path, "ro")) as database:
             return _verified(path, database)
@@ -334,6 +334,28 @@ def copy_log(path: Path, to: Path) -> None:
             _remove(new)
 
 
+def replace_log(path: Path, new: Path) -> None:
+    """Put another log, which no program has open, in the place of a log; `check_files` refuses it meanwhile.
+
+    The caller holds the lock of the log, and has made the file of `restoring_path`.
+
+    Raises:
+        OSError: a file cannot be renamed or deleted.
+    """
+    # A log without its head is refused by earlier releases, too.
+    for old in (
+        head_path(path),
+        wal_path(path),
+        path.with_name(path.name + "-shm"),
+        path.with_name(path.name + "-journal"),
+    ):
+        old.unlink(missing_ok=True)
+    sync_folder(path.parent)
+    for one, other in ((new, path), (head_path(new), head_path(path))):
+        one.replace(other)
+        sync_folder(path.parent)
+
+
 def _remove(path: Path) -> None:
     for each in (path, path.with_name(path.name + "-journal"), head_path(path)):
         each.unlink(missing_ok=True)
@@ -347,12 +369,25 @@ def _reason(error: Exception) -> str:
     return os.strerror(errno.ENOSPC) if is_full else str(error)
 
 
+def log_digests(path: Path) -> list[bytes]:
+    """Return the digests of all events of a log that `read_log` accepts, deleted ones included.
+
+    Raises:
+        BadFile: it cannot be read.
+    """
+    try:
+        with contextlib.closing(_opened(path, "ro")) as database:
+            return [bytes(digest) for (digest,) in database.execute("SELECT digest FROM events ORDER BY sequence")]
+    except sqlite3.Error as error:
+        raise BadFile(path, f"cannot be read ({_reason(error)})", restore_remedy(path)) from None
+
+
 def deleted_digests(path: Path) -> frozenset[bytes]:
     """Return the digests of the events that withdrawals deleted from a log, as far as it can be read."""
     found: set[bytes] = set()
     # Of a damaged log, rows can be read up to the damage; its write-ahead log may be another one's.
     for mode in ("ro", "ro&immutable=1"):
-        with contextlib.suppress(sqlite3.Error), contextlib.closing(_opened(path, mode)) as database:
+        with contextlib.suppress(sqlite3.Error, OSError, BadFile), contextlib.closing(_opened(path, mode)) as database:
             for (digest,) in database.execute("SELECT digest FROM events WHERE content IS NULL ORDER BY sequence"):
                 found.add(bytes(digest))
     return frozenset(found)

@@ -92,12 +92,22 @@ def read_head(log: Path) -> LogHead:
         raise BadFile(head, "is missing or damaged", restore_remedy(log)) from None
 
 
-def check_wal(log: Path) -> None:
-    """Refuse a log and a write-ahead log that do not belong together, also while a program is writing them.
+def restoring_path(log: Path) -> Path:
+    """Return the path of the file that exists while a log is being replaced by that of a backup."""
+    return log.with_name(log.name + "-restoring")
+
+
+def check_files(log: Path) -> None:
+    """Refuse the files of a log that do not belong together, also while a program is writing them.
 
     Raises:
-        BadFile: they do not.
+        BadFile: a restore was interrupted, or the write-ahead log is that of another log.
     """
+    if restoring_path(log).exists():
+        again = _restore(log)
+        raise BadFile(
+            log, "the restore of this study was interrupted", f"Run it again, with the same backup: `{again}`"
+        )
     seen = b""
     while True:
         try:
@@ -135,8 +145,11 @@ def wal_name(log: Path) -> str | None:
 
 def restore_remedy(log: Path) -> str:
     """Return the remedy for a damaged log, as a clause."""
-    restore = shlex.join(["thbridge", "study", "restore", "BACKUP", "--to", str(log.parent.parent)])
-    return f"Restore the newest backup that `thbridge study status` can read: `{restore}`"
+    return f"Restore the newest backup that `thbridge study status` can read: `{_restore(log)}`"
+
+
+def _restore(log: Path) -> str:
+    return shlex.join(["thbridge", "study", "restore", "BACKUP", "--to", str(log.parent.parent)])
 
 
 def _is_foreign(database: bytes, head: LogHead) -> bool:

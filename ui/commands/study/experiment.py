@@ -219,6 +219,24 @@ def study_backup(
         raise typer.Exit(FAILED)
 
 
+def study_restore(
+    backup: Annotated[Path, typer.Argument(help="The folder of a backup.", metavar="BACKUP")],
+    to: Annotated[
+        Path | None,
+        typer.Option(
+            "--to", help="The folder of the study; by default the one of which the backup was made.", metavar="STUDY"
+        ),
+    ] = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Go back without asking if the study's own log is whole and newer.")
+    ] = False,
+) -> None:
+    """Restore a study from a backup; what is replaced is kept, and those who withdrew since stay withdrawn."""
+    from ui.actions.study_restore import restore_study
+
+    restore_study(backup, to, yes=yes)
+
+
 def study_withdraw(
     folder: FolderOfExperiment,
     participant: Annotated[

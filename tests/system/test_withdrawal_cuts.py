@@ -1,0 +1,153 @@
+"""A withdrawal and a restore are killed at each change that they make on a disk; then any command of the study is run.
+
+The disk is the one that forgets (`forgetting_disk`), but nothing is forgotten here: the program is killed and the disk
+is not. What a power cut leaves as well is tested in `test_power_cut`.
+"""
+
+import itertools
+import multiprocessing
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.system.forgetting_disk import ForgettingDisk
+from tests.thbridge.experiment.test_event_log import NOON
+from tests.ui.commands.study.test_experiment import runner, thbridge
+from tests.ui.commands.study.test_restore import another_person
+from tests.ui.commands.study.test_withdrawal import people, traces
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.restore import plan_restore, restore
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
+from thbridge.experiment.withdrawal import plan_withdrawal, withdraw
+from thbridge.files.errors import BadFile
+from ui.cli import app
+
+WORDS = ("I like okapis", "I saw a zebra")
+COMMANDS = ("status", "check", "withdraw", "freeze", "backup", "export", "watch")
+MOMENTS = 50
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A study of two people, and a backup that was made before the second one came."""
+    root = tmp_path_factory.mktemp("prepared")
+    (root / "study").mkdir()
+    first = another_person(root / "study", WORDS[0])
+    thbridge("study", "backup", root / "study", "--to", root / "earlier")
+    another_person(root / "study", WORDS[1])
+    (root / "id").write_text(first)
+    return root
+
+
+@pytest.fixture(scope="module")
+def processes() -> multiprocessing.context.BaseContext:
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([__name__])
+    return context
+
+
+def act(name: str, folder: Path) -> None:
+    """Do what is killed, in a process of its own."""
+    study = ExperimentFolder(folder / "study")
+    if name == "withdraw":
+        withdraw(
+            study,
+            study.read(),
+            plan_withdrawal(study, study.read(), people_of(folder)).withdrawal,
+            {},
+            None,
+            lambda: NOON,
+        )
+    else:
+        restore(plan_restore(folder / "earlier", study.root))
+
+
+def people_of(folder: Path) -> str:
+    return (folder.parent / "id").read_text()
+
+
+def killed(
+    disk: ForgettingDisk,
+    processes: multiprocessing.context.BaseContext,
+    prepared: Path,
+    name: str,
+    changes: Iterator[int],
+) -> Iterator[int]:
+    """Kill it at these changes, one after the other, and yield each; end after the last that it makes."""
+    for change in changes:
+        disk.fresh()
+        for each in ("study", "earlier"):
+            shutil.copytree(prepared / each, disk.folder / each)
+        (disk.folder.parent / "id").write_text((prepared / "id").read_text())
+        study = disk.folder / "study"
+        for known in ("backups.json", "exports.json"):
+            (study / "store" / known).unlink(missing_ok=True)
+        thbridge("study", "backup", study, "--to", disk.folder / "backup")
+        thbridge("study", "export", study, "--to", disk.folder / "tables")
+        disk.settle()
+        disk.cut_after(change)
+        process = processes.Process(target=act, args=(name, disk.folder))
+        process.start()
+        if not disk.wait(process):
+            process.join()
+            assert process.exitcode == 0, "it has failed without being killed"
+            return
+        disk.kill(process)
+        process.join()
+        yield change
+
+
+def check_withdrawal(folder: Path, gone: str, change: int) -> None:
+    study = ExperimentFolder(folder / "study")
+    begun = bool(study.pending_withdrawals.read())
+    name = COMMANDS[change % len(COMMANDS)]
+    words = {"backup": ["--to", folder / "new"], "export": ["--to", folder / "out"], "withdraw": [gone, "--yes"]}
+    done = runner.invoke(app, ["study", name, str(study.root), *map(str, words.get(name, []))])
+    if not begun and name != "withdraw" and gone in people(study.root):
+        # Nothing was deleted before the intention was on the disk.
+        assert (study.recordings / gone / "step-9.bag").exists()
+        thbridge("study", "withdraw", study.root, gone, "--yes")
+    left = [trace for trace in traces(folder, [gone, WORDS[0]]) if "/earlier/" not in trace]
+    assert left == [], (change, name, done.output)
+    for log in (study.log, folder / "backup" / "store" / "log"):
+        assert read_log(log)
+    assert gone not in people(study.root)
+
+
+@pytest.mark.parametrize("stride", [130, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_withdrawal_that_is_killed_at_any_change_is_finished_by_the_next_command(
+    disk: ForgettingDisk, processes: multiprocessing.context.BaseContext, prepared: Path, stride: int
+) -> None:
+    gone, seen = (prepared / "id").read_text(), 0
+    for change in killed(disk, processes, prepared, "withdraw", itertools.count(stride, stride)):
+        check_withdrawal(disk.folder, gone, change)
+        seen += 1
+    assert seen > 2
+
+
+@pytest.mark.slow
+def test_a_log_is_whole_or_refused_after_a_restore_is_killed_at_any_change(
+    disk: ForgettingDisk, processes: multiprocessing.context.BaseContext, prepared: Path
+) -> None:
+    earlier, seen = read_log(prepared / "earlier" / "store" / "log"), set()
+    whole = read_log(prepared / "study" / "store" / "log")
+    for change in killed(disk, processes, prepared, "restore", itertools.count(1)):
+        study = ExperimentFolder(disk.folder / "study")
+        try:
+            entries = read_log(study.log)
+            assert entries in (whole, earlier)
+            with ExperimentLog(study.log) as log:
+                assert log.read() == entries
+            seen.add("before" if entries == whole else "after")
+        except BadFile as fault:
+            assert "restore" in str(fault)
+            seen.add("refused")
+        thbridge("study", "restore", disk.folder / "earlier", "--to", study.root, "--yes")
+        assert read_log(study.log) == earlier
+        kept = [read_log(each.log) for each in study.replaced() if each.log.exists()]
+        assert whole in kept
+        assert change
+    assert {"before", "refused"} <= seen
+    assert change >= MOMENTS

@@ -1,0 +1,132 @@
+"""A study is restored from a backup: nothing that it had is lost, and who withdrew since stays withdrawn."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.thbridge.experiment.test_event_log import answer
+from tests.ui.commands.study.test_experiment import runner, thbridge
+from tests.ui.commands.study.test_withdrawal import people, told_by, traces
+from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
+from thbridge.experiment.store.events import Tombstone
+from ui.cli import app
+
+STUDY = """\
+title: A small study
+base: {map: practice, templates: practice, robots: 1, server.port: 0}
+quota: 9
+steps:
+  - {step: consent, text: consent.txt}
+  - {step: form, form: final.yaml, name: final}
+"""
+
+
+def another_person(study: Path, why: str) -> str:
+    """Let somebody take part, with a recording of a game; return their id."""
+    before = set(people(study)) if (study / "store" / "log").exists() else set()
+    Laboratory(study, STUDY).run(Person({"why": why}))
+    (new,) = set(people(study)) - before
+    (study / "recordings" / new).mkdir(parents=True)
+    (study / "recordings" / new / "step-9.bag").write_bytes(f"a game of {new}".encode())
+    return new
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    """A study with two participants, and `backup` beside it."""
+    root = tmp_path / "study"
+    root.mkdir()
+    for why in ("I like okapis", "I saw a zebra"):
+        another_person(root, why)
+    thbridge("study", "backup", root, "--to", tmp_path / "backup")
+    return root
+
+
+def kill(study: Path, tmp_path: Path) -> None:
+    """Leave a study as a program does that is killed after it has appended an event."""
+    with ExperimentLog(study / "store" / "log") as log:
+        log.append([answer("", "the last word", step=0)])
+        shutil.copytree(study / "store", tmp_path / "killed")
+    shutil.rmtree(study / "store")
+    (tmp_path / "killed").rename(study / "store")
+
+
+def test_a_killed_study_is_restored_and_what_it_had_is_kept(study: Path, tmp_path: Path) -> None:
+    third = another_person(study, "an ibis")
+    kill(study, tmp_path)
+    shutil.copy(tmp_path / "backup" / "store" / "log", study / "store" / "log")
+    assert "do not belong together" in told_by("study", "status", study)
+    said = thbridge("study", "restore", tmp_path / "backup")
+    assert read_log(study / "store" / "log") == read_log(tmp_path / "backup" / "store" / "log")
+    assert len(people(study)) == 2
+    kept = study / "store" / "replaced-1"
+    assert f"is kept in {kept}" in " ".join(said.split())
+    # The write-ahead log has what the overwritten one had not.
+    assert b"the last word" in (kept / "store" / "log-wal").read_bytes()
+    assert (kept / "recordings" / third / "step-9.bag").exists()
+    assert not (study / "recordings" / third).exists()
+    assert another_person(study, "somebody else") in people(study)
+
+
+def test_a_whole_newer_study_is_replaced_only_if_somebody_says_so(study: Path, tmp_path: Path) -> None:
+    third = another_person(study, "an ibis")
+    (study / "consent.txt").write_text("Another text.\n")
+    before = read_log(study / "store" / "log")
+    said = told_by("study", "restore", tmp_path / "backup", "--to", study)
+    assert "is whole, and has" in said
+    assert "Nothing was restored" in said
+    assert read_log(study / "store" / "log") == before
+    thbridge("study", "restore", tmp_path / "backup", "--to", study, "--yes")
+    assert len(people(study)) == 2
+    kept = study / "store" / "replaced-1"
+    assert read_log(kept / "store" / "log") == before
+    assert (kept / "consent.txt").read_text() == "Another text.\n"
+    assert (study / "consent.txt").read_text() != "Another text.\n"
+    assert third in people(kept)
+    # Who is known there alone can withdraw.
+    thbridge("study", "withdraw", study, third, "--yes")
+    assert traces(tmp_path, [third, "an ibis"]) == []
+
+
+@pytest.mark.parametrize("damaged", [False, True])
+def test_who_withdrew_after_the_backup_stays_withdrawn(study: Path, tmp_path: Path, damaged: bool) -> None:
+    gone, other = people(study)
+    # A copy that the study does not know of.
+    shutil.copytree(tmp_path / "backup", tmp_path / "tape")
+    thbridge("study", "withdraw", study, gone, "--yes")
+    if damaged:
+        (study / "store" / "log").write_bytes(b"nothing")
+    assert traces(tmp_path / "tape", [gone, "I like okapis"])
+    thbridge("study", "restore", tmp_path / "tape", "--to", study, "--yes")
+    assert people(study) == [other]
+    # The copy is known now.
+    assert traces(tmp_path, [gone, "I like okapis"]) == []
+    assert any(isinstance(entry, Tombstone) for entry in read_log(study / "store" / "log"))
+
+
+def test_a_lost_study_comes_back_and_knows_its_backup(study: Path, tmp_path: Path) -> None:
+    first, second = people(study)
+    shutil.rmtree(study)
+    thbridge("study", "restore", tmp_path / "backup")
+    assert people(study) == [first, second]
+    assert (study / "recordings" / first / "step-9.bag").read_bytes() == f"a game of {first}".encode()
+    assert not list(study.glob("store/replaced-*"))
+    thbridge("study", "withdraw", study, first, "--yes")
+    assert traces(tmp_path, [first, "I like okapis"]) == []
+
+
+def test_a_restore_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path) -> None:
+    backup = tmp_path / "backup"
+    (tmp_path / "photos").mkdir()
+    (tmp_path / "photos" / "one.jpg").write_bytes(b"x")
+    assert "is no study" in told_by("study", "restore", backup, "--to", tmp_path / "photos")
+    assert "in each other" in told_by("study", "restore", backup, "--to", backup / "study")
+    assert "no backup of a study" in told_by("study", "restore", tmp_path / "photos", "--to", study)
+    with ExperimentLog(study / "store" / "log"):
+        assert "another program runs this study" in told_by("study", "restore", backup, "--to", study)
+    (backup / "store" / "log").write_bytes(b"nothing")
+    assert "is damaged" in told_by("study", "restore", backup, "--to", study)
+    assert len(people(study)) == 2
+    assert runner.invoke(app, ["study", "restore", str(tmp_path / "nothing")]).exit_code == 2
