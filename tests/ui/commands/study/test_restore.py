@@ -10,7 +10,7 @@ from tests.ui.commands.study.test_experiment import runner, thbridge
 from tests.ui.commands.study.test_withdrawal import people, told_by, traces
 from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Tombstone
+from thbridge.experiment.store.events import LoggedEvent, Tombstone
 from ui.cli import app
 
 STUDY = """\
@@ -25,12 +25,17 @@ steps:
 
 def another_person(study: Path, why: str) -> str:
     """Let somebody take part, with a recording of a game; return their id."""
-    before = set(people(study)) if (study / "store" / "log").exists() else set()
+    log = study / "store" / "log"
+    before = participants(log) if log.exists() else set()
     Laboratory(study, STUDY).run(Person({"why": why}))
-    (new,) = set(people(study)) - before
+    (new,) = participants(log) - before - {""}
     (study / "recordings" / new).mkdir(parents=True)
     (study / "recordings" / new / "step-9.bag").write_bytes(f"a game of {new}".encode())
     return new
+
+
+def participants(log: Path) -> set[str]:
+    return {entry.event.participant for entry in read_log(log) if isinstance(entry, LoggedEvent)}
 
 
 @pytest.fixture
