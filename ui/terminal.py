@@ -127,6 +127,12 @@ def forgive_standard_error() -> None:
         sys.stderr = io.TextIOWrapper(io.BufferedWriter(raw), usual.encoding, "backslashreplace", line_buffering=True)
 
 
+def escape_for_standard_output() -> None:
+    """Write letters that the locale's encoding does not have as escapes, such as \\xb0, instead of an exception."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
 @contextmanager
 def whole_standard_output() -> Iterator[None]:
     """See that all of the result is written before the program ends, or say why not; a pipe may end before.
