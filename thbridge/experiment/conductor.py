@@ -207,9 +207,12 @@ class Conductor:
 
 def _too_slow(run: Run, most_lag: float | None) -> str | None:
     """Return why a run does not count whose games were played on a machine that was too slow; None: it does."""
-    if most_lag is None or run.slowest is None or run.lag is None or run.lag <= most_lag:
+    if most_lag is None or run.slowest is None:
         return None
-    return f"{run.slowest.name} was {run.lag:.1f} s behind real time; most_lag is {most_lag:g} s"
+    step, lag = run.slowest
+    if lag <= most_lag:
+        return None
+    return f"{step.name} was {lag:.1f} s behind real time; most_lag is {most_lag:g} s"
 
 
 def sequences_of(entries: Iterable[LogEntry], participant: str) -> list[int]:

@@ -86,9 +86,12 @@ class Run:
         return max(self.lags.values(), default=None)
 
     @property
-    def slowest(self) -> PlannedStep | None:
-        """Step whose game had the largest lag."""
-        return self.plan[max(self.lags, key=self.lags.__getitem__) - 1] if self.lags else None
+    def slowest(self) -> tuple[PlannedStep, float] | None:
+        """Step whose game had the largest lag, with that lag in seconds; None if none is known."""
+        if not self.lags:
+            return None
+        number = max(self.lags, key=self.lags.__getitem__)
+        return self.plan[number - 1], self.lags[number]
 
     @property
     def takes_part(self) -> bool:
@@ -320,8 +323,6 @@ def lag_words(progress: Progress) -> Iterator[str]:
     if not measured:
         return
     games = sum(len(run.lags) for run in measured)
-    slowest = max(measured, key=lambda run: run.lag or 0.0)
-    bound, most = progress.design.file.most_lag, slowest.lag or 0.0
-    at = "" if slowest.slowest is None else f" ({slowest.participant}, {slowest.slowest.name})"
+    bound, most = progress.design.file.most_lag, max(run.lag or 0.0 for run in measured)
     rule = "most_lag is not set" if bound is None else f"most_lag is {bound:g} s"
-    yield f"Games were at most {most:.1f} s behind real time{at}; games measured: {games}; {rule}."
+    yield f"Games were at most {most:.1f} s behind real time; games measured: {games}; {rule}."

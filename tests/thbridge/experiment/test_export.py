@@ -108,11 +108,11 @@ def test_an_export_whose_manifest_was_damaged_is_not_passed_over_for_who_withdra
         assert last_event_of(export) in {None, json.loads(whole)["events"]}, what
 
 
-def test_the_methods_paragraph_has_people_orders_and_reliability(export: Path) -> None:
+def test_the_methods_text_has_people_orders_and_reliability(export: Path) -> None:
     text = (export / "methods.md").read_text()
-    assert "Of 8 people planned, 8 began and 8 are analysed;" in text
+    assert "Of 8 participants who began, 8 completed the study and were analyzed." in text
     assert text.count("| noise.preset=none | dialogue.condition=") == 2
-    assert "| trust | dialogue.condition=supervisor | 12 | 8 |" in text
+    assert "| trust | trust | dialogue.condition=supervisor | 12 | 8 |" in text
     assert "thbridge 1.0" in text
 
 

@@ -86,6 +86,18 @@ class ExperimentFile:
     begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who begins the run of the next person")
     recruiting: RecruitingSection = param(RecruitingSection(), "what people from a recruiting service are asked")
     recruitment: str = param("", "sentence on how people were found and paid, for the methods text")
+    ethics: str = param(
+        "", "sentence on the approval by an ethics committee, with its name and number, for the methods text"
+    )
+    sample_size_reason: str = param("", "sentence on why the quota is what it is, for the methods text")
+    exclusions: tuple[str, ...] = param(
+        (), "rules by which researchers exclude runs or answers, a sentence each, for the methods text"
+    )
+    preregistration: str = param("", "sentence on where the study is registered, for the methods text")
+    deviations: tuple[str, ...] = param(
+        (), "deviations from the preregistration with their reasons, a sentence each, for the methods text"
+    )
+    data_availability: str = param("", "sentence on where data and materials are, for the methods text")
     most_lag: float | None = param(
         None,
         "largest lag of a game behind real time, on a machine too slow for its rate; a run with a larger one does not "

@@ -14,7 +14,7 @@ from pathlib import Path
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.export.families.described import ExperimentTable
 from thbridge.experiment.export.manifest import MANIFEST, last_event_of, manifest_text, register_export
-from thbridge.experiment.export.methods import is_rehearsal, methods_text
+from thbridge.experiment.export.methods.text import methods_text
 from thbridge.experiment.export.psych_ds import dataset_description, file_name, sidecar
 from thbridge.experiment.export.tables import ExperimentRecords, game_tables, log_tables, records_of
 from thbridge.experiment.folder import ExperimentFolder
@@ -94,7 +94,7 @@ def remake_export(
     last = last_event_of(folder)
     if last is None:
         raise BadFile(folder, f"its {MANIFEST} is missing or damaged", "Delete what is in it of this study yourself")
-    records = records_of(design, [entry for entry in entries if entry.sequence <= last], study.root)
+    records = records_of(design, entries, study.root, last)
     new = _remade(folder)
     with _writing(folder), ExitStack() as written:
         shutil.rmtree(new, ignore_errors=True)
@@ -169,7 +169,7 @@ def _write_export(
 
 
 def _medium(records: ExperimentRecords) -> str:
-    if is_rehearsal(records):
+    if records.is_rehearsal:
         return "Rehearsed by programs, without people: a treasure hunt with simulated robots."
     return "People on a treasure hunt with simulated robots, which they see in a window."
 
@@ -180,10 +180,8 @@ def _registered(study: ExperimentFolder, changed: Sequence[str] | None) -> str:
     digest = json.loads(study.freeze.read_text(encoding="utf-8"))["digest"] if study.freeze.exists() else "unknown"
     if not changed:
         return f"The experiment is the one that was frozen for its preregistration (SHA-256 {digest})."
-    return (
-        f"Since the experiment was frozen for its preregistration (SHA-256 {digest}), {len(changed)} things changed: "
-        f"{'; '.join(changed)}."
-    )
+    frozen = f"Since the experiment was frozen for its preregistration (SHA-256 {digest}), this changed"
+    return f"{frozen}: {'; '.join(changed)}."
 
 
 def _write_tables(records: ExperimentRecords, folder: Path) -> tuple[WrittenExport, list[ExperimentTable]]:

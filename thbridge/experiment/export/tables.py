@@ -1,6 +1,6 @@
 """The tables of an experiment: those of its log, and those of its games' recordings, trial by trial."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,8 +17,8 @@ from thbridge.experiment.export.families.people import participants, steps
 from thbridge.experiment.export.families.reliance import reliance, reliance_of
 from thbridge.experiment.export.families.trials import RecordingState, Trial, trials, trials_of
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import Progress
-from thbridge.experiment.store.events import LogEntry, LoggedEvent
+from thbridge.experiment.progress import Progress, Run
+from thbridge.experiment.store.events import WITHDRAWN, EventKind, LogEntry, LoggedEvent
 from thbridge.files.errors import BadFile
 
 
@@ -34,6 +34,7 @@ class ExperimentRecords:
         subjects: all attempts at steps.
         scores: all scores.
         trials: all games.
+        withdrawn: number of participants who withdrew, and whose events are deleted.
     """
 
     design: ExperimentDesign
@@ -43,26 +44,53 @@ class ExperimentRecords:
     subjects: tuple[AttemptSubject, ...]
     scores: tuple[GivenScore, ...]
     trials: tuple[Trial, ...]
+    withdrawn: int = 0
+
+    @property
+    def runs(self) -> Collection[Run]:
+        """The runs of all who began and did not withdraw."""
+        return self.progress.runs.values()
+
+    @property
+    def is_rehearsal(self) -> bool:
+        """True when programs took part in the place of people."""
+        return any(entry.event.kind == EventKind.REHEARSED for entry in self.events)
 
 
-def records_of(design: ExperimentDesign, entries: Sequence[LogEntry], root: Path | None = None) -> ExperimentRecords:
+def records_of(
+    design: ExperimentDesign, entries: Sequence[LogEntry], root: Path | None = None, last: int | None = None
+) -> ExperimentRecords:
     """Return the records of an experiment.
 
     Args:
         design: the experiment.
         entries: its log.
         root: its folder; None: the one of its file.
+        last: number of the last event that counts; None: of the log. Who withdrew later is no longer among the people.
 
     Raises:
         BadHistory: the log is not of this experiment.
     """
     root = design.path.parent if root is None else root
+    last = len(entries) if last is None else last
+    withdrawn = sum(_withdraws_before(entry, last) for entry in entries)
+    entries = [entry for entry in entries if entry.sequence <= last]
     progress = Progress(design).after(entries)
     events = tuple(entry for entry in entries if isinstance(entry, LoggedEvent))
     attempts = attempts_of(progress, events)
     subjects = tuple(AttemptSubject(progress.runs[person], each) for person, its in attempts.items() for each in its)
     given = tuple(given_scores(design, subjects))
-    return ExperimentRecords(design, root, progress, events, subjects, given, tuple(trials_of(subjects, root)))
+    return ExperimentRecords(
+        design, root, progress, events, subjects, given, tuple(trials_of(subjects, root)), withdrawn
+    )
+
+
+def _withdraws_before(entry: LogEntry, last: int) -> bool:
+    """Return True for the withdrawal of somebody who began up to an event."""
+    if not isinstance(entry, LoggedEvent) or entry.event.kind != WITHDRAWN:
+        return False
+    sequences = (entry.event.data or {}).get("sequences")
+    return isinstance(sequences, list) and any(isinstance(one, int) and one <= last for one in sequences)
 
 
 def log_tables(records: ExperimentRecords) -> tuple[ExperimentTable, ...]:

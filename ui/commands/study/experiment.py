@@ -76,7 +76,9 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     for run in runs:
         reason = f" ({run.reason})" if run.reason else ""
         at = f", step {run.step} of {len(run.plan)}" if run.state is RunState.UNDER_WAY else ""
-        say(f"  {run.participant}  {run.state}{reason}{at}")
+        step, lag = (None, 0.0) if run.slowest is None else run.slowest
+        slow = f", {step.name} up to {lag:.1f} s behind real time" if step is not None and lag >= 1.0 else ""
+        say(f"  {run.participant}  {run.state}{reason}{at}{slow}")
     for sentence in (*left, *lag_words(progress)):
         say(sentence)
     if changed is None:

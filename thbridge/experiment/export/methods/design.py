@@ -1,0 +1,138 @@
+"""Design of an experiment in words: factors, assignment of people to groups, orders of conditions."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign, OrderKind, WhoBegins, drawn_seed
+from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.export.methods.markdown import counted, joined, paragraph, table
+from thbridge.experiment.export.methods.settings import meaning_of
+from thbridge.experiment.export.tables import ExperimentRecords
+from thbridge.experiment.store.events import RunState
+
+
+def design_section(records: ExperimentRecords, people: str) -> Iterator[str]:
+    """Yield the lines of the section; `people` are "participants", or simulated ones."""
+    design = records.design
+    yield "### Conditions and design"
+    yield ""
+    yield from paragraph(_kind(design))
+    factors = [
+        (factor, manipulated, "; ".join(levels), meaning_of(factor))
+        for manipulated, found in (("between", _between(design)), ("within", _within(design)))
+        for factor, levels in found.items()
+    ]
+    yield from table("Factors", ("Factor", "Varied", "Levels", "What the setting is"), factors)
+    if factors:
+        yield from paragraph("[What each level meant for the participants, and how it follows from the hypotheses.]")
+    yield from paragraph(_assignment(design, people), _order(design, people), _seeds(design))
+    if factors:
+        yield from paragraph(
+            "[Who knew the condition of a participant: the participants themselves, the experimenters, those who "
+            "analyzed the data; and what participants knew of the hypotheses.]"
+        )
+    yield from table("Analyzed by group and order", ("Group", "Order of conditions", "n"), _places(records))
+
+
+def _between(design: ExperimentDesign) -> Mapping[str, list[str]]:
+    return _levels([cell.levels for cell in design.cells])
+
+
+def _within(design: ExperimentDesign) -> Mapping[str, list[str]]:
+    return _levels([condition.levels for condition in design.conditions])
+
+
+def _levels(combinations: list[Mapping[str, str]]) -> Mapping[str, list[str]]:
+    return {
+        factor: list(dict.fromkeys(combination[factor] for combination in combinations)) for factor in combinations[0]
+    }
+
+
+def _kind(design: ExperimentDesign) -> str:
+    between, within = _between(design), _within(design)
+    if not between and not within:
+        return "The study had a single condition: no factor was varied, and no comparison was randomized."
+    sizes = " x ".join(str(len(levels)) for levels in (*between.values(), *within.values()))
+    crossed = f"{sizes} " if len(between) + len(within) > 1 else ""
+    groups = counted(len(design.cells), "group")
+    conditions = counted(len(design.conditions), "condition")
+    if not within:
+        return (
+            f"The study had a {crossed}between-participants design with {groups}: each participant met one of them, in "
+            f"{'all games' if _trials(design) > 1 else 'one game'}."
+        )
+    if not between:
+        return f"The study had a {crossed}within-participants design: each participant met all of the {conditions}."
+    return (
+        f"The study had a {crossed}mixed design. {joined(list(between))} varied between participants ({groups}), "
+        f"{joined(list(within))} within participants ({conditions}; each participant met all of them)."
+    )
+
+
+def _trials(design: ExperimentDesign) -> int:
+    """Number of games of each person."""
+    each = [entry.each_condition for entry in design.file.steps if entry.step is StepKind.TRIAL]
+    return sum(len(design.conditions) if many else 1 for many in each)
+
+
+def _assignment(design: ExperimentDesign, people: str) -> str:
+    file = design.file
+    if len(design.cells) == 1:
+        return ""
+    begins = "the participant" if file.begins is WhoBegins.PARTICIPANT else "the researcher"
+    times = "once" if file.in_block == 1 else f"{file.in_block} times"
+    return (
+        f"The program assigned {people} to groups at random in blocks of {len(design.cells) * file.in_block}; each "
+        f"group occurs {times} in a block, in an order drawn from seed {file.seed}. It made the assignment when "
+        f"{begins} started the run; the sequence follows from the seed in the study's file. The next participant took "
+        f"the group of a run that did not count."
+    )
+
+
+def _order(design: ExperimentDesign, people: str) -> str:
+    count, orders = len(design.conditions), len(design.orders)
+    if count == 1:
+        return ""
+    if design.file.order is OrderKind.FIXED:
+        return f"All {people} met the conditions in the same order, so condition and order are confounded."
+    square = (
+        "a balanced Latin square (Williams, 1949): each condition takes each place, and directly follows each other "
+        "condition, equally often"
+        if design.file.order is OrderKind.BALANCED
+        else "a cyclic Latin square: each condition takes each place equally often; carry-over is not balanced"
+    )
+    within = " within each group" if len(design.cells) > 1 else ""
+    uneven = (
+        f" The {design.file.quota} planned runs{within} are no multiple of {orders}, so some orders occur once more."
+        if design.file.quota % orders
+        else ""
+    )
+    return (
+        f"The order of conditions was counterbalanced with {orders} orders from {square}. The program dealt the orders "
+        f"at random in blocks{within}, from seed {design.file.seed}.{uneven}"
+    )
+
+
+def _seeds(design: ExperimentDesign) -> str:
+    trials = _trials(design)
+    if not trials:
+        return ""
+    seeds = joined([str(drawn_seed(design, trial)) for trial in range(trials)])
+    if trials == 1:
+        return f"The game of each participant had the same random seed ({seeds}), hence the same hidden treasures."
+    return (
+        f"The random seed of a game, on which its hidden treasures depend, followed from the number of the game, not "
+        f"from its condition: {seeds}, in this order for everybody."
+    )
+
+
+def _places(records: ExperimentRecords) -> Iterator[tuple[str, str, int]]:
+    design = records.design
+    if len(design.cells) == len(design.orders) == 1:
+        return
+    runs = (run for run in records.progress.runs.values() if run.state is RunState.COMPLETE)
+    counts = Counter((run.place.cell, run.place.order) for run in runs)
+    for index, cell in enumerate(design.cells):
+        for number, order in enumerate(design.orders):
+            names = ", then ".join(design.conditions[one].name for one in order)
+            yield cell.name or "all", names or "one condition", counts[index, number]

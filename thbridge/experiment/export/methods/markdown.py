@@ -1,0 +1,55 @@
+"""Markdown of the methods text: paragraphs, lists, tables, numbers with their nouns."""
+
+import statistics
+from collections.abc import Iterable, Sequence
+
+Spread = tuple[int, str, str, str]
+"""Number of values, their median, least and greatest value."""
+
+
+def paragraph(*sentences: str) -> list[str]:
+    """Return a paragraph of the sentences that are not empty; no lines if all are."""
+    said = " ".join(" ".join(each.split()) for each in sentences if each)
+    return [said, ""] if said else []
+
+
+def listing(items: Iterable[str]) -> list[str]:
+    """Return a list; no lines without items."""
+    lines = [f"* {' '.join(item.split())}" for item in items]
+    return [*lines, ""] if lines else []
+
+
+def table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
+    """Return a table under its caption; no lines without rows."""
+    lines = [_row(row) for row in rows]
+    return [f"*{caption}*", "", _row(header), f"|{'---|' * len(header)}", *lines, ""] if lines else []
+
+
+def _row(cells: Sequence[object]) -> str:
+    # Texts of researchers may have bars and several lines.
+    return f"| {' | '.join(' '.join(str(cell).replace('|', chr(92) + '|').split()) for cell in cells)} |"
+
+
+def counted(number: int, one: str, several: str = "") -> str:
+    """Return a number with its noun: "1 item", "2 items"."""
+    return f"{number} {one if number == 1 else several or one + 's'}"
+
+
+def joined(words: Sequence[str], last: str = "and") -> str:
+    """Return words as an enumeration: "a, b, and c"."""
+    if len(words) < 3:
+        return f" {last} ".join(words)
+    return f"{', '.join(words[:-1])}, {last} {words[-1]}"
+
+
+def sentence(text: str, gap: str) -> str:
+    """Return a text of the researcher's as a sentence with its stop; where it is empty, a gap in brackets."""
+    said = text.strip()
+    if not said:
+        return f"[{gap}]"
+    return said if said[-1] in ".!?" else f"{said}."
+
+
+def spread(values: Sequence[float]) -> Spread:
+    """Return the spread of times, in seconds."""
+    return len(values), f"{statistics.median(values):.0f} s", f"{min(values):.0f} s", f"{max(values):.0f} s"

@@ -1,0 +1,75 @@
+"""Materials and apparatus: the task, robots, programs, and settings that differ from the defaults."""
+
+from collections.abc import Iterator, Mapping
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.export.methods.markdown import paragraph, table
+from thbridge.experiment.export.methods.settings import same_in_all, settings_that_differ
+from thbridge.experiment.export.tables import ExperimentRecords
+
+
+def materials_section(records: ExperimentRecords, versions: Mapping[str, str], people: str) -> Iterator[str]:
+    """Yield the lines of the section.
+
+    Args:
+        records: of the experiment.
+        versions: of the programs.
+        people: "participants", or simulated ones.
+    """
+    design = records.design
+    yield "### Materials and apparatus"
+    yield ""
+    if any(entry.step is StepKind.TRIAL for entry in design.file.steps):
+        yield from paragraph(*_task(design))
+        yield from paragraph("[A figure of the window, as participants saw it.]")
+    software = f"thbridge {versions.get('thbridge', '[version]')} with Python {versions.get('python', '[version]')}"
+    shown = "No window was shown." if records.is_rehearsal else "All pages and games were shown in one window."
+    yield from paragraph(
+        f"The study ran on {software}. The robots and their surroundings were simulated. {shown}",
+        "[Computer, operating system, screen size and resolution, mouse or other input, sound, room, number of "
+        "stations, who was present, and the language of texts and forms.]",
+    )
+    differ = list(settings_that_differ(design))
+    yield from table("Settings of the games that differ from the defaults", ("Key", "Default", "Here"), differ)
+    if not differ:
+        yield from paragraph("All settings of the games were the defaults of this version.")
+
+
+def _task(design: ExperimentDesign) -> Iterator[str]:
+    def value(key: str) -> str:
+        return same_in_all(design, key)
+
+    yield (
+        f"The task was a treasure hunt. One participant and a team of {value('robots')} simulated mobile robots "
+        f"searched the rooms of a building (map {value('map')}; treasures {value('templates')})."
+    )
+    yield (
+        "The participant sent robots to rooms, could have pictures taken there, and named the treasure of a room. Each "
+        f"robot started with {value('game.energy')} units of energy. A move cost energy, a picture "
+        f"{value('game.picture_cost')} units, and naming a treasure {value('game.identify_cost')}."
+    )
+    share = value("game.wrong_share")
+    loss = "lost the same number of points" if share == "1" else f"lost {share} of that number"
+    yield f"A right name won the points of the treasure; a wrong name {loss}."
+    limits = sorted({entry.max_seconds for entry in design.file.steps if entry.step is StepKind.TRIAL})
+    yield (
+        "A game ended when all rooms were visited, when no robot could pay for a move, when the participant ended it, "
+        f"or after {' or '.join(f'{limit:g}' for limit in limits)} s."
+    )
+    conditions = sorted({str(study.dialogue.condition) for cell in design.cells for study in cell.studies})
+    yield from (_CONDITIONS[condition] for condition in conditions)
+    rates = sorted({study.rate or 1.0 for cell in design.cells for study in cell.studies})
+    yield f"Simulated time ran at {' or '.join(f'{rate:g}' for rate in rates)} times real time."
+
+
+_CONDITIONS = {
+    "supervisor": "In the condition *supervisor*, robots did what the participant said.",
+    "script": "In the condition *script*, robots asked fixed questions before they acted, and the participant decided.",
+    "collaborator": (
+        "In the condition *collaborator*, robots argued with the participant, and nothing happened before both agreed."
+    ),
+    "adviser": "In the condition *adviser*, robots argued with the participant, who had the last word.",
+    "autonomous": "In the condition *autonomous*, robots argued with the participant and had the last word.",
+}
+"""What participants meet in each condition of dialogues."""

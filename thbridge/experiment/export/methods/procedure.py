@@ -1,0 +1,177 @@
+"""Procedure: the steps of a participant in their order, consent, checks with attempts and failures, durations."""
+
+import itertools
+from collections.abc import Iterator, Sequence
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign, name_of
+from thbridge.experiment.design.steps import Failed, ResumeRule, StepEntry, StepKind
+from thbridge.experiment.export.methods.markdown import Spread, counted, paragraph, spread, table
+from thbridge.experiment.export.methods.measures import scale_words
+from thbridge.experiment.export.methods.participants import consent_versions
+from thbridge.experiment.export.tables import ExperimentRecords
+from thbridge.experiment.store.events import RunState, StepOutcome
+
+
+def procedure_section(records: ExperimentRecords, people: str) -> Iterator[str]:
+    """Yield the lines of the section; `people` are "participants", or simulated ones."""
+    design = records.design
+    yield "### Procedure"
+    yield ""
+    asked = f"Before the first step, {people} entered the code that a recruiting service had given them."
+    yield from paragraph(
+        asked if design.file.recruiting.ask else "", f"Each of the {people} went through these steps in this order:"
+    )
+    yield from _steps(design)
+    yield from _consent(records, people)
+    for index, entry in enumerate(design.file.steps):
+        if entry.step is StepKind.CHECK:
+            yield from _check(records, index, entry, people)
+    yield from table("Durations of those analyzed", ("Step", "n", "Median", "Least", "Greatest"), _durations(records))
+    if any(subject.attempt.resumed for subject in records.subjects):
+        yield from paragraph("Steps that a crash interrupted have no duration.")
+
+
+def _steps(design: ExperimentDesign) -> Iterator[str]:
+    numbered = enumerate(design.file.steps)
+    number = 0
+    for each, block in itertools.groupby(numbered, key=lambda pair: pair[1].each_condition):
+        if each and len(design.conditions) > 1:
+            number += 1
+            yield f"{number}. For each condition, in the participant's order:"
+            yield from (f"    * {_step(design, index, entry)}" for index, entry in block)
+            continue
+        for index, entry in block:
+            number += 1
+            yield f"{number}. {_step(design, index, entry)}"
+    yield ""
+
+
+def _step(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
+    form = design.forms.get(index)
+    title = "" if form is None else f" ({form.title})"
+    match entry.step:
+        case StepKind.INSTRUCTIONS:
+            words = f"Instructions on screen ({entry.text})"
+        case StepKind.CONSENT:
+            words = f"Consent on screen ({entry.text})"
+        case StepKind.PRACTICE:
+            words = f"Practice game of at most {entry.max_seconds:g} s"
+        case StepKind.CHECK:
+            words = f"Comprehension check{title}"
+        case StepKind.TRIAL:
+            words = f"Game of at most {entry.max_seconds:g} s"
+        case StepKind.FORM:
+            words = f"Questionnaire{title}"
+        case StepKind.PAUSE:
+            words = "Pause of any length"
+        case StepKind.DEBRIEF:
+            words = f"Debriefing on screen ({entry.text})"
+    only = " and ".join(f"{item} was answered “{answer}”" for item, answer in entry.when.items())
+    rule = {
+        ResumeRule.EXACT: "",
+        ResumeRule.BEGINNING: "restarted after a crash",
+        ResumeRule.NEVER: "no data after a crash",
+    }
+    notes = [f"only if {only}" if only else "", rule[entry.resume]]
+    told = "; ".join(note for note in notes if note)
+    return f"{words}; {told}." if told else f"{words}."
+
+
+def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
+    steps = records.design.file.steps
+    asked = next((index for index, entry in enumerate(steps) if entry.step is StepKind.CONSENT), None)
+    if asked is None:
+        yield from paragraph(f"[How {people} gave informed consent: no step of the program asked for it.]")
+        return
+    versions = consent_versions(records)
+    texts = ", ".join(f"{digest[:12]} ({number})" for digest, number in versions.most_common())
+    first_data = next(
+        (index for index, entry in enumerate(steps) if entry.step in {StepKind.TRIAL, StepKind.FORM}), len(steps)
+    )
+    when = "before any data was collected" if asked < first_data else "after data had been collected"
+    yield from paragraph(
+        f"Consent was asked for on screen, {when}; for those who did not agree, the study ended there.",
+        f"The text had one version for all of those analyzed (SHA-256 {texts})." if len(versions) == 1 else "",
+        f"The text was changed during the study; versions by their SHA-256, with n: {texts}."
+        if len(versions) > 1
+        else "",
+    )
+
+
+def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str) -> Iterator[str]:
+    """Yield how a check was judged, and how often it was tried and failed."""
+    design, form = records.design, records.design.forms[index]
+    asked = [item for item in form.items if item.is_checked]
+    needed = len(asked) if entry.right is None else entry.right
+    tries = "once" if entry.attempts == 1 else f"up to {entry.attempts} times"
+    again = f", each time from the step {entry.repeat} on" if entry.repeat and entry.attempts > 1 else ""
+    failed = (
+        "Participants who failed the last attempt were excluded."
+        if entry.failed is Failed.EXCLUDE
+        else "Participants who failed the last attempt went on; the data marks them."
+    )
+    yield from paragraph(
+        f"The check *{form.title}* had {counted(len(asked), 'question')} with a right answer; it was passed with "
+        f"{needed} right. It could be tried {tries}{again}. {failed}",
+        *_results(records, index, people),
+    )
+    rows = [(item.text, scale_words(item), _right(item.correct, item.correct_by_condition)) for item in asked]
+    yield from table(f"Questions of {name_of(index, entry)}", ("Question", "Answers", "Right answer"), rows)
+    if any(item.correct_by_condition for item in asked) and design.conditions:
+        yield from paragraph(
+            "Where a right answer depends on the condition, it is the one of the participant's condition."
+        )
+
+
+def _right(correct: str | None, by_condition: object) -> str:
+    ways = dict(by_condition) if isinstance(by_condition, dict) else {}
+    told = [f"{level}: {answer}" for level, answer in ways.items()]
+    return "; ".join([*told, *([f"else: {correct}" if told else correct] if correct is not None else [])])
+
+
+def _results(records: ExperimentRecords, index: int, people: str) -> Iterator[str]:
+    """Yield how many passed a check at which attempt; of one for each condition, over all conditions."""
+    tried: dict[tuple[str, int], list[StepOutcome]] = {}
+    for subject in records.subjects:
+        step, outcome = subject.attempt.step, subject.attempt.outcome
+        if step.index == index and outcome in {StepOutcome.DONE, StepOutcome.FAILED}:
+            tried.setdefault((subject.run.participant, step.number), []).append(outcome)
+    if not tried:
+        yield f"None of the {people} has answered it yet."
+        return
+    each = len({person for person, _ in tried}) < len(tried)
+    first = sum(outcomes[0] is StepOutcome.DONE for outcomes in tried.values())
+    later = sum(outcomes[-1] is StepOutcome.DONE for outcomes in tried.values()) - first
+    attempts = sum(len(outcomes) for outcomes in tried.values())
+    failures = sum(outcome is StepOutcome.FAILED for outcomes in tried.values() for outcome in outcomes)
+    who = f"{len(tried)} times that it was asked" if each else f"{len(tried)} {people} who answered it"
+    yield (
+        f"Of {who}, {first} passed at the first attempt, {later} at a later one, and {len(tried) - first - later} did "
+        f"not pass ({counted(attempts, 'attempt')}, {counted(failures, 'failure')})."
+    )
+
+
+def _durations(records: ExperimentRecords) -> Sequence[tuple[str, *Spread]]:
+    own = [subject for subject in records.subjects if subject.run.state is RunState.COMPLETE]
+    rows: list[tuple[str, *Spread]] = []
+    for name in dict.fromkeys(subject.attempt.step.name for subject in own):
+        known = [
+            seconds
+            for subject in own
+            if subject.attempt.step.name == name
+            and subject.attempt.outcome is not StepOutcome.PASSED_OVER
+            and (seconds := subject.attempt.duration) is not None
+        ]
+        if known:
+            rows.append((name, *spread(known)))
+    whole = _whole(records)
+    return [*rows, ("all steps of a participant", *spread(whole))] if whole else rows
+
+
+def _whole(records: ExperimentRecords) -> list[float]:
+    """Time of each of those analyzed in all steps, where no step was interrupted."""
+    of_person: dict[str, list[float | None]] = {}
+    for subject in records.subjects:
+        if subject.run.state is RunState.COMPLETE:
+            of_person.setdefault(subject.run.participant, []).append(subject.attempt.duration)
+    return [sum(each or 0.0 for each in times) for times in of_person.values() if None not in times]

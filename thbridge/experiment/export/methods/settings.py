@@ -1,0 +1,74 @@
+"""Settings of an experiment's games that differ from the program's defaults."""
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, cast
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.study.study_file import Study, StudyFile
+from thbridge.study.text import SHOWN_ELSEWHERE, as_yaml
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+_NO_SETTINGS = ("seed", "server.", "watch.", "open_to", "keys")
+"""Beginnings of keys that no participant notices: seeds have a sentence of their own, others are of the network."""
+
+
+def settings_that_differ(design: ExperimentDesign) -> Iterator[tuple[str, str, str]]:
+    """Yield key, default, and value of each setting that is not the default in a game; where it varies, all values."""
+    default = _flat(Study())
+    found = [_flat(study) for cell in design.cells for study in cell.studies]
+    for key in dict.fromkeys(key for settings in (default, *found) for key in settings):
+        values = list(dict.fromkeys(settings.get(key, "not set") for settings in found))
+        usual = default.get(key, "not set")
+        if values != [usual] and not key.startswith(_NO_SETTINGS):
+            yield key, usual, values[0] if len(values) == 1 else f"varied: {'; '.join(values)}"
+
+
+def same_in_all(design: ExperimentDesign, key: str) -> str:
+    """Return the value of a setting in all games; where it varies, all values."""
+    settings = (_flat(study) for cell in design.cells for study in cell.studies)
+    return " or ".join(dict.fromkeys(_plain(each.get(key, "")) for each in settings))
+
+
+def _plain(value: str) -> str:
+    """Return a number without an empty fraction, anything else as it is."""
+    return value.removesuffix(".0")
+
+
+def meaning_of(key: str) -> str:
+    """Return the meaning of a key of studies; a gap to fill in for a factor that sets several keys."""
+    section: object = StudyFile()
+    meaning = ""
+    for name in key.split("."):
+        fields = (
+            {field.name: field for field in dataclasses.fields(section)} if dataclasses.is_dataclass(section) else {}
+        )
+        if name not in fields:
+            return "[what its levels set]"
+        meaning = str(fields[name].metadata.get("help", ""))
+        section = cast(object, getattr(section, name))
+    return meaning
+
+
+def _flat(study: Study) -> Mapping[str, str]:
+    """Return the settings of a study by their keys, as files have them."""
+    return dict(_values(StudyFile.of(study), ""))
+
+
+def _values(section: object, path: str) -> Iterator[tuple[str, str]]:
+    for field in dataclasses.fields(cast("DataclassInstance", section)):
+        key, value = f"{path}{field.name}", cast(object, getattr(section, field.name))
+        if key in SHOWN_ELSEWHERE:
+            continue
+        if isinstance(value, Mapping):
+            like = dict(_values(getattr(section, field.metadata["like"]), ""))
+            for number, entry in value.items():
+                # Of one robot's own settings, those that it does not share with the others.
+                own = ((name, told) for name, told in _values(entry, "") if like.get(name) != told)
+                yield from ((f"{key}.{number}.{name}", told) for name, told in own)
+        elif dataclasses.is_dataclass(value):
+            yield from _values(value, f"{key}.")
+        else:
+            yield key, as_yaml(value)

@@ -1,0 +1,78 @@
+"""The methods text: all sections, in the order of APA's reporting standards for quantitative research.
+
+Source: Appelbaum et al., Journal article reporting standards for quantitative research in psychology (2018), tables 1
+and 2; the flow of participants after CONSORT (2010).
+"""
+
+from collections.abc import Iterator, Mapping
+
+from thbridge.experiment.export.methods.design import design_section
+from thbridge.experiment.export.methods.markdown import listing, paragraph, sentence
+from thbridge.experiment.export.methods.materials import materials_section
+from thbridge.experiment.export.methods.measures import measures_section
+from thbridge.experiment.export.methods.participants import participants_section, sample_size_section
+from thbridge.experiment.export.methods.procedure import procedure_section
+from thbridge.experiment.export.methods.quality import exclusions_section, quality_section
+from thbridge.experiment.export.tables import ExperimentRecords
+
+
+def methods_text(records: ExperimentRecords, versions: Mapping[str, str], registered: str) -> str:
+    """Return the text; what neither the design nor the log says is a gap in [brackets] to be filled in.
+
+    Args:
+        records: of the experiment.
+        versions: of the programs.
+        registered: sentence on the preregistration.
+    """
+    return "\n".join(_lines(records, versions, registered)).rstrip("\n") + "\n"
+
+
+def _lines(records: ExperimentRecords, versions: Mapping[str, str], registered: str) -> Iterator[str]:
+    people = "simulated participants" if records.is_rehearsal else "participants"
+    yield f"# {' '.join(records.design.file.title.split())}"
+    yield ""
+    if records.is_rehearsal:
+        yield from paragraph("**This is a rehearsal by programs. No number below describes human participants.**")
+    yield from paragraph("*Text in [brackets] is for you to write. Everything else comes from the study and its log.*")
+    yield "## Method"
+    yield ""
+    yield from participants_section(records, people)
+    yield from sample_size_section(records)
+    yield from design_section(records, people)
+    yield from materials_section(records, versions, people)
+    yield from measures_section(records)
+    yield from procedure_section(records, people)
+    yield from quality_section(records)
+    yield from exclusions_section(records)
+    yield from _analysis(records, registered)
+
+
+def _analysis(records: ExperimentRecords, registered: str) -> Iterator[str]:
+    file = records.design.file
+    yield "### Analytic strategy"
+    yield ""
+    yield from paragraph(
+        "[Hypotheses with the test of each, confirmatory and exploratory; software; level of significance; correction "
+        "for several tests. The export's `analysis.py` and `analysis.R` compare conditions and groups, with effect "
+        "sizes, confidence intervals and Holm's correction: say if you used them.]"
+    )
+    yield "### Preregistration and deviations"
+    yield ""
+    yield from paragraph(
+        registered, sentence(file.preregistration, "Where the study was registered, or that it was not.")
+    )
+    if file.deviations:
+        yield from paragraph("Deviations from the preregistration:")
+        yield from listing(file.deviations)
+    else:
+        yield from paragraph("[Each deviation from the preregistration with its reason, or that there was none.]")
+    yield "### Availability of data and materials"
+    yield ""
+    yield from paragraph(
+        sentence(
+            file.data_availability,
+            "Where data, analysis code and materials are, under which license; or why they cannot be shared.",
+        ),
+        "The study's folder has its design, texts and forms; the same version of the program can run it again. The "
+        "exported data follows Psych-DS.",
+    )
