@@ -305,6 +305,26 @@ def test_a_rehearsal_says_that_programs_took_part(course: Course, tmp_path: Path
     assert "This is a rehearsal" not in real
 
 
+def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path: Path) -> None:
+    text = rehearsed(
+        tmp_path,
+        f"title: x\n{WITHIN}quota: 2\nconsent_elsewhere: Participants signed a form on paper\nsteps:\n"
+        "  - {step: practice, max_seconds: 300, base: {game.energy: 20}, at_least: {moves: 2, pictures: 0}}\n"
+        "  - {step: trial, each_condition: true, max_seconds: 60}\n  - {step: debrief, text: debrief.md}\n",
+        drop_out=0.0,
+    )
+    section = text[text.index("### Procedure") : text.index("### Data collection")]
+    assert (
+        "1. Practice game of at most 300 s, in the settings of the participant's first condition, but for game.energy: "
+        "20.0; participants could go on once they reached: moves 2.\n"
+        "2. For each condition, in the participant's order:\n"
+        "    * Game of at most 60 s.\n"
+        "3. Debriefing on screen (debrief.md), also for participants who left or were excluded.\n"
+    ) in section
+    assert "Participants signed a form on paper." in section
+    assert "[How" not in section
+
+
 def test_what_a_study_leaves_out_is_not_made_up(tmp_path: Path) -> None:
     text = rehearsed(tmp_path, "title: x\nquota: 1\nsteps:\n  - {step: form, form: usability}\n", drop_out=0.0)
     assert "treasure hunt" not in text

@@ -90,7 +90,10 @@ def _withdraws_before(entry: LogEntry, last: int) -> bool:
     if not isinstance(entry, LoggedEvent) or entry.event.kind != WITHDRAWN:
         return False
     sequences = (entry.event.data or {}).get("sequences")
-    return isinstance(sequences, list) and any(isinstance(one, int) and one <= last for one in sequences)
+    if not isinstance(sequences, list) or len(sequences) < 2:
+        # A run has two events at least, its beginning and that of a step. One is a later note that named somebody.
+        return False
+    return any(isinstance(each, int) and each <= last for each in sequences)
 
 
 def log_tables(records: ExperimentRecords) -> tuple[ExperimentTable, ...]:

@@ -5,9 +5,17 @@ from collections.abc import Iterator, Sequence
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign, name_of
 from thbridge.experiment.design.steps import Failed, ResumeRule, StepEntry, StepKind
-from thbridge.experiment.export.methods.markdown import Spread, counted, paragraph, spread, table
+from thbridge.experiment.export.methods.markdown import (
+    Spread,
+    counted,
+    paragraph,
+    sentence,
+    spread,
+    table,
+)
 from thbridge.experiment.export.methods.measures import scale_words
 from thbridge.experiment.export.methods.participants import consent_versions
+from thbridge.experiment.export.methods.settings import practice_settings
 from thbridge.experiment.export.tables import ExperimentRecords
 from thbridge.experiment.store.events import RunState, StepOutcome
 
@@ -55,7 +63,7 @@ def _step(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
         case StepKind.CONSENT:
             words = f"Consent on screen ({entry.text})"
         case StepKind.PRACTICE:
-            words = f"Practice game of at most {entry.max_seconds:g} s"
+            words = f"Practice game of at most {entry.max_seconds:g} s, {_practice(design, index, entry)}"
         case StepKind.CHECK:
             words = f"Comprehension check{title}"
         case StepKind.TRIAL:
@@ -65,21 +73,34 @@ def _step(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
         case StepKind.PAUSE:
             words = "Pause of any length"
         case StepKind.DEBRIEF:
-            words = f"Debriefing on screen ({entry.text})"
+            leavers = "also for participants who left or were excluded" if entry.when_leaving else ""
+            words = ", ".join(filter(None, (f"Debriefing on screen ({entry.text})", leavers)))
     only = " and ".join(f"{item} was answered “{answer}”" for item, answer in entry.when.items())
     rule = {
         ResumeRule.EXACT: "",
         ResumeRule.BEGINNING: "restarted after a crash",
-        ResumeRule.NEVER: "no data after a crash",
+        ResumeRule.NEVER: "ended the run after a crash",
     }
     notes = [f"only if {only}" if only else "", rule[entry.resume]]
     told = "; ".join(note for note in notes if note)
     return f"{words}; {told}." if told else f"{words}."
 
 
+def _practice(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
+    """Return in which settings practice is played, and what must be done in it."""
+    own = [f"{key}: {value}" for key, value in practice_settings(design, index)]
+    but = f", but for {', '.join(own)}" if own else ""
+    demands = [f"{term} {number}" for term, number in entry.at_least.items() if float(number) > 0.0]
+    done = f"; participants could go on once they reached: {', '.join(demands)}" if demands else ""
+    return f"in the settings of the participant's first condition{but}{done}"
+
+
 def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
-    steps = records.design.file.steps
+    design, steps = records.design, records.design.file.steps
     asked = next((index for index, entry in enumerate(steps) if entry.step is StepKind.CONSENT), None)
+    if asked is None and design.file.consent_elsewhere:
+        yield from paragraph(sentence(design.file.consent_elsewhere, ""))
+        return
     if asked is None:
         yield from paragraph(f"[How {people} gave informed consent: no step of the program asked for it.]")
         return

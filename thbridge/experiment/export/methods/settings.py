@@ -26,6 +26,18 @@ def settings_that_differ(design: ExperimentDesign) -> Iterator[tuple[str, str, s
             yield key, usual, values[0] if len(values) == 1 else f"varied: {'; '.join(values)}"
 
 
+def practice_settings(design: ExperimentDesign, index: int) -> Iterator[tuple[str, str]]:
+    """Yield key and value of each setting in which the practice game of a step differs from the participant's game."""
+    found: dict[str, dict[str, None]] = {}
+    for cell, practices in zip(design.cells, design.practices.get(index, ()), strict=False):
+        for study, practice in zip(cell.studies, practices, strict=True):
+            usual = _flat(study)
+            for key, value in _flat(practice).items():
+                if usual.get(key) != value:
+                    found.setdefault(key, {})[value] = None
+    yield from ((key, " or ".join(values)) for key, values in found.items())
+
+
 def same_in_all(design: ExperimentDesign, key: str) -> str:
     """Return the value of a setting in all games; where it varies, all values."""
     settings = (_flat(study) for cell in design.cells for study in cell.studies)
