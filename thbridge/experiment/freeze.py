@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
+
 from thbridge.experiment.folder import EXPORTS, FREEZE, RECORDINGS, STORE, ExperimentFolder
+from thbridge.files.disk.text_files import read_text
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.json_text import json_of
 
 _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
 """What comes of running an experiment; all else in its folder is what was planned."""
@@ -44,6 +46,17 @@ class Fingerprint:
         """One hash of all of it, to be written into a preregistration."""
         whole = json.dumps([sorted(self.files.items()), sorted(self.versions.items())])
         return hashlib.sha256(whole.encode()).hexdigest()
+
+
+_LARGEST = 1 << 26
+
+
+class _FreezeFile(msgspec.Struct):
+    """A fingerprint as its file has it."""
+
+    digest: str
+    files: dict[str, str]
+    versions: dict[str, str]
 
 
 def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fingerprint:
@@ -87,11 +100,11 @@ def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[s
     if not folder.freeze.exists():
         return None
     try:
-        told = json_of(folder.freeze.read_text(encoding="utf-8"))
-        frozen = Fingerprint(told["files"], told["versions"])
-        if frozen.digest != told["digest"]:
+        told = msgspec.json.decode(read_text(folder.freeze, _LARGEST), type=_FreezeFile)
+        frozen = Fingerprint(told.files, told.versions)
+        if frozen.digest != told.digest:
             raise ValueError
-    except (OSError, ValueError, KeyError, TypeError):
+    except (BadFile, ValueError, RecursionError):
         raise BadFile(folder.freeze, "is damaged or was changed", "Bring back the one that was registered") from None
     now = fingerprint_of(folder, versions)
     said = [

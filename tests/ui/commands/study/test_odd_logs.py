@@ -284,3 +284,15 @@ def test_a_pipe_in_the_place_of_a_file_is_refused_without_waiting_for_it(study: 
     (study / "store" / name).unlink()
     os.mkfifo(study / "store" / name)
     assert "a pipe" in str(refused(study))
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["[]", "null", "{", "[" * 100_000, '{"digest": "a", "files": [], "versions": {}}', '{"digest": 1, "files": {}}'],
+)
+def test_an_odd_freeze_is_refused(study: Path, content: str) -> None:
+    (study / "freeze.json").write_text(content)
+    done = CliRunner().invoke(app, ["study", "status", str(study)])
+    assert isinstance(done.exception, SystemExit), done.exception
+    assert done.exit_code == 2
+    assert "freeze.json: is damaged or was changed" in done.output
