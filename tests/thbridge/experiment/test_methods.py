@@ -164,11 +164,13 @@ def test_everybody_who_began_is_in_the_flow_with_a_reason(course: Course) -> Non
     assert (
         "The plan asked for 8 participants with complete data. Of 10 participants who began, 1 declined to take part, "
         "1 left before the end, 1 had their run ended by the researcher, 2 were excluded, 1 withdrew and had all of "
-        "their data deleted, 1 were still taking part at the time of this export, and 3 completed the study and were "
+        "their data deleted, 1 was still taking part at the time of this export, and 3 completed the study and were "
         "analyzed. Data collection was not complete at the time of this export. They took part on 2026-01-02."
     ) in text
     table = text[text.index("*Flow of participants*") :].split("\n\n")[1].splitlines()[2:]
-    rows = {tuple(cells[:2]): [*map(int, cells[2:])] for cells in (line.strip("| ").split(" | ") for line in table)}
+    cells = [line.strip("| ").split(" | ") for line in table]
+    rows = {tuple(row[:2]): [0 if number == "unknown" else int(number) for number in row[2:]] for row in cells}
+    assert ["Withdrew, data deleted", "", "unknown", "unknown", "1"] in cells
     for row in (
         ("Declined", "did not agree"),
         ("Left", "stopped taking part, at trial_5"),

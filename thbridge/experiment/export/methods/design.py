@@ -24,7 +24,10 @@ def design_section(records: ExperimentRecords, people: str) -> Iterator[str]:
     ]
     yield from table("Factors", ("Factor", "Varied", "Levels", "What the setting is"), factors)
     if factors:
-        yield from paragraph("[What each level meant for the participants, and how it follows from the hypotheses.]")
+        yield from paragraph(
+            "[What each level meant for the participants, how it follows from the hypotheses, and how you checked that "
+            "participants noticed it.]"
+        )
     yield from paragraph(_assignment(design, people), _order(design, people), _seeds(design))
     if factors:
         yield from paragraph(

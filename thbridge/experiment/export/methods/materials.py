@@ -60,7 +60,8 @@ def _task(design: ExperimentDesign) -> Iterator[str]:
     conditions = sorted({str(study.dialogue.condition) for cell in design.cells for study in cell.studies})
     yield from (_CONDITIONS[condition] for condition in conditions)
     rates = sorted({study.rate or 1.0 for cell in design.cells for study in cell.studies})
-    yield f"Simulated time ran at {' or '.join(f'{rate:g}' for rate in rates)} times real time."
+    speed = "the speed" if rates == [1.0] else f"{' or '.join(f'{rate:g}' for rate in rates)} times the speed"
+    yield f"Simulated time ran at {speed} of real time."
 
 
 _CONDITIONS = {

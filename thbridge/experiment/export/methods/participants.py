@@ -51,7 +51,7 @@ def participants_section(records: ExperimentRecords, people: str) -> Iterator[st
     file, outcomes = records.design.file, outcomes_of(records)
     planned, is_full = records.design.allocation.size, records.progress.next_place() is NoPlace.FULL
     counts = Counter(outcome.fate for outcome in outcomes)
-    ends = [f"{counts[fate]} {words}" for fate, (_, words) in FATES.items() if counts[fate] or fate == "complete"]
+    ends = [_ended(counts[fate], words) for fate, (_, words) in FATES.items() if counts[fate] or fate == "complete"]
     yield "### Participants"
     yield ""
     yield from paragraph(
@@ -69,6 +69,11 @@ def participants_section(records: ExperimentRecords, people: str) -> Iterator[st
         sentence(file.recruitment, "How, where and when people were recruited, and what they were paid."),
         sentence(file.ethics, "Which ethics committee approved the study, and under which number."),
     )
+
+
+def _ended(number: int, words: str) -> str:
+    """Return how people ended: "2 were excluded", "1 was excluded"."""
+    return f"{number} {words.replace('were ', 'was ') if number == 1 else words}"
 
 
 def outcomes_of(records: ExperimentRecords) -> list[PersonOutcome]:
@@ -90,9 +95,10 @@ def _flow(records: ExperimentRecords, outcomes: Sequence[PersonOutcome]) -> list
     """Lines of the table of outcomes; with several groups, of each group as well."""
     cells = records.design.cells if len(records.design.cells) > 1 else ()
 
-    def numbers(some: Sequence[PersonOutcome]) -> tuple[int, ...]:
+    def numbers(some: Sequence[PersonOutcome]) -> tuple[int | str, ...]:
         each = Counter(outcome.cell for outcome in some)
-        return (*(each[index] for index in range(len(cells))), len(some))
+        are_known = any(outcome.cell is not None for outcome in some)
+        return (*(each[index] if are_known else "unknown" for index in range(len(cells))), len(some))
 
     rows = []
     for fate, (words, _) in FATES.items():

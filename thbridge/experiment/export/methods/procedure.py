@@ -105,14 +105,14 @@ def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
         yield from paragraph(f"[How {people} gave informed consent: no step of the program asked for it.]")
         return
     versions = consent_versions(records)
-    texts = ", ".join(f"{digest[:12]} ({number})" for digest, number in versions.most_common())
+    texts = ", ".join(f"{digest[:12]}... (n = {number})" for digest, number in versions.most_common())
     first_data = next(
         (index for index, entry in enumerate(steps) if entry.step in {StepKind.TRIAL, StepKind.FORM}), len(steps)
     )
     when = "before any data was collected" if asked < first_data else "after data had been collected"
     yield from paragraph(
         f"Consent was asked for on screen, {when}; for those who did not agree, the study ended there.",
-        f"The text had one version for all of those analyzed (SHA-256 {texts})." if len(versions) == 1 else "",
+        f"The text had one version for all of those analyzed, of SHA-256 {texts}." if len(versions) == 1 else "",
         f"The text was changed during the study; versions by their SHA-256, with n: {texts}."
         if len(versions) > 1
         else "",

@@ -90,7 +90,7 @@ def exclusions_section(records: ExperimentRecords) -> Iterator[str]:
     yield "### Data diagnostics and exclusions"
     yield ""
     rules = [
-        f"Failing the check {design.forms[index].title} for the last time."
+        f"Failing the last attempt at the check *{design.forms[index].title}*."
         for index, entry in enumerate(file.steps)
         if entry.step is StepKind.CHECK and entry.failed is Failed.EXCLUDE
     ]
