@@ -110,7 +110,7 @@ class RoomAdvised(_Event, frozen=True, tag="advised"):
     Attributes:
         robot: index in the team, from 0.
         room: the room suggested.
-        advice: number of the robot's advice in this game, from 1; asked again before the answer, it keeps its number.
+        advice: number of the robot's advice in this game, from 1. Older releases recorded a repeated one again.
         planned: the room that the robot's planner chose. A wizard may have suggested another one.
         erred: True when the robot suggested another room than planned because the study has it err.
         confidence: stated by the robot, 0 to 1; None when it stated none.

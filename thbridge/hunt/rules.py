@@ -352,12 +352,14 @@ def identify(state: GameState, room: Room, name: str, reported: int | None = Non
 
 
 def leave(state: GameState, room: Room) -> Ruling:
-    """Give up the treasure in a room."""
+    """Give up the treasure in a room. One that was given up gives no event."""
     refused = _over(state) or _no_room(state, room)
     if refused:
         return refused
     if not state.room(room).visited:
         return RequestRefused(RuleReason.NOBODY_THERE, f"No robot has been in {room} yet.")
+    if state.room(room).left:
+        return ()
     return _decided(room) if state.room(room).is_decided else (TreasureLeft(room),)
 
 

@@ -13,7 +13,7 @@ import msgspec
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
 from thbridge.hunt.rules import commander_name
-from thbridge.protocols.text.notice import COUNTED, Notice, NoticeValue, decode_notice
+from thbridge.protocols.text.notice import COUNTED, Notice, NoticeValue, decode_notice, kind_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,6 +142,7 @@ class DialogueView:
         choices: possible answers of the participant, most agreeable first; none while it is the robot's turn.
         acts: words for what each choice does, as recordings name moves, for programs; empty where nobody tells.
         speakers: who said each sentence; empty likewise.
+        suggested: True where the robot has suggested the room. Asking for its advice again changes nothing.
     """
 
     dialogue: int
@@ -153,6 +154,7 @@ class DialogueView:
     choices: tuple[str, ...]
     acts: tuple[str, ...] = ()
     speakers: tuple[Literal["robot", "person"], ...] = ()
+    suggested: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -465,3 +467,14 @@ ParticipantRequest = (
     | MeasureProperty
     | TellProperty
 )
+
+
+def refusal_wishes(request: ParticipantRequest) -> tuple[str, ...]:
+    """Return the values of `RefusalView.wish` that may mean this request; a dialogue is also refused by its matter."""
+    match request:
+        case SelectRoom() | RequestSuggestion():
+            return ("select-room", kind_of(type(request)))
+        case OpenDialogue(matter=matter):
+            return (matter, kind_of(OpenDialogue))
+        case _:
+            return (kind_of(type(request)),)

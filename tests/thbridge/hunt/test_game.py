@@ -268,7 +268,8 @@ def test_a_treasure_is_decided_once():
     given_up = after(state, rules.leave(state, ROOM_4))
     for decided in (named, given_up):
         assert rules.identify(decided, ROOM_4, "Orange Bottle").reason == RuleReason.ALREADY_DECIDED
-        assert rules.leave(decided, ROOM_4).reason == RuleReason.ALREADY_DECIDED
+    assert rules.leave(named, ROOM_4).reason == RuleReason.ALREADY_DECIDED
+    assert rules.leave(given_up, ROOM_4) == (), "what was given up is given up once, however often it is requested"
 
 
 def test_energy_that_does_not_suffice_is_named_with_what_is_needed():

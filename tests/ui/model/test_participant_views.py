@@ -372,6 +372,14 @@ def test_advice_is_asked_for_once():
     model.do(AskAdvice(), 0.0)
     asked = model.screen(0.0).ask_advice
     assert (asked.enabled, asked.pending, model.requests()) == (False, True, (RequestSuggestion(0),))
+    suggestion = replace(asking(0, 2), suggested=True)
+    model.receive(view(dialogues=(suggestion,)), 0.1)
+    model.screen(0.1)
+    model.do(ShowNext(), 0.1)
+    assert model.screen(0.1).popup is None
+    model.do(AskAdvice(), 0.2)
+    assert model.requests() == (), "what the robot has suggested is shown, and not asked for again"
+    assert model.screen(0.2).popup is not None
 
 
 def test_a_picture_after_which_nothing_could_be_named_is_warned_of():

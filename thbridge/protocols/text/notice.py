@@ -31,6 +31,7 @@ COUNTED = range(1, 1 << 32)
 """Numbers that games and dialogues can have; random numbers are drawn by them. Others come from faulty senders."""
 
 _MARK = "thbridge"
+_REQUEST = "request"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +50,12 @@ class Notice:
     kind: str
     fields: Mapping[str, JsonValue]
 
+    @property
+    def request(self) -> int | None:
+        """Number that the sender gave this request, the same in each repetition; None if it gave none."""
+        number = self.fields.get(_REQUEST)
+        return number if type(number) is int and number in COUNTED else None
+
 
 class NoticeValue(msgspec.Struct, frozen=True, tag_field="kind"):
     """Base of values that notices carry; the tag of each is its kind on the wire, which all releases know."""
@@ -62,9 +69,17 @@ def kind_of(value_class: type[NoticeValue]) -> str:
     return str(value_class.__struct_config__.tag)
 
 
-def encode_notice(sender: str, receiver: str, value: NoticeValue) -> TextMessage:
-    """Return the message that carries a value. Raises ValueError as `notice` does."""
-    return _message(sender, receiver, msgspec.to_builtins(value))
+def encode_notice(sender: str, receiver: str, value: NoticeValue, request: int | None = None) -> TextMessage:
+    """Return the message that carries a value. Raises ValueError as `notice` does.
+
+    Args:
+        sender: name of the program that sends it.
+        receiver: name of the program it is for.
+        value: the value.
+        request: see `Notice.request`.
+    """
+    fields = msgspec.to_builtins(value)
+    return _message(sender, receiver, fields if request is None else {**fields, _REQUEST: request})
 
 
 def decode_notice(notice: Notice, value_class: type[N]) -> N | None:

@@ -198,19 +198,30 @@ class GameDialogues:
         return conversation if situation == situation_of(facts) else conversation.begun_anew(is_decision)
 
     def await_advice(self, robot: int) -> None:
-        """Note that the participant asked a puppet where to go; earlier dialogue and agreement are withdrawn.
-
-        Programs repeat the request until they see an answer: a suggestion that was made, and not answered yet, stands.
-        """
-        if not self.suggestion_stands(robot) and robot not in self.asked_for_advice:
-            self._forget(robot, "select-room")
-            self.asked_for_advice += (robot,)
+        """Note that the participant asked a puppet where to go; earlier dialogue and agreement are withdrawn."""
+        self._forget(robot, "select-room")
+        self.asked_for_advice += (robot,)
 
     def suggestion_stands(self, robot: int) -> bool:
-        """Return True while the participant has not answered what this robot suggested."""
+        """Return True while participant and robot talk about a room that the robot suggested."""
         given = self._open.get(robot)
-        is_answered = given is not None and any(turn.speaker is Speaker.PERSON for turn in given.turns)
-        return given is not None and given.topic.scenario is Scenario.DONT_KNOW and not is_answered
+        return given is not None and given.topic.scenario is Scenario.DONT_KNOW
+
+    def has_advised(self, robot: int) -> bool:
+        """Return True while a request for this robot's advice has its effect: advice, or its agreement, or a wait."""
+        agreed = any((consent.robot, consent.matter) == (robot, "select-room") for consent in self.consents)
+        return robot in self.asked_for_advice or self.suggestion_stands(robot) or agreed
+
+    def is_discussed(self, scenario: Scenario, robot: int, room: Room, name: str = "") -> bool:
+        """Return True while this robot and the participant talk about just this, or have agreed on it."""
+        topic = self._open[robot].topic if robot in self._open else None
+        is_open = topic is not None and (topic.scenario, topic.room, topic.name) == (scenario, room, name)
+        is_agreed = any(
+            (consent.robot, consent.matter, consent.room) == (robot, MATTERS[scenario], room.people)
+            and (scenario is Scenario.UNSURE_NAME or consent.name in {"", name})
+            for consent in self.consents
+        )
+        return is_open or is_agreed
 
     def answer(self, state: GameState, number: int, turn: int, choice: int) -> None:
         """Make the participant's choice; one for an earlier turn changes nothing."""
@@ -330,6 +341,7 @@ class GameDialogues:
             choices=tuple(choice.text for choice in choices),
             acts=tuple(word_of(choice.move) for choice in choices),
             speakers=speakers,
+            suggested=self.suggestion_stands(dialogue.topic.robot),
         )
 
     def is_talking(self, robot: int) -> bool:

@@ -80,6 +80,8 @@ from thbridge.roles.view import Debrief, DeclineConsent, GiveConsent, Participan
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
 _WISHES = {kind_of(kind) for kind in get_args(ParticipantRequest)}
 _AFTER_AGREEING = _WISHES - {kind_of(GiveConsent)}
+_COUNTED_WISHES = _AFTER_AGREEING - {kind_of(PlayAgain)}
+"""Requests that count once. The game that is over tells repetitions of `PlayAgain`, which waits until robots join."""
 _QUOTED = 200
 """Characters of a refused line that are repeated."""
 
@@ -330,7 +332,9 @@ class Keeper:
             self._consent.join(self.state, ready.run)
             for robot in range(0 if self.state is None else len(self.state.robots)):
                 self._game.attend(robot)
-            self._outgoing += self._participants.join(notice.sender, None if self._team is None else self._team.map)
+            self._outgoing += self._participants.join(
+                notice.sender, None if self._team is None else self._team.map, ready.run
+            )
         elif decode_notice(notice, ConsentQuery) is not None:
             self._permission = RecordingPermission(self.consent.recordable)
             self._send(notice.sender, self._permission)
@@ -338,6 +342,9 @@ class Keeper:
             self._consent.decline(self.state)
         elif (consent := decode_notice(notice, GiveConsent)) is not None:
             self._game.record(self._consent.agree(self.state, consent))
+        elif notice.kind in _COUNTED_WISHES and self.state is not None and self._participants.is_repetition(notice):
+            # It was granted or refused; the view shows that.
+            pass
         elif self.state is not None and notice.kind in _AFTER_AGREEING and self._consent.awaited(self.state):
             self._game.refuse(notice.kind, _BEFORE_AGREEING)
         elif (again := decode_notice(notice, PlayAgain)) is not None:

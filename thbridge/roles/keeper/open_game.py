@@ -223,7 +223,7 @@ class OpenGame:
         self.record((advice.event(robot), structs.replace(opened, reason=advice.reason, confidence=advice.confidence)))
 
     def discuss(self, state: GameState, scenario: Scenario, robot: int, room: Room, name: str | None = None) -> None:
-        """Open the dialogue about what the participant wants.
+        """Open the dialogue about what the participant wants, unless it is open or has led to an agreement.
 
         Args:
             state: of the game.
@@ -234,12 +234,15 @@ class OpenGame:
         """
         if name == "" and self.dialogues.argues:
             scenario = Scenario.UNSURE_NAME
+        said = (name or "") if self.dialogues.argues else ""
+        if self.dialogues.is_discussed(scenario, robot, room, said):
+            return
         advised = None
         if self.dialogues.argues and MATTERS[scenario] == "select-room":
             advice = self.advice(state, robot)
             advised = None if isinstance(advice, RequestRefused) else advice.room
         opened = self._opening(scenario, robot, room, Speaker.PERSON, advised)
-        self.record((structs.replace(opened, name=(name or "") if self.dialogues.argues else ""),))
+        self.record((structs.replace(opened, name=said),))
 
     def _opening(
         self, scenario: Scenario, robot: int, room: Room, opener: Speaker, advised: Room | None

@@ -26,11 +26,20 @@ from thbridge.roles.view import (
     SenseTreasure,
     TakePicture,
     View,
+    refusal_wishes,
 )
 
 RETRY_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks after which a request is sent again if the view does not show its effect."""
 
+REJOIN_PERIOD = TICKS_PER_SECOND // 2
+"""Ticks after joining again before a request is sent again: the first view may show its effect."""
+
+NUMBER_PERIOD = 30 * TICKS_PER_SECOND
+"""Ticks after which a request that the player still has gets another number: its effect was lost before it was seen.
+
+A server that a connection cannot reach for so long has closed it.
+"""
 
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks from one subscription to the next, so that a restarted SimR learns of it."""
@@ -84,14 +93,16 @@ class TabUI:
         self.declined = False
         self._introduce = False
         self._renew_at: int | None = None
+        # By request that the player has now: its number, and the tick up to which that is good; when it was last sent.
+        self._numbers: dict[ParticipantRequest, tuple[int, int]] = {}
         self._sent: dict[ParticipantRequest, int] = {}
+        self._last_number = 0
         self._next_poll = 0
 
     def connected(self) -> None:
         """Request the view from the keeper with the next step; requests sent before may be lost."""
         self._introduce = True
         self._renew_at = 0
-        self._sent.clear()
 
     def poll_player(self) -> None:
         """Ask the player with the next step, even if the view has not changed: a person has decided."""
@@ -107,6 +118,7 @@ class TabUI:
         for message in messages:
             update = _decode_update(message)
             if isinstance(update, View):
+                self._note_refusal(update)
                 self.view, changed = update, True
             elif isinstance(update, FloorPlan):
                 self.room_names = update.room_names
@@ -115,6 +127,9 @@ class TabUI:
         outgoing: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
+            # The view that comes next may show that they were not lost.
+            self._sent = dict.fromkeys(self._sent, tick + REJOIN_PERIOD - RETRY_PERIOD)
+            self._next_poll = min(self._next_poll, tick + REJOIN_PERIOD)
             if self._consent is not None:
                 outgoing.append(encode_request_line(self._consent))
             outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady(self.run)))
@@ -130,11 +145,25 @@ class TabUI:
     def _due_requests(self, tick: int, view: View) -> list[TextMessage]:
         requests = dict.fromkeys(self._player.requests(view))
         self._sent = {request: at for request, at in self._sent.items() if request in requests}
+        good = {request: number for request, number in self._numbers.items() if tick < number[1]}
+        self._numbers = {request: good.get(request) or self._fresh_number(tick) for request in requests}
         due = [request for request in requests if tick - self._sent.get(request, -RETRY_PERIOD) >= RETRY_PERIOD]
         for request in due:
             self._sent[request] = tick
-        self._next_poll = tick + RETRY_PERIOD
-        return [encode_request_line(request) for request in due]
+        self._next_poll = min(self._sent.values(), default=tick) + RETRY_PERIOD
+        return [encode_request_line(request, self._numbers[request][0]) for request in due]
+
+    def _fresh_number(self, tick: int) -> tuple[int, int]:
+        self._last_number += 1
+        return self._last_number, tick + NUMBER_PERIOD
+
+    def _note_refusal(self, view: View) -> None:
+        """Forget the numbers of refused requests: a player that still has one of them asks again."""
+        if view.refusal is not None and (self.view is None or view.refusal != self.view.refusal):
+            wish = view.refusal.wish
+            self._numbers = {
+                request: number for request, number in self._numbers.items() if wish not in refusal_wishes(request)
+            }
 
 
 def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
@@ -151,8 +180,13 @@ def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
     )
 
 
-def encode_request_line(request: ParticipantRequest) -> TextMessage:
-    """Return the message for a request: a line of 2016 where there is one, else a notice to the keeper."""
+def encode_request_line(request: ParticipantRequest, number: int | None = None) -> TextMessage:
+    """Return the message for a request: a line of 2016 where there is one, else a notice to the keeper.
+
+    Args:
+        request: the request.
+        number: of the request, the same in each repetition; lines of 2016 have none.
+    """
     match request:
         case SendRobot(robot, room):
             return legacy.GotoRoom(robot, Room(room).wire).message()
@@ -163,4 +197,4 @@ def encode_request_line(request: ParticipantRequest) -> TextMessage:
         case IdentifyTreasure(room, name):
             return legacy.NameTreasure(Room(room).wire, name).message()
         case _:
-            return encode_notice(TabUI.name, KEEPER, request)
+            return encode_notice(TabUI.name, KEEPER, request, number)

@@ -202,6 +202,8 @@ class KioskHost:
         """Decide that a run does not count; whoever is in it is told that it ends."""
         if participant not in self.progress.runs:
             return f"Nobody is called {participant}."
+        if self.progress.runs[participant].state is RunState.EXCLUDED:
+            return f"{participant} is excluded already."
         if other := self._other_in(reason, participant):
             return words.NAMES_OTHER.format(other)
         self._conductor.exclude(participant, reason)

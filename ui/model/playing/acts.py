@@ -302,7 +302,10 @@ def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: int, now: float) 
 def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
     robot = memory.selected
     already = isinstance(hunt.pending.destination_request(robot), RequestSuggestion)
-    if not already and not _refused(memory, why_not_ask(hunt.known, robot), now):
+    talk = hunt.destination_dialogue(robot)
+    if talk is not None and talk.suggested:
+        hunt.popups.show(DestinationItem(robot))
+    elif not already and not _refused(memory, why_not_ask(hunt.known, robot), now):
         _ask_to_go(memory, hunt, RequestSuggestion(robot))
 
 

@@ -8,6 +8,7 @@ import pytest
 from tests.thbridge.roles.stage import Stage
 from thbridge.app.trouble_log import TroubleLog
 from thbridge.dialogue.moves import Author, DialogueTopic, DialogueUtterance, Leave, Scenario, Speaker
+from thbridge.hunt.events import RobotArrived, RobotDeparted, TreasureLeft, TreasurePictured, TreasureSensed
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.protocols.text import legacy
@@ -124,3 +125,18 @@ def test_a_strategy_that_fails_is_told_in_the_log(caplog):
             log.note([], [said, replace(said, fault="")])
     (told,) = [record.getMessage() for record in caplog.records]
     assert told.endswith("chose a move by its own strategy, for that of the study failed: a str is no move")
+
+
+def test_a_line_of_2016_that_comes_twice_counts_once() -> None:
+    outsider = Outsider(tells_refusals=True)
+    goto, sense, snap = "%%goto TabUI SimR 0 2 2 45", '%%error TabUI Hider "2"', "%%snap TabUI Hider 2"
+    assert outsider.refused(goto) + outsider.refused(goto) == []
+    outsider.stage.run(20)
+    for line in (sense, snap, sense, snap):
+        assert outsider.refused(line) == []
+    assert outsider.refused("%%goto TabUI SimR 0 4 4 45") == []
+    assert outsider.refused(snap) == [], "what is known is sent again though its robot has gone on"
+    kinds = [type(event) for event in outsider.stage.log.events]
+    of_room_3 = [RobotDeparted, RobotArrived, TreasureSensed, TreasurePictured]
+    assert kinds[2:] == [*of_room_3, TreasureLeft, RobotDeparted]
+    assert len([line for line in outsider.heard if "%%image" in line]) == 3

@@ -589,6 +589,7 @@ def test_the_researcher_begins_ends_and_excludes_runs(tmp_path: Path) -> None:
     text = ONE_FORM.replace("quota: 1", "quota: 3\nbegins: researcher")
     laboratory = Laboratory(tmp_path, text)
     told: list[str | None] = []
+    again: list[str | None] = []
 
     def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
         host = laboratory.host
@@ -606,6 +607,7 @@ def test_the_researcher_begins_ends_and_excludes_runs(tmp_path: Path) -> None:
             told.append(host.admit_next())
             end = host.end_run if len(runs) == 1 else host.exclude
             told.append(end(runs[-1], "fire drill"))
+            again.append(end(runs[-1], "fire drill"))
             return [FocusNews(True, 1)]
         return None
 
@@ -616,6 +618,8 @@ def test_the_researcher_begins_ends_and_excludes_runs(tmp_path: Path) -> None:
     assert told == [None, f"{first} is still under way.", None, None, f"{second} is still under way.", None]
     by = [event.actor for event in laboratory.events if event.kind == EventKind.RUN_ENDED]
     assert by == ["experimenter", "program"]
+    assert again == [f"{first} is not under way.", f"{second} is excluded already."]
+    assert len([event for event in laboratory.events if event.kind == EventKind.RUN_EXCLUDED]) == 1
 
 
 def test_events_in_a_game_have_its_simulated_time(laboratory: Laboratory) -> None:

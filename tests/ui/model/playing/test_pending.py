@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 from msgspec import structs
 
@@ -33,6 +35,11 @@ UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", r
         (SelectRoom(0, 3), view(), UNDER_WAY),
         (RequestSuggestion(0), view(), view(dialogues=(asking(0, 3),))),
         (RequestSuggestion(0), view(dialogues=(asking(0, 2, 1),)), view(dialogues=(asking(0, 2, 2),))),
+        (
+            RequestSuggestion(0),
+            view(dialogues=(asking(0, 2, 1),)),
+            view(dialogues=(replace(asking(0, 2, 1), suggested=True),)),
+        ),
         (AnswerDialogue(1, 1, 0), view(dialogues=(asking(0, 3),)), view(dialogues=(asking(0, 3, 1, 3),))),
         (AnswerDialogue(1, 1, 0), view(dialogues=(asking(0, 3),)), view()),
         (CallBack(0), UNDER_WAY, view()),

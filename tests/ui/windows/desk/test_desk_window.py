@@ -161,6 +161,14 @@ def test_notes_go_to_the_log_about_the_study_or_a_person(desk: DeskWindow) -> No
     assert desk.heard[1:] == [WriteNote("the heating is off"), WriteNote("came late", someone)]
 
 
+def test_a_double_click_writes_one_note(desk: DeskWindow) -> None:
+    done = len(desk.heard)
+    QTest.keyClicks(desk.note, "came late")
+    QTest.mouseClick(desk.take_down, Qt.MouseButton.LeftButton)
+    QTest.mouseDClick(desk.take_down, Qt.MouseButton.LeftButton)
+    assert desk.heard[done:] == [WriteNote("came late")]
+
+
 def test_buttons_say_why_they_are_off(desk: DeskWindow, state: DeskState) -> None:
     desk.receive(structs.replace(state, no_next="All runs that count are there."))
     assert not desk.next.isEnabled()

@@ -6,13 +6,15 @@ from collections.abc import Iterator
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import encode_notice
+from thbridge.protocols.text.notice import Notice, encode_notice
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.notices import PicturePiece
 from thbridge.roles.view import View
 
 MOST_PARTICIPANTS = 64
 """Participants' programs at a time."""
+MOST_NUMBERS = 256
+"""Numbers of a program's latest requests that are remembered; a repetition comes seconds later."""
 PIECE_SIZE = 30_000
 """Bytes of a picture in one line; 40,000 characters in base 64."""
 PIECE_PERIOD = TICKS_PER_SECOND // 12
@@ -30,7 +32,8 @@ class Participants:
     def __init__(self, sender: str, briefing: Briefing) -> None:
         self._sender = sender
         self._briefing = briefing
-        self._members: dict[str, None] = {}
+        # By program: the mark of its run, and the numbers of its latest requests, oldest first.
+        self._members: dict[str, tuple[str, dict[int, None]]] = {}
         self._newcomers: dict[str, None] = {}
         self._unreachable: set[str] = set()
         self._shown: View | None = None
@@ -47,7 +50,7 @@ class Participants:
         """True when no participant's program is connected."""
         return not self._members
 
-    def join(self, name: str, map_name: str | None) -> list[TextMessage]:
+    def join(self, name: str, map_name: str | None, run: str = "") -> list[TextMessage]:
         """Add a participant's program, perhaps again; return the messages to send at once, none where there is no room.
 
         One that could not be reached makes room for another.
@@ -55,6 +58,7 @@ class Participants:
         Args:
             name: of the program.
             map_name: of the map that the robots are on; None while that is unknown.
+            run: mark of this run of the program; another run counts its requests from 1 again. Empty: unknown.
         """
         if name not in self._members and len(self._members) >= MOST_PARTICIPANTS:
             gone = next((member for member in self._members if member in self._unreachable), None)
@@ -62,7 +66,8 @@ class Participants:
                 return []
             self._remove(gone)
         self._unreachable.discard(name)
-        self._members[name] = None
+        if not run or self._members.get(name, ("",))[0] != run:
+            self._members[name] = (run, {})
         self._newcomers[name] = None
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
         plan = self._briefing.floor_plan
@@ -70,6 +75,22 @@ class Participants:
         if plan is None or map_name not in {None, plan.map}:
             return []
         return [encode_notice(self._sender, name, plan)]
+
+    def is_repetition(self, request: Notice) -> bool:
+        """Return True for a request whose number its sender has used before in this run; remember the number.
+
+        A request without a number is none.
+        """
+        number = request.request
+        if number is None or request.sender not in self._members:
+            return False
+        numbers = self._members[request.sender][1]
+        if number in numbers:
+            return True
+        if len(numbers) >= MOST_NUMBERS:
+            del numbers[next(iter(numbers))]
+        numbers[number] = None
+        return False
 
     def note_unreachable(self, name: str) -> None:
         """Note that a notice to a program could not be handed over."""

@@ -9,6 +9,7 @@ from enum import StrEnum
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
+from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
 from thbridge.hunt.properties import labelled, named_by_labels
 from thbridge.hunt.refusals import RequestRefused
@@ -106,6 +107,8 @@ class LegacyLines:
         return None
 
     def _send(self, state: GameState, robot: int, room: Room, needs_consent: bool) -> None:
+        if _has_gone(state, robot, room, arrived=needs_consent):
+            return
         ruling = rules.move(state, robot, room)
         if (
             isinstance(ruling, tuple)
@@ -125,7 +128,10 @@ class LegacyLines:
             self._game.apply_ruling("Arrived", rules.arrive(state, robot, room))
 
     def _sense(self, state: GameState, room: Room) -> TextMessage | None:
-        if state.treasures is None or not self._game.apply_ruling(kind_of(SenseTreasure), rules.sense(state, room)):
+        if state.treasures is None:
+            return None
+        known = state.has_room(room) and state.room(room).sensed is not None
+        if not known and not self._game.apply_ruling(kind_of(SenseTreasure), rules.sense(state, room)):
             return None
         treasure = state.treasure(room)
         if treasure is None:
@@ -135,12 +141,13 @@ class LegacyLines:
     def _picture(self, state: GameState, room: Room, needs_consent: bool) -> TextMessage | None:
         if state.treasures is None:
             return None
-        ruling = rules.picture(state, room)
-        # A picture that was taken is shown again without another dialogue.
-        if needs_consent and state.has_room(room) and state.room(room).image is None:
-            ruling = self._agreed(ruling, state, room, "take-picture")
-        if not self._game.apply_ruling(kind_of(TakePicture), ruling):
-            return None
+        # A picture that was taken is shown again, wherever its robot is now.
+        if not state.has_room(room) or state.room(room).image is None:
+            ruling = rules.picture(state, room)
+            if needs_consent:
+                ruling = self._agreed(ruling, state, room, "take-picture")
+            if not self._game.apply_ruling(kind_of(TakePicture), ruling):
+                return None
         treasure = state.treasure(room)
         if treasure is None or treasure.image is None:
             return None
@@ -178,3 +185,20 @@ class LegacyLines:
             ruling = rule()
             if isinstance(ruling, tuple):
                 self._game.record(ruling)
+
+
+def _has_gone(state: GameState, robot: int, room: Room, *, arrived: bool) -> bool:
+    """Return True when the participant has sent a robot to this room already, and it drives there.
+
+    Args:
+        state: of the game.
+        robot: index in the team.
+        room: the room.
+        arrived: True also for a robot that stands in the room. Its program sees that in the view; a program of 2016
+            needs the refusal.
+    """
+    if not state.has_robot(robot):
+        return False
+    mover = state.robots[robot]
+    drives = mover.bound_for == room and mover.command.by is Commander.PARTICIPANT
+    return drives or (arrived and mover.bound_for is None and mover.at == room)

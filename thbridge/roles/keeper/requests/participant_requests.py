@@ -55,7 +55,10 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
             if game.apply_ruling(notice.kind, judge(now, request)):
                 game.recall(request.robot)
         case RequestSuggestion() as request:
-            if game.apply_ruling(notice.kind, judge(now, request)):
+            ruling = judge(now, request)
+            if isinstance(ruling, RequestRefused):
+                game.refuse(notice.kind, ruling)
+            elif not game.dialogues.has_advised(request.robot):
                 suggest_or_await(game, state, request.robot)
         case SelectRoom() as request:
             _open(game, state, judge(now, request), Scenario.SPECIFIC_ROOM, request.robot, place(request.room))

@@ -3,7 +3,6 @@
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text.notice import kind_of
 from thbridge.roles.participant_rules import Situation, judge, revealed
 from thbridge.roles.view import (
     AnswerDialogue,
@@ -22,8 +21,9 @@ from thbridge.roles.view import (
     TakeUpTreasure,
     TellProperty,
     View,
+    refusal_wishes,
 )
-from ui.model.playing.possible import why_not_command, why_not_go, why_not_work
+from ui.model.playing.possible import why_not_ask, why_not_command, why_not_go, why_not_work
 
 
 class PendingRequests:
@@ -82,7 +82,7 @@ class PendingRequests:
 
     def drop_refused(self, refusal: RefusalView) -> None:
         """Drop the oldest request that this refusal may be about; a refusal names only the kind."""
-        found = next((request for request in self._requests if refusal.wish in _kinds(request)), None)
+        found = next((request for request in self._requests if refusal.wish in refusal_wishes(request)), None)
         if found is not None:
             del self._requests[found]
 
@@ -102,17 +102,6 @@ class PendingRequests:
                 del self._requests[request]
                 reasons.append(reason)
         return tuple(reasons)
-
-
-def _kinds(request: ParticipantRequest) -> tuple[str, ...]:
-    """Names under which a refusal may mean this request: a request for a dialogue is also refused by its matter."""
-    match request:
-        case SelectRoom() | RequestSuggestion():
-            return ("select-room", kind_of(type(request)))
-        case OpenDialogue(matter=matter):
-            return (matter, kind_of(OpenDialogue))
-        case _:
-            return (kind_of(type(request)),)
 
 
 def _open_dialogue(view: View, robot: int) -> int | None:
@@ -135,7 +124,8 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
         case RequestSuggestion(robot):
             fresh = _open_dialogue(view, robot) not in (None, before)
             agreed = any(consent.robot == robot and consent.matter == "select-room" for consent in view.consents)
-            return fresh or agreed or view.robots[robot].moving_to is not None
+            stands = any(dialogue.robot == robot and dialogue.suggested for dialogue in view.dialogues)
+            return fresh or stands or agreed or view.robots[robot].moving_to is not None
         case AnswerDialogue(dialogue, turn, _):
             return not any((each.dialogue, each.turn) == (dialogue, turn) for each in view.dialogues)
         case CallBack(robot):
@@ -169,7 +159,7 @@ def _moot(request: ParticipantRequest, view: View, known: Situation) -> str | No
         case SelectRoom(robot, room):
             return why_not_go(known, robot, room)
         case RequestSuggestion(robot):
-            return why_not_work(known, robot) or why_not_command(known, robot)
+            return why_not_ask(known, robot)
         case CallBack(robot):
             return why_not_command(known, robot)
         case RequestHandback(robot):

@@ -27,11 +27,17 @@ from thbridge.protocols.text import legacy
 from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.consent import ConsentStatus
-from thbridge.roles.keeper.disclosed.participants import MOST_PARTICIPANTS, PIECE_PERIOD, PIECE_SIZE, Participants
+from thbridge.roles.keeper.disclosed.participants import (
+    MOST_NUMBERS,
+    MOST_PARTICIPANTS,
+    PIECE_PERIOD,
+    PIECE_SIZE,
+    Participants,
+)
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
 from thbridge.roles.participant.bot_strategy import BotStrategy
-from thbridge.roles.participant.tabui import RENEWAL_PERIOD, TabUI
+from thbridge.roles.participant.tabui import REJOIN_PERIOD, RENEWAL_PERIOD, TabUI
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -294,7 +300,7 @@ def test_a_no_is_final_for_the_program_that_says_it_and_the_next_one_is_asked_an
     assert played.say(GiveConsent(YES.at)).consent == CONSENT
     assert played.stage.keeper.consent is ConsentStatus.DECLINED
     played.tabui.connected()
-    assert played.say(GiveConsent(YES.at)).consent is None
+    assert played.say(GiveConsent(YES.at), ticks=REJOIN_PERIOD + 4).consent is None
     assert played.stage.keeper.consent is ConsentStatus.GIVEN
 
 
@@ -434,3 +440,24 @@ def test_programs_are_told_what_each_choice_does_and_who_said_each_sentence():
     assert (dialogue.acts, dialogue.speakers) == (("continue", "stop"), ("robot",))
     (dialogue,) = played.say(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0)).dialogues
     assert (dialogue.acts, dialogue.speakers) == (("continue", "stop"), ("robot", "person", "robot"))
+
+
+def test_requests_of_another_run_of_a_program_are_new_and_those_of_the_same_run_are_not():
+    participants = Participants(KEEPER, Briefing())
+
+    def repeats(number: int | None) -> bool:
+        said = parse_notice(encode_notice("TabUI", KEEPER, RequestSuggestion(0), number))
+        return participants.is_repetition(said)
+
+    assert not repeats(1), "of a program that has not joined nothing is remembered"
+    participants.join("TabUI", None, "a run")
+    assert [repeats(number) for number in (1, 2, 1, None, None)] == [False, False, True, False, False]
+    participants.join("TabUI", None, "a run")
+    assert repeats(2)
+    participants.join("TabUI", None, "another")
+    assert [repeats(number) for number in (1, 1)] == [False, True]
+    participants.join("TabUI", None)
+    assert not repeats(1), "a program that does not mark its runs may have begun to count again"
+    for number in range(2, 2 + MOST_NUMBERS):
+        assert not repeats(number)
+    assert not repeats(1), "the oldest are forgotten"
