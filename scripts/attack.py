@@ -433,6 +433,97 @@ async def planted_code() -> int:
     return tries
 
 
+COMMAND = [sys.executable, "-c", "from ui.cli import main; main()"]
+OTHER = 54321
+"""User id of another account."""
+
+
+async def ended(*arguments: object) -> int:
+    """Run a command of thbridge to its end; return its exit code."""
+    environment = {**os.environ, "PYTHONPATH": str(Path.cwd())}
+    quiet = asyncio.subprocess.DEVNULL
+    process = await asyncio.create_subprocess_exec(
+        "nice", "-n", "19", *COMMAND, *map(str, arguments), env=environment, stdin=quiet, stdout=quiet, stderr=quiet
+    )
+    return await process.wait()
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    """Return all files below a folder."""
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+async def names_that_lead_elsewhere() -> int:
+    """Give commands names that lead out of the folders in which they delete and write.
+
+    Raises:
+        BreachError: something elsewhere, or of the study itself, is gone or changed, or a name was taken.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        mine, study = Path(name, "mine"), Path(name, "study")
+        mine.mkdir()
+        (mine / "file").write_text("mine")
+        await ended("study", "new", Path(name, "plan"))
+        await ended("study", "rehearse", Path(name, "plan"), "--to", study, "--no-games")
+        (study / "recordings" / "P-MINE").mkdir(parents=True)
+        (study / "recordings" / "P-MINE" / "step-1.bag").write_text("a game")
+        before = contents(Path(name))
+        names = ["..", ".", "", " ", str(mine), "../../mine", "recordings/P-MINE", "P-MINE/../../../mine"]
+        codes = [await ended("study", "withdraw", study, each, "--yes") for each in names]
+        codes += [await ended("keys", "new", each, "--right", "watch", "--keys", study) for each in names]
+        if 0 in codes or contents(Path(name)) != before:
+            raise BreachError
+    return 2 * len(names)
+
+
+async def links_of_others() -> int:
+    """Put links that belong to another account in the way of what commands write.
+
+    Raises:
+        BreachError: one was followed.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        mine, place = Path(name, "mine"), Path(name, "place")
+        for folder in (mine, place):
+            folder.mkdir()
+        (mine / "file").write_text("mine")
+        for link, target in (("folder", mine), ("file", mine / "new")):
+            (place / link).symlink_to(target)
+            os.lchown(place / link, OTHER, OTHER)
+        before = contents(mine)
+        codes = [
+            await ended("study", "new", place / "folder" / "study"),
+            await ended("keys", "new", "cleo", "--right", "watch", "--keys", place / "folder" / "keys"),
+            await ended("study", "init", place / "file"),
+            await ended("play", "--headless", "--max-seconds", 1, "--bag", place / "folder" / "hunt.bag"),
+        ]
+        if 0 in codes or contents(mine) != before:
+            raise BreachError
+    return len(codes)
+
+
+async def links_in_a_recording(folder: Path) -> int:
+    """Put links in the place of the next parts of a recording, which begin every two seconds.
+
+    Raises:
+        BreachError: the session has written to what they lead to.
+    """
+    mine = folder / "mine"
+    mine.write_text("mine")
+    begun = len([*folder.glob("hunt_*.bag*")])
+    links = [folder / f"hunt_{number}.bag.active.new" for number in range(begun + 1, begun + 4)]
+    last = folder / f"hunt_{begun + 3}.bag"
+    for link in links:
+        link.symlink_to(mine)
+    for _ in range(300):
+        if last.exists():
+            break
+        await asyncio.sleep(0.05)
+    if mine.read_text() != "mine" or not last.exists():
+        raise BreachError
+    return len(links)
+
+
 LEFT = b"\x16\x03\x01\x02\x00\x01"
 """Beginning of a TLS handshake."""
 
@@ -490,8 +581,9 @@ def crowds_and_floods(doors: Doors, outside: Outside, scale: int) -> Iterator[At
     yield "MAVLink: megabytes by UDP", partial(outside, partial(shower, doors.udp, b"\xfd" * 60_000, 17 * megabytes))
 
 
-def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int) -> list[Attack]:
-    """All attacks, each with a name; `scale` 1 is quick, 10 as large as it was found."""
+def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, folder: Path) -> list[Attack]:
+    """All attacks, each with a name; `scale` 1 is quick, 10 as large as it was found; `folder` is the session's."""
+    may_give_away = os.geteuid() == 0
     forged = b'%%error SimR Game thbridge {"kind":"Status","game":1}\n'
     surrogate = b'%%error SimR Game thbridge {"kind":"GiveUp","game":"\\ud800"}\n'
     slow = b'%%found Hider TabUI 1 1 "(Colour: ' + b") (Footprint: " * 4600 + b"\n"
@@ -530,6 +622,9 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int) ->
         ("MAVLink: a page in a browser", lambda: say(doors.tcp, http("/", "x"), 1, 20)),
         ("MAVLink: noise", lambda: noise(doors.tcp, draws)),
         ("cache: planted compiled code", planted_code),
+        ("files: names that lead elsewhere", names_that_lead_elsewhere),
+        ("files: links in the place of a recording", lambda: links_in_a_recording(folder)),
+        *([("files: links of another account", links_of_others)] if may_give_away else []),
         *crowds_and_floods(doors, outside, scale),
     ]
 
@@ -601,12 +696,14 @@ class Held:
         return self.running and not self.refused and not self.breached and quick and self.memory <= MEMORY_BOUND
 
 
-def assault(doors: Doors, session: subprocess.Popen[bytes], seed: int, scale: int, only: str) -> list[Held]:
-    """Let all attacks loose, one after the other."""
+def assault(
+    doors: Doors, session: subprocess.Popen[bytes], seed: int, scale: int, only: str, folder: Path
+) -> list[Held]:
+    """Let all attacks loose, one after the other, on a session that runs in a folder."""
     honest, outside, gauge, held = Honest(doors), Outside(), Gauge(session), []
     honest.start()
     gauge.start()
-    for name, attack in attacks(doors, outside, random.Random(seed), scale):
+    for name, attack in attacks(doors, outside, random.Random(seed), scale, folder):
         if only not in name:
             continue
         time.sleep(1.0)
@@ -663,7 +760,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         KeyRing(folder / "keys", utc_now).add("honest", [Right.ADMIN], KEY, None)
-        command = [sys.executable, "-c", "from ui.cli import main; main()", "play", "study.yaml", "--outside", "TabUI"]
+        command = [*COMMAND, "play", "study.yaml", "--outside", "TabUI"]
         options = ["--port", str(doors.text), "--watch", str(doors.watch), "--keys", "keys", "--ros"]
         options += ["--ros-master", f"http://{HOST}:{doors.ros}", "--mavlink", "--tcp", f"{HOST}:{doors.tcp}"]
         options += ["--udp-listen", f"{HOST}:{doors.udp}", "--rate", "1", "--bag", "hunt.bag", "--no-report"]
@@ -689,7 +786,7 @@ def main() -> int:
                 time.sleep(0.1)
             titles = f"{'wait':>10} {'of':<8} {'lag':>9} {'refused':>7} {'cut':>6} {'memory':>10} {'files':>5}"
             print(f"{'attack':<45} {'tries':>7} {titles}  outcome")
-            held = assault(doors.with_node(), session, given.seed, given.scale, given.only)
+            held = assault(doors.with_node(), session, given.seed, given.scale, given.only, folder)
         finally:
             if session.poll() is None:
                 session.send_signal(signal.SIGTERM)

@@ -19,6 +19,7 @@ from thbridge.files.disk.whole import new_folder, write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.key_ring import KeyRing
 from thbridge.protocols.credentials import Right
+from thbridge.recording.bag.writing.bag_file import NAMELESS, BagFile
 from thbridge.recording.claims import claim, release
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import make_room, try_place
@@ -107,6 +108,15 @@ def test_a_link_in_the_place_of_a_lock_empties_no_file(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="symbolic links"):
         claim(tmp_path / "new.bag")
     assert mine.read_bytes() == b"mine"
+
+
+def test_a_link_in_the_place_of_a_new_bag_is_replaced(tmp_path: Path) -> None:
+    mine = tmp_path / "mine"
+    mine.write_bytes(b"mine")
+    (tmp_path / f"new.bag{NAMELESS}").symlink_to(mine)
+    BagFile(tmp_path / "new.bag").close()
+    assert mine.read_bytes() == b"mine"
+    assert (tmp_path / "new.bag").is_file()
 
 
 def test_own_links_are_followed_as_the_system_follows_them(tmp_path: Path) -> None:
