@@ -4,7 +4,10 @@ Each writer says what it has promised; after each cut the disk is looked at as s
 more with some of what was not synced. Each says in `check` what has to be there.
 """
 
+import functools
 import multiprocessing
+import shutil
+import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
@@ -17,11 +20,15 @@ from tests.system.forgetting_disk import ForgettingDisk
 from tests.thbridge.analysis.planting import clean, write
 from tests.thbridge.experiment.test_event_log import NOON, answer
 from tests.thbridge.recording.test_journal import EVENTS, STARTED
+from tests.ui.commands.study.test_restore import another_person
+from tests.ui.commands.study.test_withdrawal import traces
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.restore import plan_restore, restore
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent
+from thbridge.experiment.withdrawal import finish_withdrawals, plan_withdrawal, withdraw
 from thbridge.files.disk.whole import new_folder, write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.certificate import certificate_of
@@ -244,6 +251,78 @@ def check_copies(folder: Path, said: Sequence[object]) -> None:
 WRITERS["backup of a study"] = Writer(keep_copies, check_copies, prepare_study)
 
 
+@functools.cache
+def participants() -> tuple[Path, str]:
+    """A study in which two people took part, and the id of the first."""
+    root = Path(tempfile.mkdtemp()) / "study"
+    root.mkdir()
+    first = another_person(root, "I like okapis")
+    another_person(root, "I saw a zebra")
+    return root, first
+
+
+def prepare_people(folder: Path) -> None:
+    shutil.copytree(participants()[0], folder / "study")
+    back_up(ExperimentFolder(folder / "study"), folder / "copy")
+
+
+def leave(folder: Path, say: Say) -> None:
+    study = ExperimentFolder(folder / "study")
+    design = study.read()
+    first = next(entry.event.participant for entry in study.entries() if isinstance(entry, LoggedEvent))
+    told = withdraw(study, design, plan_withdrawal(study, design, first).withdrawal, {}, None, lambda: NOON)
+    assert not told.failed
+    say(1)
+
+
+def check_left(folder: Path, said: Sequence[object]) -> None:
+    study, first = ExperimentFolder(folder / "study"), participants()[1]
+    if not said:
+        finish_withdrawals(study, study.read(), {}, None, lambda: NOON)
+    people = {entry.event.participant for entry in study.entries() if isinstance(entry, LoggedEvent)}
+    if first in people and not said:
+        # Nothing was deleted before the intention was on the disk.
+        assert (study.recordings / first / "step-9.bag").exists()
+        assert read_log(folder / "copy" / "store" / "log") == study.entries()
+        return
+    assert traces(folder, [first, "I like okapis"]) == []
+    assert read_log(folder / "copy" / "store" / "log") == study.entries()
+
+
+WRITERS["withdrawal"] = Writer(leave, check_left, prepare_people)
+
+
+def prepare_newer(folder: Path) -> None:
+    prepare_people(folder)
+    study = ExperimentFolder(folder / "study")
+    with ExperimentLog(study.log) as log:
+        log.append([answer("", "the last word", step=0)])
+    (study.root / "consent.txt").write_bytes(b"Another text.")
+
+
+def go_back(folder: Path, say: Say) -> None:
+    restore(plan_restore(folder / "copy", folder / "study"))
+    say(1)
+
+
+def check_back(folder: Path, said: Sequence[object]) -> None:
+    study, copy = ExperimentFolder(folder / "study"), ExperimentFolder(folder / "copy")
+    try:
+        whole = len(study.entries())
+    except BadFile:
+        assert not said
+        whole = 0
+    assert whole in ({len(copy.entries())} if said else {0, len(copy.entries()), len(copy.entries()) + 1})
+    restore(plan_restore(copy.root, study.root))
+    assert study.entries() == copy.entries()
+    assert (study.root / "consent.txt").read_bytes() != b"Another text."
+    kept = [each for each in study.replaced() if (each.root / "consent.txt").read_bytes() == b"Another text."]
+    assert len(kept[0].entries()) == len(copy.entries()) + 1
+
+
+WRITERS["restore of a study"] = Writer(go_back, check_back, prepare_newer)
+
+
 def prepare_bag(folder: Path) -> None:
     write(folder / "a.bag", clean())
 
@@ -308,7 +387,7 @@ def check_older(folder: Path, said: Sequence[object]) -> None:
     assert journals == ["a-1.journal"] or not said
 
 
-LONG = {"backup of a study", "log of an experiment"}
+LONG = {"backup of a study", "log of an experiment", "withdrawal", "restore of a study"}
 """Writers with a hundred changes: tens of seconds each."""
 
 WRITERS["older recording"] = Writer(move_older, check_older, prepare_older)

@@ -179,6 +179,8 @@ def _carried_out(
     shutil.rmtree(study.restoring, ignore_errors=True)
     for old in study.replaced():
         _withdraw_from_replaced(old, told, clocks)
+    for export in known_exports(study):
+        clear_remains(export)
     for export in exports_with(study, participant):
         if (of := last_event_of(export)) is not None and of > last:
             told.failed.append(
@@ -187,8 +189,6 @@ def _carried_out(
             )
             continue
         _remake(study, design, entries, export, versions, changed, told)
-    for export in known_exports(study):
-        clear_remains(export)
     for export in missing_exports(study):
         told.failed.append(f"{export}: an export was written here, and is here no more.")
     for backup in study.backups_known.paths():

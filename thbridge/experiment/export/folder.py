@@ -21,7 +21,7 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.recordings import told_leftovers
 from thbridge.experiment.store.events import LogEntry
 from thbridge.files.disk.synced import make_folder, sync_file, sync_folder
-from thbridge.files.disk.whole import new_folder
+from thbridge.files.disk.whole import PART, new_folder
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.tables.csv_cells import SENTENCE, text_cell
 from thbridge.files.tables.table_files import TableFiles, TableFormat
@@ -117,8 +117,9 @@ def remake_export(
 
 
 def clear_remains(folder: Path) -> None:
-    """Delete what a program that was killed while it wrote an export again has left beside it."""
-    shutil.rmtree(_remade(folder), ignore_errors=True)
+    """Delete what programs that were killed while they wrote an export have left in its folder and beside it."""
+    for path in (_remade(folder), *folder.glob(f".all.*{PART}")):
+        shutil.rmtree(path, ignore_errors=True)
 
 
 def _remade(folder: Path) -> Path:

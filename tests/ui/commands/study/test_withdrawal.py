@@ -184,6 +184,20 @@ def test_an_export_that_no_longer_exists_is_forgotten_if_somebody_says_so(study:
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 
+@pytest.mark.parametrize("inside", [False, True])
+def test_what_a_killed_export_has_left_is_deleted(study: Path, tmp_path: Path, inside: bool) -> None:
+    first, *_ = people(study)
+    export = study / "exports" / "one" if inside else tmp_path / "export"
+    thbridge("study", "export", study, "--to", export)
+    part = export / ".all.0a1b2c3d.part"
+    part.mkdir()
+    for path in [path for path in export.iterdir() if path != part]:
+        path.rename(part / path.name)
+    assert traces(export, [first])
+    thbridge("study", "withdraw", study, first, "--yes")
+    assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
+
+
 def test_a_backup_in_use_is_done_by_the_next_command(study: Path, tmp_path: Path) -> None:
     backup, (first, *_) = tmp_path / "backup", people(study)
     thbridge("study", "backup", study, "--to", backup)
