@@ -3,6 +3,7 @@
 import hashlib
 import os
 import random
+import shutil
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.freeze import data_of
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, EventKind
 from thbridge.files.errors import BadFile
@@ -138,3 +140,14 @@ def test_a_recording_that_an_event_places_elsewhere_is_not_looked_at(study: Expe
         conductor.tell(EventKind.GAME_PLAYED, participant, conductor.begin(participant), data, "program")
     (told,) = back_up(study, tmp_path / "backup")
     assert "'../secret.bag'" in told
+
+
+def test_the_copy_for_a_rehearsal_has_an_end(study: ExperimentFolder, tmp_path: Path) -> None:
+    texts, copy = study.root / "texts", tmp_path / "copy"
+    texts.mkdir()
+    (texts / "one.txt").write_text("one")
+    for name, target in (("loop", ".."), ("self", "self"), ("gone", "nothing"), ("same.txt", "one.txt")):
+        (texts / name).symlink_to(target)
+    shutil.copytree(study.root, copy, ignore=data_of)
+    assert sorted(path.name for path in (copy / "texts").iterdir()) == ["one.txt", "same.txt"]
+    assert not (copy / "recordings").exists()
