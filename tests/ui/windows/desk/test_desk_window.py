@@ -164,8 +164,8 @@ def test_notes_go_to_the_log_about_the_study_or_a_person(desk: DeskWindow) -> No
 def test_a_double_click_writes_one_note(desk: DeskWindow) -> None:
     done = len(desk.heard)
     QTest.keyClicks(desk.note, "came late")
-    QTest.mouseClick(desk.take_down, Qt.MouseButton.LeftButton)
-    QTest.mouseDClick(desk.take_down, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(desk.add_note, Qt.MouseButton.LeftButton)
+    QTest.mouseDClick(desk.add_note, Qt.MouseButton.LeftButton)
     assert desk.heard[done:] == [WriteNote("came late")]
 
 
