@@ -17,6 +17,7 @@ from thbridge.batch.settings import SettingCache
 from thbridge.experiment.trials import PracticeCount, played, setting_of_practice, setting_of_trial
 from thbridge.sockets.addresses import ListeningAddress
 from ui.cli import app
+from ui.model.kiosk import Answer, FormItem, TextToRead
 
 PAGE = Path(__file__).parents[2] / "docs" / "first-study.md"
 
@@ -44,13 +45,23 @@ class RehearsedGames:
         return played(measures, bag, self._folder.root)
 
 
+class Reader(Person):
+    """A person who understands the example's check, if they have read how the next game works."""
+
+    def answer(self, item: FormItem) -> Answer:
+        read = next((page.text for page in reversed(self.seen) if isinstance(page, TextToRead)), "")
+        decides = "room that I choose" if "you decide." in read else "until it and I agree"
+        right = (option for option in item.options if decides in option or option == "Energy.")
+        return next(right, None) or super().answer(item)
+
+
 class WindowOfTwo(ShownWindow):
     """The kiosk's window, at which two people sit one after the other."""
 
     given_up = False
 
     def __init__(self, *_: object, people: int = 2) -> None:
-        super().__init__(Person(), people)
+        super().__init__(Reader(), people)
 
 
 @pytest.fixture

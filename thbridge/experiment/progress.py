@@ -175,9 +175,12 @@ class Progress:
         )
 
     def wants(self, participant: str, step: PlannedStep) -> bool:
-        """Return True when a person's answers ask for a step."""
-        answers = self.runs[participant].answers
-        return all(answers.get(item) == wanted for item, wanted in step.entry.when.items())
+        """Return True when a person's condition and answers ask for a step."""
+        run = self.runs[participant]
+        levels = self.design.levels_at(run.place.cell, step.condition)
+        return all(levels.get(factor) == level for factor, level in step.entry.only_at.items()) and all(
+            run.answers.get(item) == wanted for item, wanted in step.entry.when.items()
+        )
 
     def after(self, entries: Iterable[LogEntry]) -> "Progress":
         """Return the state after further entries of the log.

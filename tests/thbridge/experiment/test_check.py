@@ -39,6 +39,9 @@ base: {participant.shows.answers: false}
 within: {dialogue.condition: [supervisor, collaborator]}
 quota: 4
 recruitment: People came from the campus and were paid.
+ethics: The board of the university approved the study (12).
+sample_size_reason: As many people came as in the study before.
+exclusions: [People who knew the study were excluded.]
 steps:
   - {step: consent, text: consent.txt}
   - {step: practice, name: practice}
@@ -89,15 +92,15 @@ def test_a_sound_study_has_neither_faults_nor_advice(tmp_path: Path) -> None:
 def test_nobody_is_recorded_without_consent(tmp_path: Path) -> None:
     folder = folder_of(tmp_path, replaced(CONSENT, ""))
     for read in (read_for_people, partial(check_experiment, versions=VERSIONS)):
-        with pytest.raises(BadFile, match=r"line 6, steps: nobody is asked for consent. Write {step: consent"):
+        with pytest.raises(BadFile, match=r"line 9, steps: nobody is asked for consent. Write {step: consent"):
             read(folder)
 
 
 @pytest.mark.parametrize(
     ("behind", "line"),
     [
-        ("  - {step: practice, name: practice}\n", "line 7, steps[0]: practice comes before the consent"),
-        ("  - {step: form, form: feelings.yaml, each_condition: true}\n", "line 7, steps[0]: practice comes before"),
+        ("  - {step: practice, name: practice}\n", "line 10, steps[0]: practice comes before the consent"),
+        ("  - {step: form, form: feelings.yaml, each_condition: true}\n", "line 10, steps[0]: practice comes before"),
     ],
 )
 def test_consent_comes_before_all_that_is_recorded(tmp_path: Path, behind: str, line: str) -> None:
@@ -117,6 +120,18 @@ def test_consent_may_be_given_elsewhere_in_so_many_words(tmp_path: Path) -> None
     assert "nobody is asked for consent" in refused(
         folder_of(tmp_path, text.replace("Participants signed a form.", "' '"))
     )
+
+
+def test_each_group_is_asked_for_consent(tmp_path: Path) -> None:
+    text = replaced("within:", "between:").replace("{step: consent,", "{step: consent, only_at: {GROUP},")
+    one, other = "dialogue.condition: supervisor", "dialogue.condition: collaborator"
+    said = refused(folder_of(tmp_path, text.replace("GROUP", one)))
+    assert "nobody is asked for consent at dialogue.condition=collaborator" in said
+    line = replaced("{step: consent,", "{step: consent, name: consent2, only_at: {GROUP},", CONSENT)
+    both = text.replace("GROUP", one).replace(
+        "  - {step: practice", line.replace("GROUP", other) + "  - {step: practice"
+    )
+    accepted(folder_of(tmp_path, both))
 
 
 def test_an_empty_text_is_no_consent(tmp_path: Path) -> None:
@@ -175,6 +190,17 @@ def test_a_study_under_way_goes_on_with_faults_that_an_earlier_release_let_pass(
             "{step: debrief,",
             "{step: debrief, when: {feelings.calm: '5'},",
             "steps[5].when: feelings.calm is not a choice of one answer",
+        ),
+        ("{step: debrief,", "{step: debrief, only_at: {robots: 2},", "steps[5].only_at: robots is no factor"),
+        (
+            "{step: debrief,",
+            "{step: debrief, only_at: {dialogue.condition: superviser},",
+            "steps[5].only_at: dialogue.condition has no level superviser. Write one of supervisor, collaborator",
+        ),
+        (
+            "{step: debrief,",
+            "{step: debrief, only_at: {dialogue.condition: supervisor},",
+            "steps[5].only_at: each participant meets all levels of dialogue.condition",
         ),
         ("attempts: 2", "attempts: 2, right: 3", "steps[2].right: 3 right answers are asked for, and 2 items have one"),
         (
@@ -271,7 +297,8 @@ def test_no_table_has_a_column_that_a_factor_may_be_called(tmp_path: Path) -> No
         ("quota: 4", "quota: 4\norder: fixed", "All people meet the conditions in the same order"),
         ("quota: 4", "quota: 4\nseeds: [5, 5]", "Two trials have the same seed"),
         ("attempts: 2, repeat: practice", "attempts: 1", "understood: one wrong answer excludes a person at once"),
-        ("recruitment: People came from the campus and were paid.\n", "", "not written how people are found and paid"),
+        ("recruitment: People came from the campus and were paid.\n", "", "nothing is written under recruitment."),
+        ("12).\nsample_size_reason: As many", "[Write it]).\nsample_size_reason: As many", "written under ethics."),
     ],
 )
 def test_what_a_reviewer_would_ask_is_advice(tmp_path: Path, old: str, new: str, told: str) -> None:

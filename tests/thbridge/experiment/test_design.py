@@ -171,6 +171,17 @@ def test_steps_are_wanted_by_the_answers_given(design: ExperimentDesign) -> None
     assert not log.progress.wants("A", preference)
 
 
+def test_a_step_of_some_levels_comes_in_these_conditions_alone(tmp_path: Path) -> None:
+    only = "only_at: {dialogue.condition: collaborator}"
+    told = f"  - {{step: instructions, name: told, text: welcome.md, each_condition: true, {only}}}\n"
+    trial = "  - {step: trial, each_condition: true}\n"
+    log = Log(read_experiment(write(tmp_path, EXAMPLE.replace(trial, told + trial))))
+    log.begin("A")
+    steps = [step for step in log.progress.runs["A"].plan if step.name == "told"]
+    wanted = {log.progress.design.conditions[step.condition].name: log.progress.wants("A", step) for step in steps}
+    assert wanted == {"dialogue.condition=supervisor": False, "dialogue.condition=collaborator": True}
+
+
 def test_a_run_cannot_jump_nor_go_through_a_step_twice(design: ExperimentDesign) -> None:
     log = Log(design)
     log.begin("A")

@@ -75,9 +75,9 @@ def _on_results_shown(design: ExperimentDesign) -> Iterator[str]:
     form = next((step for step in plan[trial:] if step.entry.step is StepKind.FORM), None)
     if form is not None:
         yield (
-            f"A game ends with what was in the rooms and the best possible score, which may bias the answers to "
-            f"{form.name} after it. Write `participant.shows.answers: false` under `base`; `results: true` at the "
-            "debrief shows it there."
+            "A game ends with what was in the rooms and the best possible score, which may bias the answers to "
+            f"{form.name} after it. Write `participant.shows.answers: false` under `base`, and leave that to the "
+            "debriefing."
         )
 
 
@@ -139,8 +139,16 @@ def _on_form(form: Form) -> Iterator[str]:
 
 def _on_methods(design: ExperimentDesign) -> Iterator[str]:
     """Yield what a paper must report, and nobody has written yet."""
-    if not design.file.recruitment.strip():
-        yield "It is not written how people are found and paid. Write `recruitment: SENTENCE`, for the methods text."
+    file = design.file
+    written = {
+        "recruitment": file.recruitment,
+        "ethics": file.ethics,
+        "sample_size_reason": file.sample_size_reason,
+        "exclusions": " ".join(file.exclusions),
+    }
+    missing = [key for key, sentence in written.items() if not sentence.strip() or _GAP.search(sentence)]
+    if missing:
+        yield f"The methods text will have gaps: nothing is written under {_listed(missing)}."
 
 
 def _listed(names: list[str]) -> str:

@@ -47,6 +47,7 @@ def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
     yield from _of_games(design)
     for index, entry in enumerate(design.file.steps):
         yield from _of_branch(design, index, entry)
+        yield from _of_levels(design, index, entry)
         if entry.step is StepKind.TRIAL and not entry.each_condition and len(design.conditions) > 1:
             problem = f"this game belongs to none of the {len(design.conditions)} conditions, so it would not be played"
             yield design.fault(f"steps[{index}]", problem, "Write each_condition: true, or step: practice")
@@ -59,8 +60,6 @@ def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
 
 def _of_consent(design: ExperimentDesign) -> Iterator[BadFile]:
     """Yield faults of a study that records people who did not give consent, or not yet."""
-    kinds = [entry.step for entry in design.file.steps]
-    asked = kinds.index(StepKind.CONSENT) if StepKind.CONSENT in kinds else None
     for entry in design.file.steps:
         if entry.step is StepKind.CONSENT and entry.text is not None:
             path = design.path.parent / entry.text
@@ -68,16 +67,30 @@ def _of_consent(design: ExperimentDesign) -> Iterator[BadFile]:
                 yield BadFile(path, "there is nothing to agree to in it", "Write the text for consent")
     if design.file.consent_elsewhere.strip():
         return
-    first = next((index for index, kind in enumerate(kinds) if kind in GATHERING), None)
-    if asked is None:
-        remedy = (
-            "Write {step: consent, text: FILE} before all that is recorded; if participants consent elsewhere, such as "
-            "on paper, write how: `consent_elsewhere: SENTENCE`"
-        )
-        yield design.fault("steps", "nobody is asked for consent", remedy)
-    elif first is not None and first < asked:
-        problem = f"{name_of(first, design.file.steps[first])} comes before the consent, which is step {asked + 1}"
-        yield design.fault(f"steps[{first}]", problem, "Move the consent before it")
+    for cell in design.cells:
+        # In each group, the consents that nothing passes over.
+        asked = [
+            index
+            for index, entry in enumerate(design.file.steps)
+            if entry.step is StepKind.CONSENT and not entry.when and entry.only_at.items() <= cell.levels.items()
+        ]
+        where = f" at {cell.name}" if asked != _consents(design) and cell.name else ""
+        if not asked:
+            remedy = (
+                "Write {step: consent, text: FILE} before all that is recorded; if participants consent elsewhere, "
+                "such as on paper, write how: `consent_elsewhere: SENTENCE`"
+            )
+            yield design.fault("steps", f"nobody is asked for consent{where}", remedy)
+            return
+        for index, entry in enumerate(design.file.steps[: asked[0]]):
+            if entry.step in GATHERING:
+                problem = f"{name_of(index, entry)} comes before the consent{where}, which is step {asked[0] + 1}"
+                yield design.fault(f"steps[{index}]", problem, "Move the consent before it")
+                return
+
+
+def _consents(design: ExperimentDesign) -> list[int]:
+    return [index for index, entry in enumerate(design.file.steps) if entry.step is StepKind.CONSENT]
 
 
 def _of_factors(design: ExperimentDesign) -> Iterator[BadFile]:
@@ -124,6 +137,29 @@ def _of_branch(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterat
             yield design.fault(key, f"{answer!r} is no answer to {branch}", f"Write one of {', '.join(offered)}")
 
 
+def _of_levels(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
+    """Yield faults of a step that comes at levels which are not there, or which no participant meets in it."""
+    key, factors = f"steps[{index}].only_at", _levels_of(design)
+    for factor, level in entry.only_at.items():
+        if factor not in factors:
+            remedy = f"Write one of {', '.join(factors)}" if factors else "Take the line away: there is no factor"
+            yield design.fault(key, f"{factor} is no factor", remedy)
+        elif level not in factors[factor]:
+            yield design.fault(key, f"{factor} has no level {level}", f"Write one of {', '.join(factors[factor])}")
+        elif factor in design.conditions[0].levels and not entry.each_condition:
+            problem = f"each participant meets all levels of {factor}, and the step comes outside of all conditions"
+            yield design.fault(key, problem, "Write each_condition: true, or take the line away")
+
+
+def _levels_of(design: ExperimentDesign) -> dict[str, tuple[str, ...]]:
+    """Return the levels of each factor, in the file's order."""
+    found: dict[str, dict[str, None]] = {}
+    for combination in (*(each.levels for each in design.conditions), *(each.levels for each in design.cells)):
+        for factor, level in combination.items():
+            found.setdefault(factor, {})[level] = None
+    return {factor: tuple(levels) for factor, levels in found.items()}
+
+
 def _of_check(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
     """Yield faults of a check that nobody can pass, or that is judged by an answer that is not right."""
     form = design.form_files[index]
@@ -161,9 +197,7 @@ def _why_never_given(item: Item, answer: str) -> tuple[str, str] | None:
 
 def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> Iterator[tuple[str, str]]:
     """Yield problem and remedy of right answers by condition, where some participants meet no or several conditions."""
-    within = {factor: [each.levels[factor] for each in design.conditions] for factor in design.conditions[0].levels}
-    between = {factor: [each.levels[factor] for each in design.cells] for factor in design.cells[0].levels}
-    factors = {**within, **between}
+    factors = _levels_of(design)
     named = dict.fromkeys(key.partition("=")[0] for key in item.correct_by_condition)
     unknown = [factor for factor in named if factor not in factors]
     if unknown:
@@ -173,7 +207,7 @@ def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> It
         yield f"answers by several factors ({', '.join(named)})", "Write those of one factor"
         return
     (factor,) = named
-    levels = dict.fromkeys(factors[factor])
+    levels = factors[factor]
     written = [key.partition("=")[2] for key in item.correct_by_condition]
     if lost := next((level for level in written if level not in levels), None):
         yield f"{factor} has no level {lost}", f"Write one of {', '.join(levels)}"
@@ -183,7 +217,7 @@ def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> It
             f"there is no right answer at {factor}={missing[0]}",
             "Write one for each level, or also `correct`",
         )
-    if factor in within and not entry.each_condition and len(design.conditions) > 1:
+    if factor in design.conditions[0].levels and not entry.each_condition:
         problem = f"each participant meets all levels of {factor}, and is asked once, outside of all conditions"
         yield problem, "Write each_condition: true at the check and place it before its trial, or one `correct` for all"
 

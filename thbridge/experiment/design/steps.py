@@ -104,6 +104,10 @@ class StepEntry:
         default=True, help="of a debriefing: whether people who leave or are excluded read it as well"
     )
     resume: ResumeRule = param(ResumeRule.EXACT, "how it goes on after a crash")
+    only_at: Mapping[str, str] = field(
+        default_factory=dict,
+        metadata={"help": "levels of factors at which the step comes; else it is passed over: {FACTOR: LEVEL}"},
+    )
     when: Mapping[str, str] = field(
         default_factory=dict,
         metadata={"help": "answers without which the step is passed over: {STEP.ITEM: ANSWER}"},

@@ -13,11 +13,13 @@ from pytestqt.qtbot import QtBot
 from tests.ui.windows.fitting import SIZES, misfits, settle
 from tests.ui.windows.study.test_study_window import leave, opened
 from tests.ui.windows.walking import nameless
-from thbridge.experiment.folder import EXAMPLE
 from thbridge.experiment.questionnaires.form import SHIPPED
 from ui.model.study_form.form import editable_text
 from ui.windows.study import StudyWindow
 from ui.windows.study.key_chooser import KeyChooser
+
+EXAMPLE = Path(__file__).parents[3] / "system" / "studies_of_0_1" / "with-people"
+"""A study whose steps stay where they are."""
 
 
 @pytest.fixture
@@ -83,7 +85,7 @@ def test_typing_a_steps_name_keeps_the_focus(window: StudyWindow, qtbot: QtBot) 
 
 
 def test_the_heading_of_a_search_follows_its_words(window: StudyWindow) -> None:
-    for words in ("quot", "quota"):
+    for words in ("in_bloc", "in_block"):
         window.search.setText(words)
         window.found.finish()
         assert next(each.text() for each in window.found.findChildren(QLabel)) == f"“{words}”: 1 found"
