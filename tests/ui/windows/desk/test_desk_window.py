@@ -165,7 +165,7 @@ def test_a_double_click_writes_one_note(desk: DeskWindow) -> None:
     done = len(desk.heard)
     QTest.keyClicks(desk.note, "came late")
     QTest.mouseClick(desk.add_note, Qt.MouseButton.LeftButton)
-    QTest.mouseDClick(desk.add_note, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(desk.add_note, Qt.MouseButton.LeftButton)
     assert desk.heard[done:] == [WriteNote("came late")]
 
 
