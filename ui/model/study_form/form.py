@@ -164,6 +164,7 @@ _LABELS = {
     "ros_parameters": "Parameter files of ROS",
     "base": "Base of all games",
     "within": "Factors within people",
+    "like": "What all items share",
     "between": "Factors between people",
 }
 
