@@ -133,7 +133,7 @@ def withdraw(
     """
     with ExperimentLog(study.log) as log:
         study.pending_withdrawals.add(withdrawal)
-        return _carried_out(study, design, log, withdrawal, versions, changed, clocks)
+        return finish_withdrawal(study, design, log, withdrawal, versions, changed, clocks)
 
 
 def finish_withdrawals(
@@ -147,15 +147,10 @@ def finish_withdrawals(
     if not (pending := study.pending_withdrawals.read()):
         return []
     with ExperimentLog(study.log) as log:
-        return [_carried_out(study, design, log, each, versions, changed, clocks) for each in pending]
+        return [finish_withdrawal(study, design, log, each, versions, changed, clocks) for each in pending]
 
 
-def plain(word: str) -> str:
-    """Return an id or a code without the blanks with which it is shown, in capitals."""
-    return "".join(word.split()).upper()
-
-
-def _carried_out(
+def finish_withdrawal(
     study: ExperimentFolder,
     design: ExperimentDesign,
     log: ExperimentLog,
@@ -164,6 +159,7 @@ def _carried_out(
     changed: Sequence[str] | None,
     clocks: Callable[[], Clocks],
 ) -> Withdrawal:
+    """Finish one withdrawal that is in the list of those begun, with the log open; see `withdraw`."""
     participant = withdrawal.participant
     told = Withdrawal(participant, withdrawal.code)
     known = log.read()
@@ -206,6 +202,11 @@ def _carried_out(
     if not told.failed:
         study.pending_withdrawals.remove(withdrawal)
     return told
+
+
+def plain(word: str) -> str:
+    """Return an id or a code without the blanks with which it is shown, in capitals."""
+    return "".join(word.split()).upper()
 
 
 def _people_elsewhere(study: ExperimentFolder) -> Iterator[str]:

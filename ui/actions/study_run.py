@@ -18,6 +18,7 @@ from thbridge.experiment.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile
+from ui.actions.study_withdrawal import withdraw_during
 from ui.actions.unfinished_study import finish_begun_withdrawals
 from ui.display import why_no_window
 from ui.hosting.desk import Desk, DeskFailed
@@ -58,7 +59,17 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
             for trouble in markers.troubles:
                 note(trouble)
             host = KioskHost(design, conductor, window, StudyGames(place, design), clock)
-            beside = Desk(host, place, ("--look", look), lambda: markers.troubles) if desk else None
+            beside = (
+                Desk(
+                    host,
+                    place,
+                    ("--look", look),
+                    lambda: markers.troubles,
+                    withdraw=lambda participant: withdraw_during(place, conductor, log, participant),
+                )
+                if desk
+                else None
+            )
             with suppress(KeyboardInterrupt), _stopped_like_ctrl_c():
                 asyncio.run(_run(host, beside, folder))
         if window.given_up:

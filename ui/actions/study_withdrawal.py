@@ -1,20 +1,22 @@
 """`thbridge study withdraw`, and withdrawals that were interrupted."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import typer
 
 from thbridge.app.compose.machine import versions
+from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import deviations
+from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import Clocks
 from thbridge.experiment.store.pending_withdrawals import PendingWithdrawal
 from thbridge.experiment.withdrawal import (
     NobodyWithdraws,
     Withdrawal,
-    WithdrawalPlan,
+    finish_withdrawal,
     finish_withdrawals,
     plain,
     plan_withdrawal,
@@ -23,6 +25,7 @@ from thbridge.experiment.withdrawal import (
 from thbridge.files.errors import BadFile
 from thbridge.timing.wall_clock import utc_now
 from ui.actions.confirmation import confirm
+from ui.model.desk.withdrawal import plan_lines
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
 
 
@@ -75,7 +78,7 @@ def withdraw_participant(folder: Path, named: str | None, gone: Sequence[Path], 
         except NobodyWithdraws:
             who = f"{named}: the study has nothing of anybody of this id or completion code."
             fail(BAD_INPUT, f"{who} `{ids}` lists the ids.")
-        for line in _lines(place, plan):
+        for line in plan_lines(place, plan):
             note(line)
         confirm(f"Delete all of this of {plan.withdrawal.participant}?", "Nothing was deleted", yes=yes)
         installed = versions()
@@ -87,27 +90,29 @@ def withdraw_participant(folder: Path, named: str | None, gone: Sequence[Path], 
     note(f"{others}: delete {one.participant} there.")
 
 
+def withdraw_during(place: ExperimentFolder, conductor: Conductor, log: ExperimentLog, participant: str) -> str:
+    """Withdraw a participant while this program runs their study.
+
+    Returns:
+        Sentences about what somebody still has to do; empty if there is nothing.
+
+    Raises:
+        BadFile: as for `withdraw`.
+    """
+    design, installed = place.read(), versions()
+    try:
+        plan = plan_withdrawal(place, design, participant)
+    except NobodyWithdraws:
+        # It was asked for twice.
+        return ""
+    place.pending_withdrawals.add(plan.withdrawal)
+    conductor.withdraw(plan.withdrawal.participant)
+    one = finish_withdrawal(place, design, log, plan.withdrawal, installed, deviations(place, installed), _now)
+    return " ".join((*one.left, *one.failed))
+
+
 def _now() -> Clocks:
     return Clocks(utc_now(), time.monotonic_ns())
-
-
-def _lines(place: ExperimentFolder, plan: WithdrawalPlan) -> Iterator[str]:
-    """Yield what is going to be deleted, a line for each place."""
-    who = plan.withdrawal.participant
-    yield f"This withdraws {who} for good:"
-    yield f"  {place.log}: {_counted(plan.log_entries, 'entry', 'entries')} will be deleted."
-    for path, (files, size) in plan.recordings.items():
-        yield f"  {path}: {_counted(files, 'file', 'files')}, {size / 1e6:.1f} MB, will be deleted."
-    for path in plan.exports:
-        yield f"  {path}: this export will be written again without {who}."
-    for path in plan.backups:
-        yield f"  {path}: this backup will be brought up to date, without {who}."
-    for path in plan.missing:
-        yield f"  {path}: it is not there now, and the withdrawal is not finished before it is."
-
-
-def _counted(number: int, one: str, several: str) -> str:
-    return f"{number} {one if number == 1 else several}"
 
 
 def _report(one: Withdrawal) -> None:

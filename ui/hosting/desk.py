@@ -18,6 +18,7 @@ from ui.model.desk.messages import (
     FromDesk,
     NextParticipant,
     ShowRun,
+    WithdrawRun,
     WriteNote,
 )
 from ui.sources.experiment import ExperimentSource
@@ -64,6 +65,9 @@ class StudyUnderWay(Protocol):
     def end_run(self, participant: str, reason: str) -> str | None:
         """End a run where it is."""
 
+    def busy_with(self, participant: str) -> str | None:
+        """Return why a participant cannot withdraw now."""
+
 
 class Desk:
     """The desk of one study.
@@ -74,6 +78,7 @@ class Desk:
         arguments: of the window's command line.
         troubles: sentences about what else somebody has to look at, such as those of markers.
         command: opens the window; None: the desk's own.
+        withdraw: deletes everything of a participant, and returns what somebody still has to do.
 
     Raises:
         BadFile: the study cannot be read.
@@ -86,8 +91,10 @@ class Desk:
         arguments: tuple[str, ...] = (),
         troubles: Callable[[], tuple[str, ...]] = tuple,
         command: tuple[str, ...] | None = None,
+        withdraw: Callable[[str], str] = lambda _: "This program cannot delete anything.",
     ) -> None:
         self._study = study
+        self._withdraw = withdraw
         self._troubles = troubles
         self._source = ExperimentSource(folder, utc_now)
         watch = (*THBRIDGE, "study", "watch", str(folder.root), "--hosted", *arguments)
@@ -137,7 +144,7 @@ class Desk:
                 self._refused = self._asked(request)
             self._news.set()
 
-    def _asked(self, request: NextParticipant | WriteNote | ExcludeRun | EndRun) -> str:
+    def _asked(self, request: NextParticipant | WriteNote | ExcludeRun | EndRun | WithdrawRun) -> str:
         """Do what is asked for; return why that cannot be, or nothing."""
         study = self._study
         try:
@@ -150,5 +157,7 @@ class Desk:
                     return study.exclude(participant, reason) or ""
                 case EndRun(participant, reason):
                     return study.end_run(participant, reason) or ""
+                case WithdrawRun(participant):
+                    return study.busy_with(participant) or self._withdraw(participant)
         except BadFile as error:
             return str(error)

@@ -7,11 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.ui.commands.study.test_experiment import thbridge
 from tests.ui.model.rehearsed import Study, clocks, rehearse
 from thbridge.experiment.conductor import Conductor
-from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.experiment.progress import Progress
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import RunState
 from ui.actions.study_run import _keep_desk
+from ui.actions.study_withdrawal import withdraw_during
 from ui.hosting.desk import Desk
 from ui.hosting.window_process import WindowProcess
 from ui.model.desk.messages import DESK, DeskState
@@ -41,6 +44,10 @@ class RunningStudy:
     def exclude(self, participant: str, reason: str) -> None:
         self.conductor.exclude(participant, reason)
         self.changed()
+
+    def busy_with(self, participant: str) -> str | None:
+        run = self.conductor.progress.runs.get(participant)
+        return f"{participant} is still at the kiosk." if run and run.state is RunState.UNDER_WAY else None
 
     def end_run(self, participant: str, reason: str) -> None:
         self.conductor.leave(participant, reason)
@@ -122,3 +129,45 @@ def test_the_window_itself_opens_and_goes_with_its_host(study: Study, monkeypatc
             return process.returncode
 
     assert asyncio.run(program()) == 0
+
+
+WITHDRAWS = """
+import json, sys
+def hear(wanted):
+    for line in sys.stdin:
+        state = json.loads(line)
+        if wanted(state):
+            return state
+def say(kind, **fields):
+    print(json.dumps({"type": kind, **fields}), flush=True)
+state = hear(lambda state: state["runs"])
+person = next(run["participant"] for run in state["runs"] if run["state"] == "complete")
+say("WithdrawRun", participant=person)
+hear(lambda state: person not in [run["participant"] for run in state["runs"]])
+# Once more, as by a double click.
+say("WithdrawRun", participant=person)
+say("WriteNote", text="withdrawn")
+state = hear(lambda state: state["notes"] and state["notes"][-1]["text"] == "withdrawn")
+say("DeskClosed")
+"""
+
+
+def test_somebody_withdraws_while_the_study_is_run(study: Study) -> None:
+    place = study.folder
+    export = place.export("first")
+    thbridge("study", "export", place.root, "--to", export)
+    before = {run.participant for run in Progress(study.design).after(read_log(place.log)).runs.values()}
+    with ExperimentLog(place.log) as log:
+        running = RunningStudy(study, log)
+        desk = Desk(
+            running,
+            place,
+            command=(sys.executable, "-c", WITHDRAWS),
+            withdraw=lambda participant: withdraw_during(place, running.conductor, log, participant),
+        )
+        asyncio.run(asyncio.wait_for(desk.run(), 120))
+        after = set(running.conductor.progress.runs)
+        (gone,) = before - after
+    assert gone not in {run.participant for run in Progress(study.design).after(read_log(place.log)).runs.values()}
+    assert gone not in (export / "manifest.json").read_text()
+    assert place.pending_withdrawals.read() == ()

@@ -221,6 +221,13 @@ class KioskHost:
         self._wake()
         return None
 
+    def busy_with(self, participant: str) -> str | None:
+        """Return why a participant cannot withdraw now: they are still at the kiosk."""
+        run = self.progress.runs.get(participant)
+        if participant == self._person or (run is not None and run.state is RunState.UNDER_WAY):
+            return f"{participant} is still at the kiosk. End the run first, and let the last page be left."
+        return None
+
     def _other_in(self, reason: str, participant: str) -> str | None:
         """Return who else is named in a reason, which stays when they withdraw."""
         return next((other for other in self.progress.runs if other in reason and other != participant), None)

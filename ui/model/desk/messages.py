@@ -161,11 +161,17 @@ class EndRun(msgspec.Struct, frozen=True, tag=True):
     reason: str
 
 
+class WithdrawRun(msgspec.Struct, frozen=True, tag=True):
+    """Desk: delete everything of this participant, who withdraws."""
+
+    participant: str
+
+
 class DeskClosed(msgspec.Struct, frozen=True, tag=True):
     """Desk: the researcher closed it on purpose; the study goes on."""
 
 
-FromDesk: TypeAlias = NextParticipant | ShowRun | WriteNote | ExcludeRun | EndRun | DeskClosed
+FromDesk: TypeAlias = NextParticipant | ShowRun | WriteNote | ExcludeRun | EndRun | WithdrawRun | DeskClosed
 
 DESK: WindowProtocol[DeskState, FromDesk] = WindowProtocol(
     msgspec.json.Decoder(DeskState), msgspec.json.Decoder(FromDesk), DeskClosed(), lambda _, state: (state,)

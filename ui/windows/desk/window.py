@@ -14,6 +14,7 @@ from PySide6.QtGui import (
     QShortcut,
 )
 from PySide6.QtWidgets import (
+    QInputDialog,
     QLineEdit,
     QMainWindow,
     QMessageBox,
@@ -26,6 +27,8 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.withdrawal import NobodyWithdraws, plan_withdrawal
+from thbridge.files.errors import BadFile
 from thbridge.timing.wall_clock import utc_now
 from ui.model.desk.messages import (
     DeskClosed,
@@ -36,6 +39,7 @@ from ui.model.desk.messages import (
     FromDesk,
     NextParticipant,
     ShowRun,
+    WithdrawRun,
     WriteNote,
 )
 from ui.model.desk.rows import (
@@ -52,6 +56,7 @@ from ui.model.desk.rows import (
     run_rows,
     run_words,
 )
+from ui.model.desk.withdrawal import plan_lines
 from ui.windows.controls import CheckBox
 from ui.windows.desk.commands import CommandBox, TargetBox, latest_backup, new_export
 from ui.windows.desk.questions import ReasonBox
@@ -59,7 +64,7 @@ from ui.windows.flow import FlowLayout
 from ui.windows.key_sheet import KeyLines, KeySheet
 from ui.windows.look import GAP, follow_text, label, open_within_screen, px, spaced, style_as_panel
 from ui.windows.tables import GrowingModel, row_table
-from ui.windows.words_of_others import title_text
+from ui.windows.words_of_others import shown, title_text
 
 KEYS: tuple[tuple[str, KeyLines], ...] = (
     (
@@ -76,6 +81,7 @@ KEYS: tuple[tuple[str, KeyLines], ...] = (
             ("Ctrl+Shift+S", "show its status"),
             ("Ctrl+Shift+E", "export tables; asks for the folder"),
             ("Ctrl+Shift+B", "write a backup, or bring one up to date; asks for the folder"),
+            ("Ctrl+Shift+W", "delete everything of a participant who withdraws; asks first"),
         ),
     ),
     (
@@ -150,6 +156,8 @@ class DeskWindow(QMainWindow):
         self.status = self._button("Status ...", "Ctrl+Shift+S", self._show_status)
         self.export = self._button("Export ...", "Ctrl+Shift+E", self._ask_export)
         self.back_up = self._button("Back up ...", "Ctrl+Shift+B", self._ask_backup)
+        self.withdraw = self._button("Withdraw ...", "Ctrl+Shift+W", self._ask_withdrawal)
+        self._commands = (self.status, self.export, self.back_up, self.withdraw)
         self._keys = self._button("Keys", "F1", lambda: KeySheet(self, KEYS).open())
         self._lay_out()
         for key, do in (
@@ -240,6 +248,7 @@ class DeskWindow(QMainWindow):
         _allow(self.status, no_folder, "Show who has taken part, and what is missing")
         _allow(self.export, no_folder, "Write tables for pandas and R")
         _allow(self.back_up, no_folder, "Copy the study to another disk")
+        _allow(self.withdraw, no_folder, "Delete everything of a participant; shows first what that is")
         _allow(self.add_note, off, "Write the note into the log")
         self.note.setEnabled(not off)
         self.note.setToolTip(off)
@@ -291,23 +300,55 @@ class DeskWindow(QMainWindow):
             )
             self._run_to("Back up", words, latest_backup(self._folder), "backup")
 
+    def _ask_withdrawal(self) -> None:
+        """Ask for the id or code of a participant, show what is deleted, and have it deleted."""
+        if self._folder is None:
+            return
+        words = "Id or completion code of the participant who withdraws:"
+        named, yes = QInputDialog.getText(self, "Withdraw", words, text=self._chosen)
+        if not yes:
+            return
+        try:
+            plan = plan_withdrawal(self._folder, self._folder.read(), named)
+        except NobodyWithdraws:
+            self._say("Withdraw", f"The study has nothing of a participant with the id or code {shown(named)}.")
+            return
+        except BadFile as fault:
+            self._say("Withdraw", str(fault))
+            return
+        who = plan.withdrawal.participant
+        box = QMessageBox(QMessageBox.Icon.Warning, "Withdraw", "\n".join(plan_lines(self._folder, plan)), parent=self)
+        if self.state is not None and self.state.read_only:
+            if self._agreed(box, f"Delete all of {who}"):
+                self._run("Withdraw", "study", "withdraw", "--yes", after=(who,))
+        else:
+            self._do_if(box, f"Delete all of {who}", WithdrawRun(who))
+
+    def _say(self, title: str, words: str) -> None:
+        box = QMessageBox(QMessageBox.Icon.Warning, title, words, parent=self)
+        box.setObjectName("question")
+        box.exec()
+
     def _run_to(self, title: str, question: str, suggested: str, command: str) -> None:
         box = TargetBox(self, title, question, suggested, title)
         if box.exec():
             self._run(title, "study", command, "--to", box.folder.text().strip())
 
-    def _run(self, title: str, *arguments: str) -> None:
+    def _run(self, title: str, *arguments: str, after: tuple[str, ...] = ()) -> None:
         """Run a command on the study's folder, and show what it prints."""
         if self._folder is not None:
-            CommandBox(self, title, *arguments, os.fspath(self._folder.root.absolute())).open()
+            CommandBox(self, title, *arguments, os.fspath(self._folder.root.absolute()), *after).open()
 
     def _do_if(self, box: QMessageBox, yes: str, message: FromDesk) -> None:
+        if self._agreed(box, yes):
+            self.asked.emit(message)
+
+    def _agreed(self, box: QMessageBox, yes: str) -> bool:
         box.setObjectName("question")
         agree = box.addButton(yes, QMessageBox.ButtonRole.AcceptRole)
         box.setDefaultButton(box.addButton(QMessageBox.StandardButton.Cancel))
         box.exec()
-        if box.clickedButton() is agree:
-            self.asked.emit(message)
+        return box.clickedButton() is agree
 
     def _write_note(self) -> None:
         text, run = self.note.text().strip(), self.run()
@@ -346,7 +387,16 @@ class DeskWindow(QMainWindow):
     def _lay_out(self) -> None:
         buttons = FlowLayout()
         buttons.setSpacing(GAP)
-        for button in (self.next, self.end, self.exclude, self.status, self.export, self.back_up, self._keys):
+        for button in (
+            self.next,
+            self.end,
+            self.exclude,
+            self.status,
+            self.export,
+            self.back_up,
+            self.withdraw,
+            self._keys,
+        ):
             buttons.addWidget(button)
         left, right = QWidget(), _Column()
         column = spaced(QVBoxLayout(left), GAP, 0)
@@ -382,7 +432,7 @@ class DeskWindow(QMainWindow):
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setCentralWidget(area)
         self._parts = (self.next, self.cells, self.runs, self.events, self.notes, self.note)
-        order = (self.next, self.end, self.exclude, self.status, self.export, self.back_up, self._keys)
+        order = (self.next, self.end, self.exclude, *self._commands, self._keys)
         tables = (self.cells, self.runs, self.events, self.notes)
         for before, after in pairwise((*order, *tables, self.note, self.about, self.add_note)):
             self.setTabOrder(before, after)

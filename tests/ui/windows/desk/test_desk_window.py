@@ -8,7 +8,7 @@ import pytest
 from msgspec import structs
 from PySide6.QtCore import QProcess, Qt, QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialog, QMessageBox
+from PySide6.QtWidgets import QApplication, QDialog, QInputDialog, QMessageBox
 from pytestqt.qtbot import QtBot
 
 from tests.ui.model.rehearsed import Study, clocks, rehearse
@@ -18,8 +18,17 @@ from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import EventKind
-from ui.model.desk.messages import DeskClosed, DeskState, EndRun, ExcludeRun, NextParticipant, ShowRun, WriteNote
+from thbridge.experiment.store.events import EventKind, LoggedEvent
+from ui.model.desk.messages import (
+    DeskClosed,
+    DeskState,
+    EndRun,
+    ExcludeRun,
+    NextParticipant,
+    ShowRun,
+    WithdrawRun,
+    WriteNote,
+)
 from ui.model.desk.state import ToldToDesk, desk_state
 from ui.sources.experiment import ExperimentSource
 from ui.windows import look
@@ -329,6 +338,57 @@ def test_a_command_ends_with_its_box(at_folder: DeskWindow, qtbot: QtBot) -> Non
 
 
 def test_a_desk_without_a_folder_has_no_commands(desk: DeskWindow) -> None:
-    for button in (desk.status, desk.export, desk.back_up):
+    for button in (desk.status, desk.export, desk.back_up, desk.withdraw):
         assert not button.isEnabled()
         assert "folder" in button.accessibleDescription()
+
+
+def naming(words: str, then: str) -> list[str]:
+    """Type an id or code into the next question, and answer the one after it by the button of these words."""
+    said: list[str] = []
+
+    def second() -> None:
+        box = QApplication.activeModalWidget()
+        assert isinstance(box, QMessageBox)
+        said.append(box.text())
+        next(each for each in box.buttons() if each.text() == then).click()
+
+    def first() -> None:
+        box = QApplication.activeModalWidget()
+        assert isinstance(box, QInputDialog)
+        box.setTextValue(words)
+        QTimer.singleShot(0, second)
+        box.accept()
+
+    QTimer.singleShot(0, first)
+    return said
+
+
+def test_a_withdrawal_shows_what_it_deletes_and_is_asked_of_the_host(at_folder: DeskWindow) -> None:
+    asked: list[object] = []
+    at_folder.asked.connect(asked.append)
+    who = next(run.participant for run in at_folder.state.runs if run.state == "complete")
+    for typed in ("P-NOBODY", "..", ""):
+        said = naming(typed, "OK")
+        at_folder.withdraw.click()
+        assert "nothing of a participant" in said[0]
+    said = naming(who.lower(), "Cancel")
+    at_folder.withdraw.click()
+    assert f"This withdraws {who} for good" in said[0]
+    assert "will be deleted" in said[0]
+    assert asked == []
+    naming(who, f"Delete all of {who}")
+    at_folder.withdraw.click()
+    assert asked == [WithdrawRun(who)]
+
+
+def test_a_desk_that_only_watches_withdraws_by_the_command(
+    at_folder: DeskWindow, state: DeskState, qtbot: QtBot, tmp_path: Path
+) -> None:
+    at_folder.receive(structs.replace(state, read_only=READ_ONLY))
+    who = next(run.participant for run in state.runs if run.state == "complete")
+    naming(who, f"Delete all of {who}")
+    at_folder.withdraw.click()
+    assert finished(at_folder, qtbot)[0] == "Withdraw: done."
+    log = read_log(tmp_path / "study" / "store" / "log")
+    assert all(entry.event.participant != who for entry in log if isinstance(entry, LoggedEvent))

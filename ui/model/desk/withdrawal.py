@@ -1,0 +1,25 @@
+"""What a withdrawal deletes, in words."""
+
+from collections.abc import Iterator
+
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.withdrawal import WithdrawalPlan
+
+
+def plan_lines(place: ExperimentFolder, plan: WithdrawalPlan) -> Iterator[str]:
+    """Yield what is going to be deleted, a line for each place."""
+    who = plan.withdrawal.participant
+    yield f"This withdraws {who} for good:"
+    yield f"  {place.log}: {_counted(plan.log_entries, 'entry', 'entries')} will be deleted."
+    for path, (files, size) in plan.recordings.items():
+        yield f"  {path}: {_counted(files, 'file', 'files')}, {size / 1e6:.1f} MB, will be deleted."
+    for path in plan.exports:
+        yield f"  {path}: this export will be written again without {who}."
+    for path in plan.backups:
+        yield f"  {path}: this backup will be brought up to date, without {who}."
+    for path in plan.missing:
+        yield f"  {path}: it is not there now, and the withdrawal is not finished before it is."
+
+
+def _counted(number: int, one: str, several: str) -> str:
+    return f"{number} {one if number == 1 else several}"
