@@ -51,6 +51,7 @@ class Run:
         agreed_at: wall time at which they agreed to take part; empty: not yet.
         farewell_read: True once they have left the last page.
         cut_off: files of recordings that ended before their games did.
+        scores: points of each game that has its recording, by the number of its step.
         lags: largest lag of each game behind real time in seconds, by the number of its step in the plan; games of
             rehearsals and of earlier releases have none.
         debriefs: debriefings shown after the run ended early, by their numbers in the plan; True once read.
@@ -78,6 +79,7 @@ class Run:
     farewell_read: bool = False
     cut_off: frozenset[str] = frozenset()
     lags: Mapping[int, float] = field(default_factory=dict)
+    scores: Mapping[int, int] = field(default_factory=dict)
     debriefs: Mapping[int, bool] = field(default_factory=dict)
 
     @property
@@ -266,7 +268,9 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
         case EventKind.GAME_PLAYED:
             lag = data.get("most_lag_seconds")
             lags = {**run.lags, event.step: float(lag)} if isinstance(lag, int | float) else run.lags
-            return dataclasses.replace(run, game=data, lags=lags)
+            score = data.get("score")
+            scores = {**run.scores, event.step: score} if isinstance(score, int) else run.scores
+            return dataclasses.replace(run, game=data, lags=lags, scores=scores)
         case EventKind.STEP_ENDED:
             return _ended(run, event.step, StepOutcome(str(data["outcome"])))
         case EventKind.RUN_ENDED:

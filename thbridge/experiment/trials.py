@@ -1,10 +1,13 @@
 """Games of people: the setting of a trial and of practice, and what the log keeps of them."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from sim.common.observations import TICK
+from thbridge.app.compose.game import build_hider
+from thbridge.app.compose.robots import build_travel_times
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import TickRecord
 from thbridge.batch.measures import GameMeasures
@@ -18,6 +21,7 @@ from thbridge.experiment.progress import Run
 from thbridge.experiment.store.events import JsonValue
 from thbridge.hunt.events import RobotDeparted, TreasureIdentified, TreasurePictured
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.team_tour import TourStart, best_score, most_rooms_shared_out
 from thbridge.recording.recordings import digest_of
 from thbridge.timing.pace_meter import GamePace
 
@@ -85,6 +89,34 @@ class PracticeCount:
     def data(self) -> dict[str, JsonValue]:
         """Data of a `PRACTICE_PLAYED`: what was done, and what is missing."""
         return {**{str(term): round(number, 2) for term, number in self._done.items()}, "missing": [*self.missing]}
+
+
+def results_of(design: ExperimentDesign, settings: SettingCache, run: Run) -> list[tuple[int, int | None]]:
+    """Return the score of each game that a person played, with the result of `best_possible`."""
+    found = []
+    for step in run.plan:
+        setting = setting_of_trial(design, settings, run, step)
+        if setting is not None and step.number in run.scores:
+            found.append((run.scores[step.number], best_possible(setting)))
+    return found
+
+
+def best_possible(setting: StudySetting) -> int | None:
+    """Return the most points that the team can win in the first game; None for too many rooms to compare."""
+    study, rooms = setting.study, setting.costs.rooms
+    if len(rooms) > most_rooms_shared_out(study.robots):
+        return None
+    hidden = build_hider(setting.templates, study.seed).hidden(1, len(rooms))
+    rows = [setting.costs.rows[0]] * study.robots
+    if setting.by_position:
+        travel = build_travel_times(setting)
+        rows = [
+            tuple(math.inf if cost is None else cost for cost in travel.costs_from(start))
+            for start in setting.map.starts[: study.robots]
+        ]
+    starts = [TourStart(tuple(row), study.game.energy) for row in rows]
+    points = {room: kind.points for room, kind in zip(rooms, hidden, strict=True)}
+    return best_score(setting.costs, starts, points, study.game.identify_cost)
 
 
 def played(measures: GameMeasures, bag: Path, root: Path, pace: GamePace | None = None) -> dict[str, JsonValue]:

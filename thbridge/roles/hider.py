@@ -52,7 +52,7 @@ class Hider:
         self._kinds = tuple(kinds)
         self._properties = tuple(properties)
         self._chance = noise.key(seed, "hider")
-        self._alone = self._draw(1, rooms)
+        self._alone = self.hidden(1, rooms)
         self._introduce = False
         self._has_keeper = False
         # Questions of 2016 that wait for a keeper, each after its tick.
@@ -84,13 +84,14 @@ class Hider:
         if (request := decode_notice(notice, HideRequest)) is not None:
             if request.game not in COUNTED or not 0 < request.rooms <= MOST_ROOMS:
                 return []
-            treasures = tuple(treasure_fields(kind) for kind in self._draw(request.game, request.rooms))
+            treasures = tuple(treasure_fields(kind) for kind in self.hidden(request.game, request.rooms))
             return [encode_notice(self.name, KEEPER, HideTreasures(request.game, treasures))]
         if (reply := decode_notice(notice, LegacyReply)) is not None:
             return [TextMessage.of(reply.command, self.name, legacy.TABUI, reply.text)]
         return []
 
-    def _draw(self, game: int, rooms: int) -> tuple[TreasureKind, ...]:
+    def hidden(self, game: int, rooms: int) -> tuple[TreasureKind, ...]:
+        """Return the treasure of each room in a game, by its number from 1."""
         return hide(self._kinds, [noise.uniform(self._chance, game, room) for room in range(rooms)])
 
     def _answer_without_keeper(self, tick: int) -> list[TextMessage]:

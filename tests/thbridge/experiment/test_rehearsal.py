@@ -7,6 +7,8 @@ import pandas as pd
 import pytest
 
 from tests.thbridge.experiment.test_design import write
+from thbridge.batch.hunt import play_hunt
+from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.folder import ExperimentFolder
@@ -15,8 +17,12 @@ from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople, r
 from thbridge.experiment.rehearsal.rehearsal import rehearse as play_through
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import EventKind, RunState
+from thbridge.experiment.trials import best_possible
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.recording.bag.reading.reader import info
+from thbridge.roles.keeper import keeper
+from thbridge.roles.keeper.disclosed.debriefing import debrief_of
+from thbridge.study.study_file import CostModel, GameSection, Study
 
 COLLABORATOR = {"dialogue.condition": "collaborator"}
 
@@ -161,3 +167,20 @@ def test_simulated_people_who_leave_after_they_agreed_read_the_debriefing(tmp_pa
         # Whoever leaves in the middle of the debriefing has not read it to its end.
         expected = run.state is not RunState.LEFT or (2 < run.step < 5)
         assert told[name] is expected, (name, run.state, run.step)
+
+
+@pytest.mark.parametrize("model", [CostModel.POSITION, CostModel.MATRIX])
+def test_the_best_possible_score_is_the_one_that_a_game_tells_at_its_end(
+    model: CostModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = []
+
+    def telling(*arguments):
+        told.append(debrief_of(*arguments))
+        return told[-1]
+
+    monkeypatch.setattr(keeper, "debrief_of", telling)
+    study = Study(seed=4, game=GameSection(energy=14.0, cost_model=model))
+    setting = SettingCache(Path()).of(study)
+    play_hunt(setting, 300.0)
+    assert best_possible(setting) == told[0].best > 0

@@ -76,8 +76,8 @@ def _on_results_shown(design: ExperimentDesign) -> Iterator[str]:
     if form is not None:
         yield (
             "A game ends with what was in the rooms and the best possible score, which may bias the answers to "
-            f"{form.name} after it. Write `participant.shows.answers: false` under `base`, and leave that to the "
-            "debriefing."
+            f"{form.name} after it. Write `participant.shows.answers: false` under `base`; `results: true` at the "
+            "debrief shows it there."
         )
 
 

@@ -104,6 +104,9 @@ class StepEntry:
         default=True, help="of a debriefing: whether people who leave or are excluded read it as well"
     )
     resume: ResumeRule = param(ResumeRule.EXACT, "how it goes on after a crash")
+    results: bool = param(
+        default=False, help="whether a debrief lists the score of each game of the person, and the best possible one"
+    )
     only_at: Mapping[str, str] = field(
         default_factory=dict,
         metadata={"help": "levels of factors at which the step comes; else it is passed over: {FACTOR: LEVEL}"},

@@ -17,6 +17,7 @@ from typing import Protocol, TypeAlias, TypeVar
 from msgspec import structs
 
 from thbridge.app.consent import ParticipantDeclined
+from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor, unfinished
 from thbridge.experiment.design.experiment_file import ExperimentDesign, WhoBegins
@@ -25,7 +26,7 @@ from thbridge.experiment.design.steps import PracticeTerm, ResumeRule, StepKind
 from thbridge.experiment.progress import Progress, Run, options_shown, resumes
 from thbridge.experiment.questionnaires.form import Form, Item
 from thbridge.experiment.store.events import Actor, Clocks, EventKind, JsonValue, RunState, StepOutcome
-from thbridge.experiment.trials import PracticeCount
+from thbridge.experiment.trials import PracticeCount, results_of
 from thbridge.files.disk.text_files import read_bytes, read_text, text_of
 from thbridge.files.errors import BadFile
 from thbridge.sockets.addresses import ListeningAddress
@@ -539,7 +540,11 @@ class KioskHost:
         if step.entry.text is None:
             return words.PAUSE_TEXT, False
         path = self._design.path.parent / step.entry.text
-        return read_text(path), path.suffix == ".md"
+        text = read_text(path)
+        if step.entry.step is StepKind.DEBRIEF and step.entry.results:
+            games = results_of(self._design, SettingCache(self._design.beside), self._run)
+            text = "\n\n".join(filter(None, (text.rstrip(), words.results(games))))
+        return text, path.suffix == ".md"
 
     async def _consent(self, step: PlannedStep) -> None:
         if self._run.agrees is None:

@@ -129,6 +129,15 @@ def result(game: Mapping[str, JsonValue] | None) -> str:
     return f"{why}Your score: {game['score']}.\n\nGo on when you are ready."
 
 
+def results(games: Sequence[tuple[int, int | None]]) -> str:
+    """Return what a debriefing says of each game: its score, and the best possible one where it is known."""
+    return "\n\n".join(
+        f"Your score in game {number}: {score}."
+        + ("" if best is None else f" With the same energy, {best} points were possible.")
+        for number, (score, best) in enumerate(games, 1)
+    )
+
+
 def page(shown: ToKiosk) -> str:
     """Return what a researcher is told of a page."""
     match shown:

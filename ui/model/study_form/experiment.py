@@ -25,6 +25,7 @@ _START = ExperimentFile(title="")
 _OF_KINDS: Mapping[str, frozenset[StepKind]] = {
     "text": frozenset({StepKind.INSTRUCTIONS, StepKind.CONSENT, StepKind.DEBRIEF}),
     "form": frozenset({StepKind.CHECK, StepKind.FORM}),
+    "results": frozenset({StepKind.DEBRIEF}),
     "right": frozenset({StepKind.CHECK}),
     "attempts": frozenset({StepKind.CHECK}),
     "repeat": frozenset({StepKind.CHECK}),

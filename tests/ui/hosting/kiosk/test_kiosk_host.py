@@ -2,6 +2,7 @@
 
 import hashlib
 import itertools
+import re
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.system.small_disk import SmallDisk, why_not
-from tests.ui.hosting.kiosk.laboratory import InstantGames, KilledError, Laboratory, Person, headings
+from tests.ui.hosting.kiosk.laboratory import STUDY, InstantGames, KilledError, Laboratory, Person, headings
 from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.export.tables import tables_of
@@ -742,3 +743,14 @@ def test_a_check_is_judged_by_its_condition_and_the_order_of_its_answers_is_reco
     rows = [row for row in table.rows if row["item"] == "who"]
     assert [row["right"] for row in rows] == [True, False, False]
     assert {row["options_shown"] for row in rows} == {"; ".join(pages[0]["who"])}
+
+
+def test_a_debriefing_tells_the_results_that_games_left_out(tmp_path: Path) -> None:
+    laboratory = Laboratory(tmp_path, STUDY.replace("{step: debrief,", "{step: debrief, results: true,"))
+    laboratory.run(person := Person())
+    page = next(page for page in person.seen if getattr(page, "heading", "") == words.HEADINGS["debrief"])
+    assert re.fullmatch(
+        r"It was about robots\.\n\nYour score in game 1: 10\. With the same energy, \d+ points were possible\.\n\n"
+        r"Your score in game 2: 10\. With the same energy, \d+ points were possible\.",
+        page.text,
+    )
