@@ -6,6 +6,7 @@ from pathlib import Path
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import LogEntry
+from thbridge.experiment.store.head import restore_remedy
 from thbridge.experiment.store.known_folders import KnownFolders
 from thbridge.experiment.store.pending_withdrawals import PendingWithdrawals, WithdrawnEvents
 from thbridge.files.disk.inside import path_inside, relative_inside
@@ -112,7 +113,7 @@ class ExperimentFolder:
         folder, slash, path = name.partition("/") if isinstance(name, str) else ("", "", "")
         if folder != RECORDINGS or not slash:
             problem = "an event names this as a recording, which is in no folder of recordings"
-            raise BadFile(self.log, problem, "Bring the log back from a backup", key=repr(name))
+            raise BadFile(self.log, problem, restore_remedy(self.log), key=repr(name))
         return relative_inside(self.recordings, path)
 
     def export(self, name: str) -> Path:

@@ -501,7 +501,7 @@ def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
         except BadEvent as fault:
             problem = f"event {sequence} is none that thbridge writes: {fault}"
             newer = "Use the release with which the study was run, if it is newer"
-            raise BadFile(path, problem, f"{newer}; else restore: {restore_remedy(path)}") from None
+            raise BadFile(path, problem, f"{newer}. {restore_remedy(path)}") from None
         if event.kind == WITHDRAWN:
             allowed.update(cast("list[int]", (event.data or {})["sequences"]))
         entries.append(LoggedEvent(sequence, event))

@@ -9,7 +9,7 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.json_text import json_of
 
-_REMEDY = "Bring it back from a backup, or find the folders yourself and move this file away"
+_REMEDY = "Correct it: a JSON list of paths. Or move it away, and look yourself after what is in those folders"
 
 
 class KnownFolders:
