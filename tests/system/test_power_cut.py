@@ -423,7 +423,11 @@ def test_the_disk_forgets_what_was_not_synced(disk: ForgettingDisk) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in WRITERS]
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow, pytest.mark.timeout(3600)] if name in LONG else ())
+        for name in WRITERS
+    ],
 )
 def test_what_was_promised_is_there_after_a_power_cut_at_any_change(
     disk: ForgettingDisk, processes: multiprocessing.context.BaseContext, name: str
