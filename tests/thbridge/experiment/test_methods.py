@@ -312,7 +312,9 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
         tmp_path,
         f"title: x\n{WITHIN}quota: 2\nconsent_elsewhere: Participants signed a form on paper\nsteps:\n"
         "  - {step: practice, max_seconds: 300, base: {game.energy: 20}, at_least: {moves: 2, pictures: 0}}\n"
-        "  - {step: trial, each_condition: true, max_seconds: 60}\n  - {step: debrief, text: debrief.md}\n",
+        "  - {step: instructions, text: welcome.md, each_condition: true, only_at: {dialogue.condition: supervisor}}\n"
+        "  - {step: trial, each_condition: true, max_seconds: 60}\n"
+        "  - {step: debrief, text: debrief.md}\n",
         drop_out=0.0,
     )
     section = text[text.index("### Procedure") : text.index("### Data collection")]
@@ -320,6 +322,7 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
         "1. Practice game of at most 300 s, in the settings of the participant's first condition, but for game.energy: "
         "20.0; participants could go on once they reached: moves 2.\n"
         "2. For each condition, in the participant's order:\n"
+        "    * Instructions on screen (welcome.md); only at dialogue.condition=supervisor.\n"
         "    * Game of at most 60 s.\n"
         "3. Debriefing on screen (debrief.md), also for participants who left or were excluded.\n"
     ) in section

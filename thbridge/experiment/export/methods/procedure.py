@@ -8,6 +8,7 @@ from thbridge.experiment.design.steps import Failed, ResumeRule, StepEntry, Step
 from thbridge.experiment.export.methods.markdown import (
     Spread,
     counted,
+    joined,
     paragraph,
     sentence,
     spread,
@@ -81,7 +82,8 @@ def _step(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
         ResumeRule.BEGINNING: "restarted after a crash",
         ResumeRule.NEVER: "ended the run after a crash",
     }
-    notes = [f"only if {only}" if only else "", rule[entry.resume]]
+    levels = joined([f"{factor}={level}" for factor, level in entry.only_at.items()])
+    notes = [f"only at {levels}" if levels else "", f"only if {only}" if only else "", rule[entry.resume]]
     told = "; ".join(note for note in notes if note)
     return f"{words}; {told}." if told else f"{words}."
 
