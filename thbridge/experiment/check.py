@@ -7,41 +7,56 @@ from thbridge.experiment.design.soundness import faults_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import fingerprint_of
 from thbridge.experiment.rehearsal.people import read_people
-from thbridge.files.errors import FaultCollection
+from thbridge.files.errors import BadFile, FaultCollection
 
 
 def read_for_people(folder: ExperimentFolder) -> ExperimentDesign:
     """Read an experiment that people are to take part in, with all that its games need.
 
-    Once people have taken part, a study must go on as it is, so it is read with its faults.
+    Once people have taken part, a study must go on as it is, so it is read with the faults of `soundness`.
 
     Raises:
         BadFile: it is faulty; as BadFiles, all faults at once.
     """
     design = folder.read(with_files=True)
-    if not (folder.log.exists() and folder.entries()):
+    if not is_under_way(folder):
         _faults(design).raise_any()
     return design
 
 
-def check_experiment(folder: ExperimentFolder, versions: Mapping[str, str]) -> ExperimentDesign:
+def check_experiment(
+    folder: ExperimentFolder, versions: Mapping[str, str]
+) -> tuple[ExperimentDesign, tuple[BadFile, ...]]:
     """Read an experiment with all that its games, freezing, rehearsals and power need.
 
     Args:
         folder: of the experiment.
         versions: of the programs that run it.
 
+    Returns:
+        The experiment, and the faults that it goes on with because people have taken part.
+
     Raises:
         BadFile: it is faulty; as BadFiles, all faults at once.
     """
     design = folder.read(with_files=True)
-    faults = _faults(design)
+    found = _faults(design)
+    faults = FaultCollection() if is_under_way(folder) else found
     with faults.kept():
         read_people(folder.people, design)
     with faults.kept():
         fingerprint_of(folder, versions)
     faults.raise_any()
-    return design
+    return design, tuple(found.found)
+
+
+def is_under_way(folder: ExperimentFolder) -> bool:
+    """Return True when the log of an experiment has an entry.
+
+    Raises:
+        BadFile: the log is damaged.
+    """
+    return folder.log.exists() and bool(folder.entries())
 
 
 def _faults(design: ExperimentDesign) -> FaultCollection:

@@ -54,10 +54,13 @@ def study_check(
 
         finish_begun_withdrawals(file)
         with bad_input():
-            design = check_experiment(ExperimentFolder(file), versions())
+            design, kept = check_experiment(ExperimentFolder(file), versions())
         for study in chain.from_iterable(cell.studies for cell in design.cells):
             check_doors(study)
-        say(f"{file}: no faults; {people_in_words(design)}")
+        state = "goes on as it is, because people have taken part" if kept else "no faults"
+        say(f"{file}: {state}; {people_in_words(design)}")
+        for fault in kept:
+            note(f"A new study would be refused: {fault}")
         for advice in advice_on(design):
             note(advice)
         if design.file.markers and (reason := why_no_markers()):
