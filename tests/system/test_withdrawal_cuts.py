@@ -25,6 +25,7 @@ from thbridge.files.errors import BadFile
 from ui.cli import app
 
 WORDS = ("I like okapis", "I saw a zebra")
+pytestmark = pytest.mark.timeout(3600)
 COMMANDS = ("status", "check", "withdraw", "freeze", "backup", "export", "watch")
 MOMENTS = 50
 
