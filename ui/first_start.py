@@ -6,23 +6,17 @@ import sys
 from contextlib import suppress
 from threading import Event, Thread
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
 from sim.numerics.kernels import wait_for_others
 from sim.numerics.signatures import RECORDED, kept_at, missing
-from sim.numerics.sources import ROOT
-from ui.terminal import err, note
+from ui.start_bar import NOTICE, START_BAR, STOPPED, mark_compiled, own_environment
+from ui.terminal import FAILED, err, fail, note
 
 COMPILERS = 4
 """Processes that compile, at most: each takes 200 MB."""
 BESIDE = 5
 """How nice processes are that compile beside a hunt."""
-NOTICE = "Compiling the simulator for this machine, at the first start only"
-
-
-def is_compiled() -> bool:
-    """Return True when all that hunts usually need was compiled before; else the first takes longer to begin."""
-    return not missing(before_moves=False)
+PERIOD = 0.2
+"""Seconds between two looks at how much is compiled."""
 
 
 def announce_compiling() -> None:
@@ -31,24 +25,38 @@ def announce_compiling() -> None:
         note(f"{NOTICE}.")
 
 
-def compile_ahead(*, whole_hunt: bool) -> None:
-    """Compile what a hunt usually needs, and show how far that is.
+def compile_ahead(*, whole_hunt: bool, look: str | None = None) -> None:
+    """Compile what a hunt usually needs, and show how far that is; Ctrl-C and Cancel end the program.
 
     Args:
         whole_hunt: return when all is done; else when the first tick can be, and the rest is compiled beside the hunt,
             which waits for what it needs and has not.
+        look: colors of the window that shows it; None for no window.
     """
     calls = missing(before_moves=False)
     first = calls if whole_hunt else missing(before_moves=True)
-    if not calls:
-        return
-    done = _compiled([*first, *(call for call in calls if call not in first)], beside=set(calls).difference(first))
-    if not err.is_terminal:
-        note(f"{NOTICE}.")
-    columns = (TextColumn(NOTICE), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
-        for call in bar.track(first, description=""):
-            done[call].wait()
+    try:
+        if calls:
+            START_BAR.open(look)
+            if not err.is_terminal:
+                note(f"{NOTICE}.")
+            later = [call for call in calls if call not in first]
+            _wait_for([*first], _compiled([*first, *later], beside=set(later)))
+        if len(first) == len(calls):
+            mark_compiled()
+    except KeyboardInterrupt:
+        START_BAR.stop_compiling()
+        START_BAR.close()
+        fail(FAILED, STOPPED)
+    finally:
+        START_BAR.close()
+
+
+def _wait_for(calls: list[str], done: dict[str, Event]) -> None:
+    """Wait until calls were compiled, and show how many are."""
+    while left := [call for call in calls if not done[call].is_set()]:
+        START_BAR.show(len(calls) - len(left), len(calls))
+        done[left[0]].wait(PERIOD)
 
 
 def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
@@ -61,18 +69,17 @@ def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
     wait_for_others({kept_at(call): compiled.wait for call, compiled in done.items()})
     ahead = iter(calls)
     command = [sys.executable, "-P", "-c", "from ui.compiler_process import compile_calls; compile_calls()"]
-    # The same sources, wherever these were found.
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
 
     def hand_out() -> None:
         process = subprocess.Popen(
             command,
-            env=environment,
+            env=own_environment(),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             text=True,
         )
+        START_BAR.compilers.add(process)
         with suppress(BrokenPipeError), process:
             for call in ahead:
                 try:

@@ -12,6 +12,8 @@ from functools import cache as once
 from pathlib import Path
 from tempfile import NamedTemporaryFile, TemporaryDirectory, TemporaryFile, gettempdir
 
+from sim.numerics.sources import ROOT
+
 _LOGGER = logging.getLogger(__name__)
 _DIGEST = 32
 """Bytes of the checksum that a file begins with."""
@@ -23,13 +25,27 @@ KEPT_VERSIONS = 16
 """How many versions of a module keep their compiled code, those used last; more than will run at the same time."""
 
 
+@once
+def cache_folder() -> Path:
+    """Return the folder of all compiled code: the user's own, so that it outlives a checkout and serves them all.
+
+    Where it cannot be written, or others may write there, it is a folder beside the sources, or a temporary one. Its
+    name is always `kernels`.
+    """
+    # Without a home this begins with a tilde, where pathlib raises an exception.
+    home = os.path.expanduser("~/.cache")  # noqa: PTH111
+    usual = Path(os.environ.get("XDG_CACHE_HOME") or home, "thbridge")
+    users = Path(os.environ.get("NUMBA_CACHE_DIR") or usual, "kernels")
+    return private_folder((users, ROOT / "sim" / "__pycache__" / "kernels"))
+
+
 def private_folder(candidates: Iterable[Path]) -> Path:
     """Return the first of the folders that can be written, into which no other account can put code.
 
     If there is none, it is a folder for temporary files that all programs of this account share, or one that this
     process deletes at its end. A notice names each folder that others can change.
     """
-    for folder in (*candidates, Path(gettempdir(), f"thbridge-kernels-{os.getuid()}")):
+    for folder in (*candidates, Path(gettempdir(), f"thbridge-{os.getuid()}", "kernels")):
         # Without a home the path of a cache begins with a tilde.
         if folder.is_absolute():
             with suppress(OSError):
@@ -39,7 +55,9 @@ def private_folder(candidates: Iterable[Path]) -> Path:
                 if fault is None:
                     return folder.resolve()
                 _notify(f"Compiled code is not kept in {folder}: {fault}.")
-    return Path(_of_this_process().name)
+    own = Path(_of_this_process().name, "kernels")
+    _make_private(own)
+    return own
 
 
 def read(path: Path) -> bytes | None:
@@ -148,7 +166,7 @@ def _notify(notice: str) -> None:
 
 @once
 def _of_this_process() -> TemporaryDirectory[str]:
-    return TemporaryDirectory(prefix="thbridge-kernels-")
+    return TemporaryDirectory(prefix="thbridge-")
 
 
 def _tidy(new: Path) -> None:

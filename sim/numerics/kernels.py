@@ -7,7 +7,6 @@ import pickle
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext, suppress
-from functools import cache as once
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -21,10 +20,9 @@ from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 from numba.core.typing.templates import infer_global
-from numba.misc.appdirs import AppDirs
 
 from sim.numerics import elementary
-from sim.numerics.compiled_files import make_folder, mark_used, private_folder, read, write
+from sim.numerics.compiled_files import cache_folder, make_folder, mark_used, read, write
 from sim.numerics.sources import ROOT, key_of
 
 if TYPE_CHECKING:
@@ -77,7 +75,7 @@ def folder_of(source: Path) -> Path:
     compiler = (sys.version, numba.__version__, llvmlite.__version__, np.__version__, config.OPT, config.BOUNDSCHECK)
     key = hashlib.blake2b(f"{key_of(source)} {compiler}".encode(), digest_size=8).hexdigest()
     module = source.relative_to(ROOT) if source.is_relative_to(ROOT) else Path(source.name)
-    return _cache() / f"{'.'.join(module.with_suffix('').parts)}-{key}"
+    return cache_folder() / f"{'.'.join(module.with_suffix('').parts)}-{key}"
 
 
 def file_of(kernel: object, signature: tuple[types.Type, ...]) -> Path:
@@ -89,16 +87,6 @@ def file_of(kernel: object, signature: tuple[types.Type, ...]) -> Path:
 def wait_for_others(compiled: Mapping[Path, Callable[[], object]]) -> None:
     """Wait for code that others are about to compile, by the file it will be in, instead of compiling it as well."""
     _OTHERS.update(compiled)
-
-
-@once
-def _cache() -> Path:
-    """Return the folder of all compiled code: the user's own, so that it outlives a checkout and serves them all.
-
-    Where it cannot be written, or others may write there, it is a folder beside the sources, or a temporary one.
-    """
-    users = Path(config.CACHE_DIR or AppDirs("thbridge", appauthor=False).user_cache_dir, "kernels")
-    return private_folder((users, ROOT / "sim" / "__pycache__" / "kernels"))
 
 
 class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types

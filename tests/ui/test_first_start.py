@@ -1,13 +1,20 @@
 import json
 import os
+import pty
+import re
+import signal
 import subprocess
 import sys
+import termios
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
+from sim.numerics.compiled_files import read
 from sim.numerics.signatures import RECORDED
 from tests.compiling import ROOT
+from ui.start_bar import STOPPED
 
 PROGRAM = """\
 import sys
@@ -46,3 +53,80 @@ def test_a_call_that_cannot_be_compiled_holds_nobody_up(tmp_path: Path) -> None:
     calls = RECORDED.read_text().splitlines()[-1:]
     wrong = json.dumps(json.loads(calls[0]) | {"arguments": ["float64"] * 12})
     assert start(tmp_path, [wrong, *calls])[0] == 1
+
+
+CANCELLED = """\
+import sys
+from pathlib import Path
+import typer
+from ui import start_bar
+
+start_bar._WINDOW = sys.argv[2]
+start_bar.announce_start("system")
+print("numba" in sys.modules, start_bar.START_BAR._window is not None, flush=True)
+
+from sim.numerics import signatures
+from ui.first_start import compile_ahead
+
+signatures.RECORDED = Path(sys.argv[1])
+try:
+    compile_ahead(whole_hunt=True, look="system")
+except typer.Exit as left:
+    sys.exit(left.exit_code)
+print("compiled")
+"""
+CANCEL = "import sys; sys.stdin.readline(); print('cancel', flush=True)"
+WAIT = "import sys; sys.stdin.read()"
+"""Windows in which people cancel once something is compiled, and wait until all is."""
+
+
+def start_with_window(folder: Path, window: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", CANCELLED, "calls", window], cwd=folder, capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(folder / "cache")},
+    )  # fmt: skip
+
+
+def test_cancel_ends_the_first_start_and_its_compilers_and_leaves_a_whole_cache(tmp_path: Path) -> None:
+    (tmp_path / "calls").write_text("".join(f"{call}\n" for call in RECORDED.read_text().splitlines()[-2:]))
+    ended = start_with_window(tmp_path, CANCEL)
+    assert (ended.returncode, ended.stdout) == (1, "False True\n"), ended.stderr
+    assert STOPPED in ended.stderr
+    assert "Traceback" not in ended.stderr
+    # Their standard output is this pipe, too: it would not have ended before they have.
+    kept = [path for path in (tmp_path / "cache").rglob("*-*") if path.is_file() and path.suffix != ".claim"]
+    assert all(read(path) is not None for path in kept)
+
+
+def test_on_a_terminal_there_is_one_line_with_seconds_and_ctrl_c_stops(tmp_path: Path) -> None:
+    (tmp_path / "calls").write_text("".join(f"{call}\n" for call in RECORDED.read_text().splitlines()[-2:]))
+    ours, theirs = pty.openpty()
+    termios.tcsetwinsize(theirs, (24, 80))
+    program = subprocess.Popen(
+        [sys.executable, "-c", CANCELLED.replace('"system"', "None"), "calls", ""],
+        cwd=tmp_path, stdin=theirs, stdout=subprocess.DEVNULL, stderr=theirs, start_new_session=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "TERM": "xterm"},
+    )  # fmt: skip
+    os.close(theirs)
+    shown = ""
+    stopped = False
+    with suppress(OSError):  # It ends with the program.
+        while piece := os.read(ours, 4096).decode(errors="replace"):
+            shown += piece
+            if "0/2" in shown and not stopped:
+                stopped = True
+                program.send_signal(signal.SIGINT)
+    os.close(ours)
+    assert program.wait() == 1
+    assert re.search(r"First start: compiling .*0/\?.*0:00:0\d", shown), "before anything is loaded"
+    assert STOPPED in shown
+    assert "Traceback" not in shown
+
+
+@pytest.mark.slow
+def test_the_bar_is_there_until_all_is_compiled_and_never_again(tmp_path: Path) -> None:
+    (tmp_path / "calls").write_text("".join(f"{call}\n" for call in RECORDED.read_text().splitlines()[-2:]))
+    ended = start_with_window(tmp_path, WAIT)
+    assert (ended.returncode, ended.stdout) == (0, "False True\ncompiled\n"), ended.stderr
+    again = start_with_window(tmp_path, WAIT)
+    assert (again.returncode, again.stdout, again.stderr) == (0, "False False\ncompiled\n", "")

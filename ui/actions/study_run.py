@@ -21,6 +21,7 @@ from thbridge.files.errors import BadFile
 from ui.actions.study_withdrawal import withdraw_during
 from ui.actions.unfinished_study import finish_begun_withdrawals
 from ui.display import why_no_window
+from ui.first_start import compile_ahead
 from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames
 from ui.hosting.kiosk.host import KioskHost, StudyClock
@@ -49,6 +50,9 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
         why = None if program else why_no_window()
         if why is not None:
             fail(BAD_INPUT, why)
+    # Before people come, and before the log is open.
+    compile_ahead(whole_hunt=True, look=None if program else look)
+    with bad_input():
         make_folder(place.log.parent)
         log = ExperimentLog(place.log)
     window, code = _window(folder, look, program, windowed=windowed), 0

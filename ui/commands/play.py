@@ -107,6 +107,11 @@ def play(
 
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
+    from ui.start_bar import START_BAR, announce_start
+
+    windowed = participant is None and not (headless or as_json or outside) and why_no_window() is None
+    announce_start(look.value if windowed else None)
+
     from thbridge.app import play as hunt
     from thbridge.app.consent import ParticipantDeclined
     from thbridge.app.play import HuntUnfinished, PlayOptions
@@ -146,7 +151,6 @@ def play(
     setting = setting_of(study, study_file)
     others = _roles(outside)
     graph = graph_of(ros, ros_master, ros_host, study.open_to)
-    windowed = participant is None and not (headless or as_json or others) and why_no_window() is None
     who = participant or ParticipantKind(study.participant.strategy)
     ports = ports_of(study, study_file, signing_key)
     people = windowed or bool(others) or who is ParticipantKind.PERSON or ports is not None
@@ -162,10 +166,12 @@ def play(
         options = PlayOptions(
             pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=foxglove, mavlink=ports, keys=ring
         )
+        compile_ahead(whole_hunt=True, look=look.value)
         games = WindowGames(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--look", look.value))
         return
     if who is ParticipantKind.PERSON:
+        START_BAR.close()  # Who types needs the line.
         text = None if legacy.TABUI in others else setting.consent
         seat = seat_of_person(None if text is None else ask_for_consent(text))
     else:

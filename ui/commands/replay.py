@@ -41,6 +41,10 @@ def replay_command(
     Ends with 0 when every message is the same, bit for bit, and with 1 when one differs; then it says which. With
     `--with` or `--participant` the two runs are compared by their figures, and a difference is no failure.
     """
+    from ui.start_bar import announce_start
+
+    announce_start()
+
     from itertools import zip_longest
     from tempfile import TemporaryDirectory
 

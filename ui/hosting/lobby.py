@@ -9,7 +9,6 @@ from msgspec import structs
 
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
-from ui.first_start import is_compiled
 from ui.hosting.window_process import WindowProcess
 from ui.model.lobby import (
     Agreed,
@@ -114,10 +113,10 @@ async def host(
                     continue
                 case Begin(robots) if offer.least <= robots <= offer.most:
                     number = "robot is" if robots == 1 else f"{robots} robots are"
-                    await window.send(Preparing(f"The {number} being made ready.{_compile_notice()}"))
+                    await window.send(Preparing(f"The {number} being made ready."))
                     visit, game = GameVisit(window, token, practice=False, agreed_at=agreed_at), play(robots)
                 case Practise():
-                    await window.send(Preparing(f"The practice game is being made ready.{_compile_notice()}"))
+                    await window.send(Preparing("The practice game is being made ready."))
                     visit, game = GameVisit(window, token, practice=True, agreed_at=""), practise()
                 case _:
                     continue
@@ -125,8 +124,3 @@ async def host(
             if isinstance(visit.ended, WindowClosed):
                 return Answer.YES
             await window.send(offer)
-
-
-def _compile_notice() -> str:
-    """A sentence to add where the simulator is to be compiled first; else empty."""
-    return "" if is_compiled() else " The first time on this computer takes up to half a minute."

@@ -92,7 +92,7 @@ def test_without_any_such_folder_code_is_kept_for_the_account_among_temporary_fi
     tmp_path.chmod(0o1777)
     monkeypatch.setattr(compiled_files, "gettempdir", lambda: str(tmp_path))
     kept = private_folder([Path("/proc/none/kernels")])
-    assert kept == private_folder([]) == tmp_path / f"thbridge-kernels-{os.getuid()}"
+    assert kept == private_folder([]) == tmp_path / f"thbridge-{os.getuid()}" / "kernels"
     assert mode(kept) == 0o700
 
 

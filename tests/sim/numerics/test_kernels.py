@@ -176,7 +176,7 @@ def test_where_a_folder_cannot_be_written_code_is_kept_in_the_next_or_not_at_all
     (checkout / "sim" / "__pycache__").touch()
     assert run(checkout, "3") == ["7", "0"]
     assert run(checkout, "3") == ["7", "1"]
-    temporary = checkout.parent / f"thbridge-kernels-{os.getuid()}"
+    temporary = checkout.parent / f"thbridge-{os.getuid()}"
     shutil.rmtree(temporary)
     temporary.touch()
     run(checkout, "3")

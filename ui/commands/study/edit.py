@@ -20,6 +20,11 @@ def study_edit(
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
     """Edit a study file, or a study with people, in a window: all settings with their meaning, and the same checks."""
+    from ui.start_bar import announce_start
+
+    if why_no_window() is None:
+        announce_start(look.value)
+
     from thbridge.experiment.folder import ExperimentFolder
     from ui.actions.unfinished_study import finish_begun_withdrawals
     from ui.first_start import announce_compiling

@@ -127,6 +127,11 @@ def study_run(
         from ui.windows.kiosk.window import open_kiosk
 
         raise typer.Exit(open_kiosk(look.value, windowed=windowed))
+    from ui.start_bar import announce_start
+
+    if why_no_window() is None:
+        announce_start(look.value)
+
     from ui.actions.study_run import run_study
 
     run_study(folder, look.value, windowed=windowed, desk=desk)

@@ -35,6 +35,11 @@ def sweep_run(
 
     Ends with 1 when it was stopped, or when a game that was played again was not the same.
     """
+    from ui.start_bar import announce_start
+
+    if not check:
+        announce_start()
+
     from thbridge.batch.chunks import Shard, shard_in
     from thbridge.batch.design import read_design
     from thbridge.batch.engines.engine import Engine, EngineFailed

@@ -31,7 +31,6 @@ from thbridge.files.disk.text_files import read_bytes, read_text, text_of
 from thbridge.files.errors import BadFile
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
-from ui.first_start import is_compiled
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.answers import form_item, is_answer, to_answer, to_json
 from ui.hosting.kiosk.games import GameWatcher, KioskStopped
@@ -633,7 +632,7 @@ class KioskHost:
     async def _practice(self, step: PlannedStep) -> None:
         """Have practice played until all is done that its step asks for, or it was played often enough."""
         for game in range(MOST_PRACTICE):
-            await self._show(GamePrepared(0, words.PRACTICE_COMES + _compiling()))
+            await self._show(GamePrepared(0, words.PRACTICE_COMES))
             visit = _Visit(self, practice=True)
             done = await self._at_game(visit, self._games.practise(self._run, step, visit))
             self._conductor.tell(EventKind.PRACTICE_PLAYED, self._person, step, done.data, "program")
@@ -649,7 +648,7 @@ class KioskHost:
         if self._run.game is None:
             goes_on = how is ResumeRule.EXACT
             told = words.GAME_COMES_BACK if goes_on else words.GAME_COMES
-            await self._show(GamePrepared(0, told + _compiling()))
+            await self._show(GamePrepared(0, told))
             game = await self._at_game(visit, self._games.play(self._run, step, visit, goes_on=goes_on))
             if game is not None:
                 self._conductor.tell(EventKind.GAME_PLAYED, self._person, step, game, "program")
@@ -763,10 +762,6 @@ class _Visit:
     def _say(self, message: ToKiosk) -> None:
         self._sending = [task for task in self._sending if not task.done()]
         self._sending.append(asyncio.get_running_loop().create_task(self._host._window.send(message)))
-
-
-def _compiling() -> str:
-    return "" if is_compiled() else words.FIRST_TIME
 
 
 def _ignore() -> None:

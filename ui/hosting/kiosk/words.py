@@ -72,7 +72,6 @@ HEADINGS = {StepKind.INSTRUCTIONS: "Please read", StepKind.DEBRIEF: "What this s
 PRACTICE_COMES = "The practice game is being made ready. It does not count."
 GAME_COMES = "The game is being made ready. It begins in a moment."
 GAME_COMES_BACK = "The game is being brought back to where it was. It goes on in a moment."
-FIRST_TIME = " The first time on this computer takes up to a minute."
 TIME_IS_UP = "The time of this game is over. One moment, please."
 PRACTICE_ENDED = "The practice game has ended"
 GAME_ENDED = "The game has ended"

@@ -5,6 +5,7 @@ from pathlib import Path
 from thbridge.study.noise import NoiseSection
 from thbridge.study.study_file import Study
 from ui.model.study_form.noise import preview_of
+from ui.start_bar import START_BAR
 from ui.windows.application import application
 from ui.windows.look import Appearance, Choice, TextSize, user_settings
 from ui.windows.study.window import StudyWindow
@@ -32,5 +33,6 @@ def edit(path: Path, choice: Choice = "system") -> int:
     window = study_window(path)
     look.changed.connect(window.repaint_all)
     text_size.add_keys(window)
+    START_BAR.close()
     window.show()
     return app.exec()

@@ -1,0 +1,122 @@
+"""A bar with seconds at the first start: in a window, with Cancel, and on a terminal, before the program is loaded."""
+
+import atexit
+import hashlib
+import os
+import subprocess
+import sys
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+from threading import Thread
+
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+from sim.numerics.compiled_files import cache_folder, make_folder, mark_used
+from sim.numerics.sources import ROOT, key_of
+from ui.terminal import FAILED, err, note
+
+NOTICE = "Compiling the simulator for this machine, at the first start only"
+STOPPED = "Stopped. What was compiled is kept, and the next start goes on from there."
+_WINDOW = "from ui.windows.first_start import show; show()"
+
+
+def own_environment() -> dict[str, str]:
+    """Return variables for processes of ours: they find the same sources, and keep compiled code in the same folder."""
+    paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    return {**os.environ, "PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(cache_folder().parent)}
+
+
+class StartBar:
+    """The bar of this program, and the processes that it can cancel.
+
+    Attributes:
+        compilers: processes that compile for this one.
+    """
+
+    def __init__(self) -> None:
+        self.compilers: set[subprocess.Popen[str]] = set()
+        self._window: subprocess.Popen[str] | None = None
+        self._terminal: Progress | None = None
+        self._task = TaskID(0)
+
+    def open(self, look: str | None = None) -> None:
+        """Show the bar on a terminal; if `look` names colors of windows, in a window as well."""
+        atexit.register(self.close)  # Also after an error: a terminal has no cursor meanwhile.
+        if self._terminal is None and err.is_terminal:
+            columns = (TextColumn("First start: compiling"), BarColumn(20), MofNCompleteColumn(), TimeElapsedColumn())
+            self._terminal = Progress(*columns, console=err, transient=True)
+            self._task = self._terminal.add_task("", total=None)
+            self._terminal.start()
+        if self._window is None and look is not None:
+            self._window = subprocess.Popen(
+                [sys.executable, "-P", "-c", _WINDOW, look],
+                env=own_environment(),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                text=True,
+                start_new_session=True,  # Ctrl-C is for this program, which then closes the window.
+            )
+            Thread(target=self._wait_for_cancel, args=(self._window,), daemon=True).start()
+
+    def show(self, done: int, total: int) -> None:
+        """Show that so many of all kernels are compiled."""
+        if self._terminal is not None:
+            self._terminal.update(self._task, completed=done, total=total)
+        if self._window is not None and self._window.stdin is not None:
+            with suppress(OSError):
+                print(done, total, file=self._window.stdin, flush=True)
+
+    def close(self) -> None:
+        """Close the bar."""
+        if self._terminal is not None:
+            self._terminal.stop()
+        if self._window is not None and self._window.stdin is not None:
+            with suppress(OSError):
+                self._window.stdin.close()
+        self._window = self._terminal = None
+
+    def stop_compiling(self) -> None:
+        """End the processes that compile; each file of compiled code is whole, or is not there."""
+        for process in self.compilers:
+            process.kill()
+
+    def _wait_for_cancel(self, window: "subprocess.Popen[str]") -> None:
+        """End the program when people cancel. Nothing is open yet that would have to be closed."""
+        with window:
+            if window.stdout is not None and window.stdout.readline() == "cancel\n":
+                self.stop_compiling()
+                self.close()
+                note(STOPPED)
+                os._exit(FAILED)
+
+
+START_BAR = StartBar()
+
+
+def announce_start(look: str | None = None) -> None:
+    """Open the bar at once if the simulator has not been compiled here; to be called before anything else is imported.
+
+    Args:
+        look: colors of the window with the bar; None for a program without windows.
+    """
+    if not _compiled_mark().exists():
+        START_BAR.open(look)
+
+
+def mark_compiled() -> None:
+    """Note that all which hunts usually need was compiled, so that the next start has no bar."""
+    mark = _compiled_mark()
+    with suppress(OSError):
+        make_folder(mark)
+        mark_used(mark)
+
+
+def _compiled_mark() -> Path:
+    """Return a folder that exists once these sources were compiled here; it is found without loading the compiler."""
+    recorded = ROOT / "sim" / "numerics" / "signatures.jsonl"
+    parts = (key_of(ROOT / "sim" / "team.py"), recorded.read_text(encoding="utf-8"), sys.version)
+    versions = (version(name) for name in ("numba", "llvmlite", "numpy"))
+    key = hashlib.blake2b(" ".join((*parts, *versions)).encode(), digest_size=8).hexdigest()
+    return cache_folder() / f"first_start-{key}"
