@@ -22,7 +22,7 @@ from thbridge.experiment.progress import RunState
 from thbridge.experiment.questionnaires.form import SHIPPED, read_form
 from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import EventKind
+from thbridge.experiment.store.events import EventKind, LogEntry
 
 VERSIONS = {"thbridge": "1.0", "python": "3.11"}
 HEADINGS = [
@@ -307,6 +307,16 @@ def test_a_rehearsal_says_that_programs_took_part(course: Course, tmp_path: Path
     assert "This is a rehearsal" not in real
 
 
+def _with_practice(folder: Path) -> tuple[ExperimentDesign, list[LogEntry]]:
+    """A study with practice in each condition, which nobody has taken part in."""
+    folder.mkdir()
+    text = (
+        f"title: x\n{WITHIN}ethics: '[Write who approved it.]'\nsteps:\n"
+        "  - {step: practice, max_seconds: 300, each_condition: true}\n  - {step: trial, each_condition: true}\n"
+    )
+    return read_experiment(write(folder, text)), []
+
+
 def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path: Path) -> None:
     text = rehearsed(
         tmp_path,
@@ -327,6 +337,10 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
         "3. Debriefing on screen (debrief.md), also for participants who left or were excluded.\n"
     ) in section
     assert "Participants signed a form on paper." in section
+    each = text_of(records_of(*_with_practice(tmp_path / "each")))
+    assert "* Practice game of at most 300 s, in the settings of that condition; part" in each
+    assert "[Write who approved it.] " not in each
+    assert "[Write who approved it.]\n" in each
     assert "[How" not in section
 
 

@@ -47,7 +47,7 @@ def sentence(text: str, gap: str) -> str:
     said = text.strip()
     if not said:
         return f"[{gap}]"
-    return said if said[-1] in ".!?" else f"{said}."
+    return said if said[-1] in ".!?]" else f"{said}."
 
 
 def spread(values: Sequence[float]) -> Spread:

@@ -94,7 +94,9 @@ def _practice(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
     but = f", but for {', '.join(own)}" if own else ""
     demands = [f"{term} {number}" for term, number in entry.at_least.items() if float(number) > 0.0]
     done = f"; participants could go on once they reached: {', '.join(demands)}" if demands else ""
-    return f"in the settings of the participant's first condition{but}{done}"
+    each = entry.each_condition and len(design.conditions) > 1
+    which = "that condition" if each else "the participant's first condition"
+    return f"in the settings of {which}{but}{done}"
 
 
 def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
