@@ -43,6 +43,7 @@ class Run:
         answers: the last answer to each item, by `STEP.ITEM`.
         given: the answers given in the step under way, by the item's id.
         drafts: answers that were begun or changed there, and not given since.
+        timed_out: items there that were closed by their time limits.
         game: what the log keeps of the game of that step; None: it has no recording yet.
         agrees: the answer to the consent of that step; None: not yet.
         last_outcome: of the step that ended last; None: none has.
@@ -70,6 +71,7 @@ class Run:
     answers: Mapping[str, JsonValue] = field(default_factory=dict)
     given: Mapping[str, JsonValue] = field(default_factory=dict)
     drafts: Mapping[str, JsonValue] = field(default_factory=dict)
+    timed_out: frozenset[str] = frozenset()
     game: Mapping[str, JsonValue] | None = None
     agrees: bool | None = None
     last_outcome: StepOutcome | None = None
@@ -254,17 +256,19 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             if event.step != run.step or run.under_way:
                 raise _CannotFollowError(f"{run.participant} begins step {event.step} where {run.step} is next")
             begun = {**run.begun, event.step: run.begun.get(event.step, 0) + 1}
-            return dataclasses.replace(run, under_way=True, begun=begun, given={}, drafts={}, game=None, agrees=None)
+            run = _emptied(run)
+            return dataclasses.replace(run, under_way=True, begun=begun, game=None, agrees=None)
         case EventKind.STEP_RESUMED if data.get("from") == ResumeRule.BEGINNING:
-            return dataclasses.replace(run, given={}, drafts={})
+            return _emptied(run)
         case EventKind.ITEM_CHANGED if run.under_way and "answer" in data:
             return dataclasses.replace(run, drafts={**run.drafts, str(data["item"]): data["answer"]})
-        case EventKind.ITEM_GIVEN if event.step > 0:
+        case EventKind.ITEM_GIVEN | EventKind.ITEM_TIMED_OUT if event.step > 0:
             name = run.plan[event.step - 1].name
             item, answer = str(data["item"]), data["answer"]
             answers, given = {**run.answers, f"{name}.{item}": answer}, {**run.given, item: answer}
             drafts = {other: draft for other, draft in run.drafts.items() if other != item}
-            return dataclasses.replace(run, answers=answers, given=given, drafts=drafts)
+            timed_out = run.timed_out | {item} if event.kind == EventKind.ITEM_TIMED_OUT else run.timed_out - {item}
+            return dataclasses.replace(run, answers=answers, given=given, drafts=drafts, timed_out=timed_out)
         case EventKind.GAME_PLAYED:
             lag = data.get("most_lag_seconds")
             lags = {**run.lags, event.step: float(lag)} if isinstance(lag, int | float) else run.lags
@@ -287,6 +291,10 @@ def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
             return dataclasses.replace(run, agreed_at=agreed_at, agrees=bool(data["agrees"]))
         case _:
             return run
+
+
+def _emptied(run: Run) -> Run:
+    return dataclasses.replace(run, given={}, drafts={}, timed_out=frozenset())
 
 
 def _ended(run: Run, number: int, outcome: StepOutcome) -> Run:

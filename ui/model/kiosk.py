@@ -76,6 +76,7 @@ class FormItem(msgspec.Struct, frozen=True):
     several: bool = False
     required: bool = True
     not_applicable: bool = False
+    seconds: float = 0.0
     one_line: bool = False
 
 
@@ -88,6 +89,7 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
         instructions: above the items; empty: none.
         items: of this page, in their order.
         answers: given or begun before, by the item's id.
+        timed_out: ids of items that were closed by their time limits.
         missing: ids of required items without an answer, to be pointed at.
         part: number of the page within the form, from 1.
         parts: pages of the form.
@@ -101,6 +103,7 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
     instructions: str
     items: tuple[FormItem, ...]
     answers: dict[str, Answer] = {}
+    timed_out: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
     part: int = 1
     parts: int = 1
@@ -110,11 +113,12 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
 
 
 class AnswerKept(msgspec.Struct, frozen=True, tag=True):
-    """Host: an answer is in the log."""
+    """Host: an answer is in the log; `timed_out` where the time limit of its item was over."""
 
     page: int
     item: str
     answer: Answer
+    timed_out: bool = False
 
 
 class GamePrepared(msgspec.Struct, frozen=True, tag=True):
@@ -225,7 +229,8 @@ class ItemNews(msgspec.Struct, frozen=True, tag=True):
     Attributes:
         page: number of the page.
         item: its id.
-        what: it came wholly into sight, was begun, has another answer, was gone on from, or got pasted text.
+        what: it came wholly into sight, was begun, has another answer, was gone on from, got pasted text, or was closed
+            because its time limit was over.
         window_ns: monotonic time of the window, nanoseconds.
         answer: in force; of no meaning for an item that is shown, touched or pasted into.
         characters: number of those pasted.
@@ -233,7 +238,7 @@ class ItemNews(msgspec.Struct, frozen=True, tag=True):
 
     page: int
     item: str
-    what: Literal["shown", "touched", "changed", "given", "pasted"]
+    what: Literal["shown", "touched", "changed", "given", "pasted", "timed out"]
     window_ns: int
     answer: Answer = None
     characters: int = 0
@@ -298,18 +303,20 @@ FromKiosk: TypeAlias = (
 )
 
 
+def _answered(form: FormToFill, kept: AnswerKept) -> FormToFill:
+    if form.page != kept.page:
+        return form
+    closed = (*form.timed_out, kept.item) if kept.timed_out else form.timed_out
+    return msgspec.structs.replace(form, answers={**form.answers, kept.item: kept.answer}, timed_out=closed)
+
+
 def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
     """The last page, with a form's answers that are in the log by now, a game's last news, and the instructions."""
     match message:
         case GameNews() | InstructionsSoFar():
             return [*(one for one in before if type(one) is not type(message)), message]
-        case AnswerKept(page=number, item=item, answer=answer):
-            return [
-                msgspec.structs.replace(one, answers={**one.answers, item: answer})
-                if isinstance(one, FormToFill) and one.page == number
-                else one
-                for one in before
-            ]
+        case AnswerKept():
+            return [_answered(one, message) if isinstance(one, FormToFill) else one for one in before]
         case _:
             return [*(one for one in before if isinstance(one, InstructionsSoFar)), message]
 

@@ -26,8 +26,8 @@ within: {dialogue.condition: [script, supervisor, adviser]}
 quota: 6
 steps:
   - {step: consent, text: consent.txt}
-  - {step: practice, name: practice}
-  - {step: check, form: understood.yaml, attempts: 2}
+  - {step: practice, name: practice, base: {dialogue.condition: supervisor}}
+  - {step: check, form: understood.yaml, attempts: 2, repeat: practice}
   - {step: trial, each_condition: true, max_seconds: 3}
   - {step: form, form: feelings.yaml, name: feelings}
   - {step: form, form: person.yaml, name: person}
@@ -116,6 +116,17 @@ def clicking(screen: Desktop, name: str, role: str = "push button") -> Callable[
     return click
 
 
+def practice(screen: Desktop, go_on: Callable[[], None]) -> None:
+    """Play the practice game: nothing leads on before the robot was sent to a room."""
+    screen.found("Before you go on: send a robot to a room.", "label")
+    screen.found("Score 0")
+    go_on()
+    assert screen.find("Before you go on: send a robot to a room.", "label") is not None
+    screen.press("1")
+    screen.found("You have tried out what you need.", "label")
+    leave(screen, "Practice", go_on)
+
+
 def finished(folder: Path) -> None:
     """The study as the log has it: one person, complete, whose games have their recordings."""
     entries = read_log(folder / "store" / "log")
@@ -123,6 +134,8 @@ def finished(folder: Path) -> None:
     assert run.state is RunState.COMPLETE
     assert run.farewell_read
     assert run.attempts == {3: 2}
+    practice = [entry.event.data for entry in entries if entry.event.kind == EventKind.PRACTICE_PLAYED]
+    assert [(data["moves"] >= 1, data["missing"]) for data in practice] == [(True, [])] * 2, "again after the check"
     assert (run.answers["feelings.calm"], run.answers["person.age"]) == (4.0, 33.0)
     assert run.answers["person.why"] == "No"
     bags = [folder / str(e.event.data["bag"]) for e in entries if e.event.kind == EventKind.GAME_PLAYED]
@@ -134,10 +147,11 @@ def finished(folder: Path) -> None:
 def test_a_whole_study_by_mouse(kiosk: Kiosk, screen: Desktop, folder: Path) -> None:
     leave(screen, "Welcome", clicking(screen, "Begin"))
     leave(screen, "What you agree to", clicking(screen, "I agree"))
-    leave(screen, "Practice", clicking(screen, "Go on with the study"))
+    practice(screen, clicking(screen, "Go on with the study"))
     screen.click(screen.rested("they", "radio button"))
     leave(screen, "Before we begin", clicking(screen, "Continue"))
     leave(screen, "Once more", clicking(screen, "Continue"))
+    practice(screen, clicking(screen, "Go on with the study"))
     screen.click(screen.rested("you", "radio button"))
     leave(screen, "Before we begin", clicking(screen, "Continue"))
     for _ in range(3):
@@ -179,9 +193,10 @@ def test_a_whole_study_by_keyboard_alone_and_killed_in_the_middle(kiosk: Kiosk, 
 
     leave(screen, "Welcome", pressing("Return"))
     leave(screen, "What you agree to", pressing("a"))
-    leave(screen, "Practice", pressing("F10"))
+    practice(screen, pressing("F10"))
     leave(screen, "Before we begin", pressing("2", "ctrl+Return"))
     leave(screen, "Once more", pressing("Return"))
+    practice(screen, pressing("F10"))
     leave(screen, "Before we begin", pressing("1", "ctrl+Return"))
     screen.found("Score 0")
     kiosk.kill()

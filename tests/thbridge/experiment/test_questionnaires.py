@@ -137,3 +137,12 @@ def test_people_who_left_an_item_out_do_not_count_for_reliability() -> None:
 
 def test_reliability_of_one_person_is_not_a_number() -> None:
     assert math.isnan(reliability_of(ITEMS, people([[1, 2, 3, 4]])).alpha)
+
+
+def test_an_attention_check_needs_its_right_answer(tmp_path: Path) -> None:
+    file = tmp_path / "form.yaml"
+    file.write_text("title: x\nitems:\n  - {id: a, text: Choose 2., attention: true}\n")
+    with pytest.raises(BadFile, match="needs its right answer") as raised:
+        read_form(file)
+    fault = getattr(raised.value, "faults", (raised.value,))[0]
+    assert (fault.line, fault.key) == (3, "items[0].attention")

@@ -184,3 +184,21 @@ def test_the_best_possible_score_is_the_one_that_a_game_tells_at_its_end(
     setting = SettingCache(Path()).of(study)
     play_hunt(setting, 300.0)
     assert best_possible(setting) == told[0].best > 0
+
+
+def test_simulated_people_who_are_too_slow_are_stopped_by_the_time_limit(tmp_path: Path) -> None:
+    (tmp_path / "quick.yaml").write_text(
+        "title: Quickly\nitems:\n  - {id: quick, text: How calm are you?, seconds: 5}\n"
+        "  - {id: look, text: Choose 2 here., correct: 2, attention: true}\n"
+    )
+    text = "title: x\nquota: 20\nsteps:\n  - {step: form, form: quick.yaml}\n"
+    folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.0, wrong=0.3, plays=False), 2, text)
+    tables = {table.name: pd.DataFrame(table.rows) for table in tables_of(folder.read(), read_log(folder.log))}
+    quick = tables["answers"][tables["answers"]["item"] == "quick"]
+    assert 3 < quick.timed_out.sum() < 17
+    assert quick[quick.timed_out].answer.isna().all() and quick[~quick.timed_out].answer.notna().all()
+    assert quick[quick.timed_out].seen_s.tolist() == pytest.approx([5.0] * int(quick.timed_out.sum()))
+    assert quick[~quick.timed_out].seen_s.max() < 5.0
+    people = tables["participants"]
+    assert (people.attention_checks == 1).all()
+    assert 8 < people.attention_passed.sum() < 20

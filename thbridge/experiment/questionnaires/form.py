@@ -62,9 +62,13 @@ class Item:
     )
     required: bool = param(default=True, help="whether it has to be answered before the next page")
     not_applicable: bool = param(default=False, help="whether it may be answered as not applicable")
+    seconds: float = param(0.0, "time limit, after which the item is closed as it is; 0: no limit", "s", 0, 3600)
+    attention: bool = param(
+        default=False, help="whether it only checks that people read it; it has a right answer and is never scored"
+    )
     subscale: str = param("", "name of the score that it belongs to; none: it is not scored")
     reverse: bool = param(default=False, help="whether a high answer makes a low score")
-    correct: str | None = param(None, "of a check: the only right answer")
+    correct: str | None = param(None, "of a check, and of an attention check: the only right answer")
     correct_by_condition: Mapping[str, str] = field(
         default_factory=dict,
         hash=False,
@@ -87,6 +91,11 @@ class Item:
         if self.labels:
             return self.labels
         return (self.low, *("" for _ in range(self.points - 2)), self.high)
+
+    @property
+    def score(self) -> str:
+        """Name of the score that it counts for; empty: for none."""
+        return "" if self.attention else self.subscale
 
     @property
     def is_checked(self) -> bool:
@@ -131,8 +140,8 @@ class Form:
     @property
     def subscales(self) -> Mapping[str, tuple[Item, ...]]:
         """The items of each score, in the order in which they first come."""
-        names = dict.fromkeys(item.subscale for item in self.items if item.subscale)
-        return {name: tuple(item for item in self.items if item.subscale == name) for name in names}
+        names = dict.fromkeys(item.score for item in self.items if item.score)
+        return {name: tuple(item for item in self.items if item.score == name) for name in names}
 
     def order(self, seed: int, participant: str) -> tuple[Item, ...]:
         """Return the items, and the answers of choices, in the order in which this participant sees them."""
@@ -149,11 +158,17 @@ class Form:
         return replace(item, options=tuple(each if each in item.pinned else next(drawn) for each in item.options))
 
     def pages(self, seed: int, participant: str) -> Iterator[tuple[Item, ...]]:
-        """Yield the items of each page."""
+        """Yield the items of each page; one with a time limit has a page of its own, so that its time begins there."""
         items = self.order(seed, participant)
-        size = self.page or len(items) or 1
-        for begin in range(0, len(items), size):
-            yield items[begin : begin + size]
+        size = self.page or len(items)
+        page: tuple[Item, ...] = ()
+        for item in items:
+            if page and (item.seconds or page[0].seconds or len(page) == size):
+                yield page
+                page = ()
+            page = (*page, item)
+        if page:
+            yield page
 
 
 def _drawn(values: tuple[T, ...], stream: np.uint64) -> tuple[T, ...]:
@@ -229,6 +244,8 @@ def _problems(form: Form) -> Iterator[tuple[str, str, str]]:
             yield f"{key}.shuffle", problem, "Take the line away; the form's own key `shuffle` orders its items"
         if lost := next((answer for answer in item.pinned if answer not in item.options), None):
             yield f"{key}.pinned", f"{lost!r} is none of its answers", f"Write some of {', '.join(item.options)}"
+        if item.attention and not item.is_checked:
+            yield f"{key}.attention", "an attention check needs its right answer", "Write correct: ANSWER"
         if not item.minimum < item.maximum:
             yield f"{key}.minimum", "is not below the maximum", "Swap the two"
         if item.subscale and item.scale not in MEASURED | {Scale.NUMBER}:

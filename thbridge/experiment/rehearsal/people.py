@@ -85,7 +85,7 @@ class SimulatedPeople:
             case Scale.TEXT:
                 return "an answer of a rehearsal"
         width = item.greatest - item.least
-        shift = math.fsum(each.shift for each in self.effects if each.score == item.subscale and each.holds(levels))
+        shift = math.fsum(each.shift for each in self.effects if each.score == item.score and each.holds(levels))
         share = 0.5 + shift + self.spread * manner + self.within * normal()
         value = item.least + width * min(1.0, max(0.0, share))
         if item.reverse:

@@ -1,5 +1,6 @@
 """Rehearsals: simulated people go through a whole experiment, with answers, errors and drop-outs drawn from a seed."""
 
+import math
 import random
 from collections.abc import Callable
 from contextlib import suppress
@@ -148,11 +149,17 @@ class Rehearsal:
                 continue
             named: dict[str, JsonValue] = {"item": item.id}
             conductor.tell(EventKind.ITEM_SHOWN, person, step, {**named, **options_shown(item)}, "program")
-            self._clock.advance(60.0 * len(item.text.split()) / self._people.words_per_minute)
+            limit = item.seconds or math.inf
+            reading = min(60.0 * len(item.text.split()) / self._people.words_per_minute, limit)
+            self._clock.advance(reading)
             conductor.tell(EventKind.ITEM_TOUCHED, person, step, named, "participant")
-            self._clock.advance(self._people.answering * elementary.exp(self._people.hesitation * self._normal()))
+            answering = self._people.answering * elementary.exp(self._people.hesitation * self._normal())
+            self._clock.advance(min(answering, limit - reading))
             answer = self._people.answer(item, levels, manner, self._draw, self._normal)
-            conductor.tell(EventKind.ITEM_GIVEN, person, step, {**named, "answer": answer}, "participant")
+            if reading + answering < limit:
+                conductor.tell(EventKind.ITEM_GIVEN, person, step, {**named, "answer": answer}, "participant")
+            else:
+                conductor.tell(EventKind.ITEM_TIMED_OUT, person, step, {**named, "answer": None}, "program")
 
     def _play(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
         run = conductor.progress.runs[person]

@@ -97,6 +97,8 @@ class EventKind(StrEnum):
     """Data: item, answer."""
     ITEM_GIVEN = "item-given"
     """An answer is final for now: the person went on from it. Data: item, answer."""
+    ITEM_TIMED_OUT = "item-timed-out"
+    """The time limit of an item was over: it is closed with the answer so far. Data: item, answer, null without one."""
     WENT_BACK = "went-back"
     """A person has gone back to an earlier page of the form that they fill in. Data: page, its number from 1."""
     GAME_PLAYED = "game-played"

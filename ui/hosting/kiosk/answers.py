@@ -26,6 +26,7 @@ def form_item(item: Item) -> FormItem:
         several=item.several,
         required=item.required,
         not_applicable=item.not_applicable,
+        seconds=item.seconds,
     )
 
 

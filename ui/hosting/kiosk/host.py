@@ -561,35 +561,45 @@ class KioskHost:
             raise _RunOver
 
     async def _form(self, step: PlannedStep) -> None:
-        """Have a form filled in, from the first page that is not; people go back as far as its first page."""
+        """Have a form filled in, from the first page that is not; people go back as far as its first page.
+
+        Nobody comes back to an item with a time limit: it is closed once they have left it.
+        """
         form = self._conductor.form(step)
         pages = list(form.pages(self._design.file.seed, self._person))
         part = next((part for part, items in enumerate(pages, start=1) if self._is_open(items)), len(pages) + 1)
         while part <= len(pages):
-            if await self._fill_in(form, pages[part - 1], part, len(pages)):
+            items = pages[part - 1]
+            before = next((page for page in range(part - 1, 0, -1) if not _is_limited(pages[page - 1])), 0)
+            is_closed = _is_limited(items) and not self._is_open(items)
+            if is_closed or await self._fill_in(form, items, part, len(pages), words.BACK if before else ""):
                 part += 1
             else:
-                part -= 1
+                part = before
                 self._tell(EventKind.WENT_BACK, {"page": part})
 
     def _is_open(self, items: tuple[Item, ...]) -> bool:
         """Return True where something of a page is not answered, or changed and not given since."""
         given, drafts = self._run.given, self._run.drafts
-        return any(
-            item.id not in given or item.id in drafts or (item.required and given[item.id] is None) for item in items
-        )
+        return any(item.id not in given or item.id in drafts or self._is_missing(item) for item in items)
 
-    async def _fill_in(self, form: Form, items: tuple[Item, ...], part: int, parts: int) -> bool:
+    def _is_missing(self, item: Item) -> bool:
+        """Return True where an item still has to be answered."""
+        run = self._run
+        return item.required and run.given.get(item.id) is None and item.id not in run.timed_out
+
+    async def _fill_in(self, form: Form, items: tuple[Item, ...], part: int, parts: int, back: str) -> bool:
         """Have a page of a form filled in; False: the person goes back to the one before, whatever is answered here.
 
         What nobody need answer gets no answer in the end, which is one, too.
         """
         shown, missing = tuple(map(form_item, items)), tuple[str, ...]()
-        back, leaves = (words.BACK, (WentOn, WentBack)) if part > 1 else ("", (WentOn,))
+        leaves = (WentOn, WentBack) if back else (WentOn,)
         while True:
             kept = {**self._run.given, **self._run.drafts}
             answers = {item.id: to_answer(kept[item.id]) for item in items if item.id in kept}
-            page = FormToFill(0, form.title, form.instructions, shown, answers, missing, part, parts, back=back)
+            closed = tuple(item.id for item in items if item.id in self._run.timed_out)
+            page = FormToFill(0, form.title, form.instructions, shown, answers, closed, missing, part, parts, back=back)
             await self._show(page)
             while not isinstance(message := await self._next_of_run(), leaves):
                 if isinstance(message, ItemNews):
@@ -599,7 +609,7 @@ class KioskHost:
                     self._tell(EventKind.ITEM_GIVEN, {"item": item.id, "answer": self._run.drafts[item.id]})
             if isinstance(message, WentBack):
                 return False
-            missing = tuple(item.id for item in items if item.required and self._run.given.get(item.id) is None)
+            missing = tuple(item.id for item in items if self._is_missing(item))
             if not missing:
                 for item in items:
                     if item.id not in self._run.given:
@@ -609,7 +619,9 @@ class KioskHost:
     async def _take(self, items: tuple[Item, ...], news: ItemNews) -> None:
         """Take down what happened with an item."""
         item = next((item for item in items if item.id == news.item), None)
-        if item is None or (news.what in {"changed", "given"} and not is_answer(item, news.answer)):
+        if item is None or item.id in self._run.timed_out:
+            return
+        if news.what in {"changed", "given", "timed out"} and not is_answer(item, news.answer):
             return
         data: dict[str, JsonValue] = {"item": item.id, "window_ns": news.window_ns}
         run, answer = self._run, to_json(news.answer)
@@ -628,6 +640,9 @@ class KioskHost:
                 if item.id in run.drafts or answer != run.given.get(item.id):
                     self._tell(EventKind.ITEM_GIVEN, {**data, "answer": answer})
                 await self._window.send(AnswerKept(self._page, item.id, news.answer))
+            case "timed out" if item.seconds > 0.0:
+                self._tell(EventKind.ITEM_TIMED_OUT, {**data, "answer": answer})
+                await self._window.send(AnswerKept(self._page, item.id, news.answer, timed_out=True))
 
     async def _practice(self, step: PlannedStep) -> None:
         """Have practice played until all is done that its step asks for, or it was played often enough."""
@@ -762,6 +777,11 @@ class _Visit:
     def _say(self, message: ToKiosk) -> None:
         self._sending = [task for task in self._sending if not task.done()]
         self._sending.append(asyncio.get_running_loop().create_task(self._host._window.send(message)))
+
+
+def _is_limited(items: tuple[Item, ...]) -> bool:
+    """Return True for the page of an item with a time limit."""
+    return any(item.seconds > 0.0 for item in items)
 
 
 def _ignore() -> None:

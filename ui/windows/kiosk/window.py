@@ -37,7 +37,6 @@ from ui.model.kiosk import (
     WentBack,
     WentOn,
 )
-from ui.model.screen import ShowHelp
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe
@@ -324,7 +323,10 @@ class KioskWindow(QMainWindow):
 
     def _join(self, game: GameToJoin) -> None:
         consent = GiveConsent(game.agreed_at) if game.agreed_at else None
-        link = ParticipantLink(game.host, game.port, game.token, consent)
+        self.show_game(game, ParticipantLink(game.host, game.port, game.token, consent))
+
+    def show_game(self, game: GameToJoin, link: ParticipantLink) -> None:
+        """Show a game by a link to its server."""
         on = partial(self._go_on, game.page)
         back = on if game.practice else None
         shown = GamePage(
@@ -375,15 +377,13 @@ class KioskWindow(QMainWindow):
 
     def _offer_instructions(self) -> None:
         """Offer to read the instructions again, where somebody has read some; a game has a key of its own for that."""
-        offered = bool(self._instructions) and self._has_run
+        offered = bool(self._instructions) and self._has_run and self.game is None
         self.progress.again.setVisible(offered)
-        self._reading_again.setEnabled(offered and self.game is None)
+        self._reading_again.setEnabled(offered)
 
     def _read_again(self) -> None:
         """Open the instructions, or close them."""
-        if self.game is not None:
-            self.game.window_of_game.do(ShowHelp())
-        elif self.instructions.isVisible():
+        if self.instructions.isVisible():
             self._stay()
         elif not self.overlay.isVisible():
             self.instructions.instructions = self._instructions

@@ -344,6 +344,111 @@ def test_the_researcher_goes_on_for_somebody_who_has_walked_away(tmp_path: Path)
     assert second.state is RunState.COMPLETE
 
 
+LIMITED = "title: x\nquota: 1\nsteps:\n  - {step: form, form: limited.yaml, name: limited}\n"
+LIMITED_FORM = """\
+title: Quickly
+items:
+  - {id: calm, text: I feel calm., points: 5}
+  - {id: quick, text: I was quick., points: 5, seconds: 20}
+  - {id: look, text: Please choose 2 here., points: 5, correct: 2, attention: true, subscale: mood}
+  - {id: sure, text: I felt sure., points: 5, subscale: mood}
+"""
+
+
+def limited(tmp_path: Path) -> Laboratory:
+    (tmp_path / "limited.yaml").write_text(LIMITED_FORM)
+    return Laboratory(tmp_path, LIMITED)
+
+
+def too_slow(*before: float) -> Callable[[ToKiosk], Iterable[FromKiosk] | None]:
+    """Answer in time, or not at all, until the time limit closes the item."""
+
+    def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
+        if not isinstance(page, FormToFill) or page.items[0].id != "quick":
+            return None
+        number = page.page
+        so_far = [ItemNews(number, "quick", "changed", 2, answer) for answer in before]
+        late = [ItemNews(number, "quick", "given", 4, 5.0), ItemNews(number, "quick", "timed out", 5, 5.0)]
+        closed = ItemNews(number, "quick", "timed out", 3, before[-1] if before else None)
+        return [ItemNews(number, "quick", "shown", 1), *so_far, closed, *late, WentOn(number)]
+
+    return does
+
+
+@pytest.mark.parametrize("before", [(), (3.0, 4.0)])
+def test_a_time_limit_closes_an_item_with_the_answer_so_far_and_is_no_missing_answer(
+    tmp_path: Path, before: tuple[float, ...]
+) -> None:
+    laboratory, person = limited(tmp_path), Person({"look": 2.0}, does=too_slow(*before))
+    laboratory.run(person)
+    answer = before[-1] if before else None
+    assert pages_of_items(person) == [("calm",), ("quick",), ("look", "sure")], "a limit begins on a page of its own"
+    assert laboratory.data(EventKind.ITEM_TIMED_OUT) == [{"item": "quick", "window_ns": 3, "answer": answer}]
+    (run,) = laboratory.people
+    assert (run.state, run.answers["limited.quick"]) == (RunState.COMPLETE, answer)
+    rows = {
+        row["item"]: row
+        for table in tables_of(laboratory.design, read_log(tmp_path / "store" / "log"))
+        if table.name == "answers"
+        for row in table.rows
+    }
+    assert {item: row["timed_out"] for item, row in rows.items()} == {
+        "calm": False, "quick": True, "look": False, "sure": False,
+    }  # fmt: skip
+    assert rows["quick"]["value"] == answer
+
+
+def test_nobody_comes_back_to_an_item_with_a_time_limit(tmp_path: Path) -> None:
+    backs = 0
+
+    def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
+        nonlocal backs
+        if isinstance(page, FormToFill) and page.items[0].id == "look" and backs == 0:
+            backs += 1
+            return [WentBack(page.page)]
+        return None
+
+    laboratory, person = limited(tmp_path), Person({"look": 2.0}, does=does)
+    laboratory.run(person)
+    assert pages_of_items(person) == [("calm",), ("quick",), ("look", "sure"), ("calm",), ("look", "sure")]
+    assert [page.back for page in pages_seen(person)] == ["", "Back", "Back", "", "Back"]
+    assert laboratory.people[0].state is RunState.COMPLETE
+
+
+def test_a_program_that_dies_after_a_time_limit_does_not_open_the_item_again(tmp_path: Path) -> None:
+    whole = limited(tmp_path)
+    whole.run(Person({"look": 2.0}, does=too_slow(3.0)))
+    at = whole.kinds().index(EventKind.ITEM_TIMED_OUT)
+    for dies, shown in ((at, True), (at + 1, False)):
+        folder = tmp_path / str(dies)
+        folder.mkdir()
+        laboratory = limited(folder)
+        with pytest.raises(KilledError):
+            laboratory.run(Person({"look": 2.0}, does=too_slow(3.0)), dies=dies, written=False)
+        person = Person({"look": 2.0}, does=too_slow(3.0))
+        laboratory.run(person, people=0)
+        assert (("quick",) in pages_of_items(person)) is shown
+        assert laboratory.data(EventKind.ITEM_TIMED_OUT) == whole.data(EventKind.ITEM_TIMED_OUT)
+
+
+def test_attention_checks_stand_among_items_and_count_for_no_score(tmp_path: Path) -> None:
+    people = []
+    for name, answer in (("passes", 2.0), ("fails", 4.0)):
+        (tmp_path / name).mkdir()
+        laboratory = limited(tmp_path / name)
+        laboratory.run(Person({"look": answer, "sure": 5.0}))
+        tables = {
+            table.name: table.rows
+            for table in tables_of(laboratory.design, read_log(tmp_path / name / "store" / "log"))
+        }
+        (person,), (score,) = tables["participants"], tables["scores"]
+        (look,) = [row for row in tables["answers"] if row["item"] == "look"]
+        assert (score["subscale"], score["score"], score["items"]) == ("mood", 5.0, 1)
+        assert (look["attention"], look["keyed"]) == (True, None)
+        people.append((person["state"], person["attention_checks"], person["attention_passed"], look["right"]))
+    assert people == [("complete", 1, 1, True), ("complete", 1, 0, False)]
+
+
 INSTRUCTED = """\
 title: x
 quota: 1

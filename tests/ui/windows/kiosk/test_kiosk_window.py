@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from msgspec import structs
 from PySide6.QtCore import QEvent, QMimeData, QPoint, QSettings, Qt
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QScrollArea, QToolTip, QWidget
 from pytestqt.qtbot import QtBot
@@ -14,7 +15,9 @@ from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.walking import nameless
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from ui.model.kiosk import (
+    KIOSK,
     Answer,
+    AnswerKept,
     BeginNext,
     CloseKiosk,
     ConsentReply,
@@ -38,7 +41,7 @@ from ui.model.kiosk import (
     WentOn,
 )
 from ui.windows import look
-from ui.windows.kiosk.items.panel import ItemPanel
+from ui.windows.kiosk.items.panel import CLOSED, ItemPanel
 from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.window import BEGIN_KEYS, KioskWindow
 from ui.windows.participant.pages.pages import ConsentPage
@@ -425,6 +428,61 @@ def test_games_too_show_the_step_the_time_left_and_how_to_stop(
     assert labels(opened.window.progress) == ["Step 3 of 8"]
 
 
+QUICK = FormItem("quick", "What is 7 times 8?", "text", one_line=True, seconds=20.0)
+
+
+def test_an_item_with_a_time_limit_is_closed_with_the_answer_so_far(
+    opened: Opened, qtbot: QtBot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(
+        "ui.windows.kiosk.items.panel.QAccessible.updateAccessibility", lambda event: said.append(event.message())
+    )
+    opened.window.receive(FormToFill(7, "Quickly", "", (QUICK,), progress=WAY))
+    form = opened.page(FormPage)
+    one = panel(form, "quick")
+    assert "20 seconds left" in labels(one)
+    assert one.accessibleName() == "Question 1 of 1: What is 7 times 8? Not answered. Time limit: 20 seconds."
+    keys(qtbot, "5")
+    opened.now += 10.0
+    qtbot.waitUntil(lambda: "10 seconds left" in labels(one))
+    assert said == ["10 seconds left"]
+    keys(qtbot, "6")
+    opened.now += 10.0
+    qtbot.waitUntil(lambda: one.closed)
+    assert opened.news("quick")[-1] == ("timed out", "56")
+    assert said[-1] == CLOSED and CLOSED in labels(one)
+    assert one.accessibleName().endswith(f"Answered: 56. {CLOSED}")
+    assert QApplication.focusWidget() is form.go_on
+    keys(qtbot, "7")
+    assert one.answer == "56", "it is closed"
+    qtbot.mouseClick(form.go_on, Qt.MouseButton.LeftButton)
+    assert opened.told[-1] == WentOn(7)
+    assert [what for what, _ in opened.news("quick")].count("timed out") == 1
+    assert ("given", "56") not in opened.news("quick")
+
+
+def test_an_item_that_is_closed_without_an_answer_does_not_hold_anybody_up(opened: Opened, qtbot: QtBot) -> None:
+    opened.window.receive(FormToFill(7, "Quickly", "", (QUICK,), progress=WAY))
+    form = opened.page(FormPage)
+    opened.now += 25.0
+    qtbot.waitUntil(lambda: panel(form, "quick").closed)
+    assert opened.news("quick")[-1] == ("timed out", None)
+    qtbot.mouseClick(form.go_on, Qt.MouseButton.LeftButton)
+    assert opened.told[-1] == WentOn(7)
+
+
+def test_a_window_that_is_opened_again_keeps_an_item_closed(opened: Opened) -> None:
+    page = FormToFill(7, "Quickly", "", (QUICK,), progress=WAY)
+    kept = KIOSK.kept([InstructionsSoFar(()), page], AnswerKept(7, "quick", "5", timed_out=True))
+    assert kept == [InstructionsSoFar(()), structs.replace(page, answers={"quick": "5"}, timed_out=("quick",))]
+    opened.window.receive(kept[1])
+    assert panel(opened.page(FormPage), "quick").closed
+    assert opened.news("quick") == [("shown", None)] or opened.news("quick") == []
+    assert KIOSK.kept([*kept, GameNews(7, 3)], page) == [InstructionsSoFar(()), page]
+    assert KIOSK.kept([page, GameNews(7, 4)], GameNews(7, 3)) == [page, GameNews(7, 3)]
+
+
 def reading(opened: Opened) -> list[bool]:
     return [one.is_open for one in opened.told if isinstance(one, InstructionsNews)]
 
@@ -468,7 +526,8 @@ def test_instructions_are_read_again_in_a_game_with_its_rules_and_keys(opened: O
         qtbot.keyClick(opened.window, Qt.Key.Key_F1)
         settle()
     assert reading(opened) == [True, False]
-    qtbot.mouseClick(opened.window.progress.again, Qt.MouseButton.LeftButton)
+    assert not opened.window.progress.again.isVisible(), "the game has a button of its own"
+    qtbot.keyClick(opened.window, Qt.Key.Key_H)
     settle()
     sheet = page.window_of_game.help
     assert sheet.accessibleName() == "Instructions, rules and keys"

@@ -35,6 +35,7 @@ class ItemTimes:
         changes: how often the answer was changed before.
         pasted: characters that were pasted into it.
         answer: the one given; None: none.
+        timed_out: it was closed by its time limit, with the answer so far.
         options: answers of a choice in the order shown; empty where all participants see the same order.
     """
 
@@ -44,6 +45,7 @@ class ItemTimes:
     changes: int = 0
     pasted: int = 0
     answer: JsonValue = None
+    timed_out: bool = False
     options: tuple[str, ...] = ()
 
 
@@ -131,8 +133,9 @@ def _gathered(run: Run, events: Iterable[LoggedEvent]) -> list[Attempt]:
                 times.touched = now if times.touched is None else times.touched
             case EventKind.ITEM_CHANGED:
                 times.changes += 1
-            case EventKind.ITEM_GIVEN:
+            case EventKind.ITEM_GIVEN | EventKind.ITEM_TIMED_OUT:
                 times.given, times.answer = now, data["answer"]
+                times.timed_out = event.kind == EventKind.ITEM_TIMED_OUT
             case EventKind.GAME_PLAYED:
                 attempt.game = data
             case EventKind.TEXT_PASTED:

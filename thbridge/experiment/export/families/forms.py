@@ -114,9 +114,15 @@ def answers(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exp
                 "keyed",
                 "",
                 "the number that counts for the score: reversed where the form's key says so",
-                lambda row: _known(keyed(row.item, row.answer)) if row.item.subscale else None,
+                lambda row: _known(keyed(row.item, row.answer)) if row.item.score else None,
             ),
-            flag("right", "of a check: whether the answer is right; none in other steps", is_right),
+            flag("right", "whether the answer is right; none of items without a right answer", is_right),
+            flag("attention", "whether the item only checks attention", lambda row: row.item.attention),
+            flag(
+                "timed_out",
+                "whether the time limit closed it, with the answer so far; else an item without an answer is missing",
+                lambda row: row.times.timed_out,
+            ),
             text(
                 "options_shown",
                 "the answers of a choice in the order in which the person saw them, joined by semicolons; none where "
@@ -138,6 +144,23 @@ def answers(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exp
         ),
     )
     return table.of(items())
+
+
+def attention_checks(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> dict[str, list[bool]]:
+    """Return for each participant, by id, whether each attention check that they answered was passed, in order.
+
+    A check that was closed without an answer is failed; one that was not reached does not count.
+    """
+    passed: dict[str, list[bool]] = {}
+    for subject, form in _with_forms(design, subjects):
+        levels = design.levels_at(subject.run.place.cell, subject.attempt.step.condition)
+        for item in form.items:
+            times = subject.attempt.items.get(item.id)
+            if item.attention and times is not None and times.given is not None:
+                right = judged(item, times.answer, levels)
+                if right is not None:
+                    passed.setdefault(subject.run.participant, []).append(right)
+    return passed
 
 
 def given_scores(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> list[GivenScore]:

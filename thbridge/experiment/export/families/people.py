@@ -13,16 +13,18 @@ from thbridge.experiment.export.families.attempts import (
     run_columns,
 )
 from thbridge.experiment.export.families.described import ExperimentTable, TableOf, count, flag, seconds, text, time
+from thbridge.experiment.export.families.forms import attention_checks
 from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.store.events import StepOutcome
 
 
 @dataclass(frozen=True, slots=True)
 class _Person:
-    """A run with its attempts."""
+    """A run with its attempts, and whether each attention check was passed."""
 
     run: Run
     attempts: Sequence[Attempt]
+    attention: Sequence[bool]
 
     @property
     def consent(self) -> Attempt | None:
@@ -98,12 +100,18 @@ def participants(
                 "SHA-256 of the text that the person answered to; none where the log does not have it",
                 lambda row: row.told_of_consent("version"),
             ),
+            count(
+                "attention_checks", "attention checks in forms that the person answered", lambda row: len(row.attention)
+            ),
+            count("attention_passed", "those of them with the right answer", lambda row: sum(row.attention)),
             flag(
                 "debriefed", "whether the person read a debriefing; none: the study has none", lambda row: row.debriefed
             ),
         ),
     )
-    return table.of(_Person(run, attempts[person]) for person, run in progress.runs.items())
+    subjects = [AttemptSubject(progress.runs[person], each) for person, its in attempts.items() for each in its]
+    passed = attention_checks(design, subjects)
+    return table.of(_Person(run, attempts[person], passed.get(person, ())) for person, run in progress.runs.items())
 
 
 def steps(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> ExperimentTable:

@@ -1,9 +1,10 @@
 """One item of a form: what is asked, its field, "not applicable", and what is missing."""
 
+import math
 from typing import Literal
 
 from PySide6.QtCore import QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QKeyEvent, QPaintEvent
+from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QKeyEvent, QPaintEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QVBoxLayout, QWidget
 
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
@@ -20,7 +21,11 @@ from ui.windows.participant.widgets.painting import ring
 PAUSE = 700
 """Milliseconds without typing after which what was typed so far is told."""
 
-What = Literal["shown", "touched", "changed", "given", "pasted"]
+LIMIT_WARNING = 10
+"""Seconds before the end of a longer time limit at which a screen reader says how many are left."""
+CLOSED = "The time for this question is over. Go on when you are ready."
+
+What = Literal["shown", "touched", "changed", "given", "pasted", "timed out"]
 
 _FIELDS: dict[str, type[AnswerField]] = {
     "likert": PointsField,
@@ -58,6 +63,11 @@ class ItemPanel(QFrame):
         rows = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
         self.question = look.label(item.text or f"{item.low[:1].upper()}{item.low[1:]} or {item.high}?", bold=True)
         rows.addWidget(self.question)
+        self.closed = False
+        self._left = math.ceil(item.seconds)
+        self._limit = look.label(size="small", muted=True)
+        rows.addWidget(self._limit)
+        self._limit.setVisible(item.seconds > 0.0)
         if item.several:
             rows.addWidget(look.label("You may choose more than one.", "small", muted=True))
         self.field = LineOfTextField(item) if item.one_line else _FIELDS[item.scale](item)
@@ -84,6 +94,7 @@ class ItemPanel(QFrame):
         self.field.typed.connect(self._typing)
         self.field.pasted.connect(lambda characters: self.news.emit("pasted", characters))
         self.field.passed.connect(self.passed)
+        self._show_limit()
         self._name()
 
     @property
@@ -96,6 +107,8 @@ class ItemPanel(QFrame):
     @property
     def lacks(self) -> str:
         """A sentence about what is missing here; empty where nothing is."""
+        if self.closed:
+            return ""
         if self.answer is None and self.field.problem:
             return self.field.problem
         return "Please answer this." if self.answer is None and self.item.required else ""
@@ -114,6 +127,36 @@ class ItemPanel(QFrame):
         self.missing.setVisible(bool(sentence))
         self._name()
 
+    def show_left(self, seconds: float) -> bool:
+        """Show how much of its time limit is left, and close it at the end; True: it has just been closed."""
+        before, self._left = self._left, max(math.ceil(seconds), 0)
+        if self.closed or self._left == before:
+            return False
+        self._show_limit()
+        if self._left <= LIMIT_WARNING < before:
+            self._announce(self._limit.text())
+        if self._left == 0:
+            self.close_item()
+            self.news.emit("timed out", 0)
+        return self.closed
+
+    def close_item(self) -> None:
+        """Close it as it is: its time limit is over."""
+        self.closed, self._ungiven = True, False
+        self._pause.stop()
+        self.field.setEnabled(False)
+        if self.not_applicable is not None:
+            self.not_applicable.setEnabled(False)
+        self._limit.setText(CLOSED)
+        self.point_at_missing("")
+        self._announce(CLOSED)
+
+    def _show_limit(self) -> None:
+        self._limit.setText("1 second left" if self._left == 1 else f"{self._left} seconds left")
+
+    def _announce(self, sentence: str) -> None:
+        QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, sentence))
+
     def come_into_sight(self) -> None:
         """Note that it is wholly in sight, for the first time."""
         if not self._is_shown:
@@ -130,6 +173,8 @@ class ItemPanel(QFrame):
 
     def focus_target(self) -> QWidget:
         """Return the widget that gets the focus when the item does; the item itself where nothing is chosen yet."""
+        if self.closed:
+            return self
         if self.not_applicable is not None and self.not_applicable.isChecked():
             return self.not_applicable
         return self.field.focus_target() or self
@@ -144,7 +189,7 @@ class ItemPanel(QFrame):
         """Answer by a digit, or refuse by N, where nothing is typed."""
         text = event.text().upper()
         keypad = Qt.KeyboardModifier.KeypadModifier
-        if event.modifiers() & ~keypad or event.isAutoRepeat():
+        if self.closed or event.modifiers() & ~keypad or event.isAutoRepeat():
             super().keyPressEvent(event)
         elif self.hasFocus() and event.key() in ARROWS:
             reachable(self.field)[0].setFocus(Qt.FocusReason.OtherFocusReason)
@@ -195,5 +240,8 @@ class ItemPanel(QFrame):
         )
         state = "Not answered." if answer is None else f"Answered: {told}."
         lack = "" if self.missing.isHidden() else f" {self.missing.text()}"
-        name = f"Question {self._number} of {self._of}: {self.question.text()} {state}{lack}"
+        limit = (
+            f" {CLOSED}" if self.closed else f" Time limit: {self.item.seconds:g} seconds." if self.item.seconds else ""
+        )
+        name = f"Question {self._number} of {self._of}: {self.question.text()} {state}{lack}{limit}"
         make_region(self, name)

@@ -23,6 +23,8 @@ from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.panels import set_text
 
+LIMIT_STEP = 100
+"""Milliseconds between two looks at time limits."""
 WIDEST = 860
 """Width of the column of items at most, `px`: lines and scales that are longer are harder to read."""
 
@@ -69,6 +71,8 @@ class FormPage(QWidget):
                 panel.show_answer(form.answers[item.id])
             panel.news.connect(lambda what, characters, panel=panel: self._tell(panel, what, characters))
             panel.passed.connect(lambda panel=panel: self._pass(panel))
+            if item.id in form.timed_out:
+                panel.close_item()
             column.addWidget(panel)
             self.panels.append(panel)
         column.addStretch(1)
@@ -78,6 +82,10 @@ class FormPage(QWidget):
         self.go_on = ActionButton("main")
         self.back = ActionButton() if form.back else None
         self._build_foot(rows)
+        self._limits = QTimer(self, interval=LIMIT_STEP)
+        self._limits.timeout.connect(self._count_down)
+        if any(item.seconds > 0.0 for item in form.items):
+            self._limits.start()
         self._looking = QTimer(self, singleShot=True, interval=0)
         self._looking.timeout.connect(self._look)
         bar = self._area.verticalScrollBar()
@@ -117,7 +125,10 @@ class FormPage(QWidget):
         missing = [panel for panel in self.panels if panel.item.id in self._form.missing]
         for panel in missing:
             panel.point_at_missing("Please answer this.")
-        first = next(iter(missing), next((panel for panel in self.panels if panel.answer is None), self.panels[0]))
+        first = next(
+            iter(missing),
+            next((panel for panel in self.panels if panel.answer is None and not panel.closed), self.panels[0]),
+        )
         first.focus_target().setFocus(Qt.FocusReason.OtherFocusReason)
 
     def focusNextPrevChild(self, forward: bool) -> bool:
@@ -183,10 +194,16 @@ class FormPage(QWidget):
         if what in {"touched", "changed"}:
             self._enter(panel)
         moment = time.monotonic_ns()
-        answer = panel.answer if what in {"changed", "given"} else None
+        answer = panel.answer if what in {"changed", "given", "timed out"} else None
         self.news.emit(ItemNews(self._form.page, panel.item.id, what, moment, answer, characters))  # type: ignore[arg-type]
-        if what in {"changed", "given"}:
+        if what in {"changed", "given", "timed out"}:
             self._tell_count()
+
+    def _count_down(self) -> None:
+        """Show the time that is left of items with a time limit; what is closed leaves the focus to what leads on."""
+        for panel in self.panels:
+            if panel.item.seconds > 0.0 and panel.show_left(self._came + panel.item.seconds - self._clock()):
+                self.go_on.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def _pass(self, panel: ItemPanel) -> None:
         """Go on from an item to the next one."""
