@@ -1,17 +1,20 @@
 """A study with people as they go through it at the kiosk."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from PySide6.QtWidgets import QApplication
 
-from pictured.participant import CONSENT
+from pictured.hunt import PicturedHunt
+from pictured.participant import CONSENT, RecordedLink
 from pictured.shot import Shot, Story
+from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.experiment.allocation.places import Place
-from thbridge.experiment.design.steps import StepKind
+from thbridge.experiment.design.steps import PracticeTerm, StepKind
 from thbridge.experiment.folder import EXAMPLE
 from thbridge.experiment.progress import Run
 from thbridge.experiment.questionnaires.form import SHIPPED, read_form
 from thbridge.experiment.store.events import RunState
+from thbridge.study.study_file import DialogueSection, Study
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.answers import form_item
 from ui.model.kiosk import (
@@ -19,11 +22,17 @@ from ui.model.kiosk import (
     ConsentToAsk,
     FormItem,
     FormToFill,
+    GameNews,
     GameRecorded,
+    GameToJoin,
     HostStops,
+    InstructionsSoFar,
+    InstructionText,
     StudyProgress,
     TextToRead,
 )
+from ui.model.screen import ChooseRoom, ShowHelp
+from ui.model.theme import Palette
 from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.window import KioskWindow
 from ui.windows.look import Appearance
@@ -62,6 +71,23 @@ def at_the_kiosk() -> Iterator[Shot]:
     once_more = words.repetition(words.spoken(StepKind.PRACTICE), 1)
     window.receive(TextToRead(5, words.ONCE_MORE, once_more, progress=StudyProgress(4, STEPS)))
     yield Shot("kiosk-once-more", window)
+    hunt = PicturedHunt(Study(robots=2, dialogue=DialogueSection(condition=DialogueCondition.COLLABORATOR)))
+    hunt.do(ChooseRoom(4))
+    hunt.asked()
+    seconds = hunt.now
+    window.receive(InstructionsSoFar((InstructionText(text),)))
+    to_do = words.to_do({PracticeTerm.MOVES: 1.0, PracticeTerm.DIALOGUES: 1.0})
+    practice = GameToJoin(6, "", 0, "", True, progress=StudyProgress(3, STEPS), to_do=to_do)
+    window.show_game(practice, RecordedLink(hunt))
+    window.receive(GameNews(6, 560, to_do))
+    yield Shot("kiosk-practice", window, _wear(window))
+    window.show_game(GameToJoin(6, "", 0, "", False, progress=StudyProgress(5, STEPS)), RecordedLink(hunt))
+    window.receive(GameNews(6, 61))
+    window.receive(GameNews(6, 60))
+    yield Shot("kiosk-game", window, _wear(window))
+    if window.game is not None:
+        window.game.window_of_game.do(ShowHelp())
+    yield Shot("kiosk-game-instructions", window, _wear(window))
     played = words.result({"over": None, "score": 40})
     window.receive(GameRecorded(6, words.GAME_ENDED, played, StudyProgress(6, STEPS)))
     yield Shot("kiosk-game-ended", window)
@@ -82,6 +108,15 @@ def at_the_kiosk() -> Iterator[Shot]:
     if isinstance(form, FormPage):
         form.go_on.click()
     yield Shot("kiosk-missing", window)
+    window.progress.again.click()
+    yield Shot("kiosk-instructions", window)
+    window.progress.again.click()
+    limited = FormItem("sum", "What is 7 times 8?", "number", unit="", seconds=20.0)
+    window.receive(FormToFill(9, "Quickly", "", (limited,), progress=StudyProgress(9, STEPS)))
+    seconds += 8.0
+    yield Shot("kiosk-time-limit", window)
+    seconds += 12.0
+    yield Shot("kiosk-time-over", window)
     window.close()
     yield Shot("kiosk-leaving", window)
     window.leaving_panel.stay.click()
@@ -89,11 +124,21 @@ def at_the_kiosk() -> Iterator[Shot]:
     window.receive(TextToRead(10, *words.farewell(run), "Finish", code="7K3FQ9XB"))
     yield Shot("kiosk-thanks", window)
     left = Run("P-7K3FQ", Place(0, 0, 0), (), state=RunState.LEFT)
+    window.receive(TextToRead(11, *words.before_debriefing(left)))
+    yield Shot("kiosk-before-debriefing", window)
+    debriefing = (EXAMPLE / "texts" / "debrief.txt").read_text(encoding="utf-8")
+    window.receive(TextToRead(11, words.BEFORE_YOU_GO, debriefing))
+    yield Shot("kiosk-debriefing", window)
     window.receive(TextToRead(11, *words.farewell(left), "Finish"))
     yield Shot("kiosk-left", window)
     window.receive(HostStops(words.STOPPED, words.STOPPED_TEXT))
     yield Shot("kiosk-stopped", window)
     window.give_way()
+
+
+def _wear(window: KioskWindow) -> Callable[[Palette], None]:
+    """Return what applies a palette to the game that a window shows."""
+    return lambda palette: window.game.window_of_game.set_palette(palette) if window.game else None
 
 
 STORIES = (
@@ -105,12 +150,20 @@ STORIES = (
             "kiosk-text": "A text to read",
             "kiosk-consent": "Consent",
             "kiosk-once-more": "A check of comprehension is tried again",
+            "kiosk-practice": "Practice in the first condition, with what is still to do",
+            "kiosk-game": "A game: the step, the time left, and how to stop",
+            "kiosk-game-instructions": "The instructions once more in a game, by F1",
             "kiosk-game-ended": "The time of a game was over",
             "kiosk-workload": "A questionnaire of visual analogue scales, before anything is answered",
             "kiosk-form": "A second page with all kinds of scales, half filled in, and the way back",
             "kiosk-missing": "What is missing is pointed at",
+            "kiosk-instructions": "The instructions once more, by F1",
+            "kiosk-time-limit": "An item with a time limit",
+            "kiosk-time-over": "Its time is over",
             "kiosk-leaving": "Somebody closes the window",
             "kiosk-thanks": "The end, with the completion code",
+            "kiosk-before-debriefing": "Somebody stopped taking part",
+            "kiosk-debriefing": "The debriefing for somebody who stopped",
             "kiosk-left": "The end for somebody who stopped taking part",
             "kiosk-stopped": "The researcher has stopped the program in the middle of somebody's run",
         },

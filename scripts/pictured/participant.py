@@ -112,7 +112,7 @@ def practice() -> Iterator[Shot]:
     hunt = PicturedHunt(PRACTICE)
     hunt.send(ChooseRoom(1))
     hunt.reached()
-    game = GamePage(_RecordedLink(hunt), Appearance(_application(), "light"), True, lambda: None, lambda: hunt.now)
+    game = GamePage(RecordedLink(hunt), Appearance(_application(), "light"), True, lambda: None, lambda: hunt.now)
     game.resize(*SIZE)
     game.show()
     game.setFocus()
@@ -121,7 +121,7 @@ def practice() -> Iterator[Shot]:
     game.leave()
 
 
-class _RecordedLink(ParticipantLink):
+class RecordedLink(ParticipantLink):
     """A link on which all events have arrived already."""
 
     def __init__(self, hunt: PicturedHunt) -> None:
@@ -380,7 +380,7 @@ def leaving() -> Iterator[Shot]:
     window = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None, lambda: hunt.now)
     window.resize(*SIZE)
     window.show()
-    window.join(_RecordedLink(hunt))
+    window.join(RecordedLink(hunt))
     if window.game is None:
         raise RuntimeError("the window has no game")
     game = window.game
