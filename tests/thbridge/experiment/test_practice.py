@@ -33,8 +33,12 @@ steps:
 """
 
 
+SETTINGS = SettingCache(Path())
+"""Files that are read once for all tests."""
+
+
 def designed(folder: Path, keys: str = "") -> ExperimentDesign:
-    return read_experiment(write(folder, STUDY % keys), with_files=True)
+    return read_experiment(write(folder, STUDY % keys))
 
 
 def at_practice(design: ExperimentDesign, place: int, attempt: int = 1) -> tuple[Run, Any, StudySetting]:
@@ -42,7 +46,7 @@ def at_practice(design: ExperimentDesign, place: int, attempt: int = 1) -> tuple
     plan = plan_of(design, where)
     step = next(step for step in plan if step.entry.step is StepKind.PRACTICE)
     run = Run("P-1", where, plan, begun={step.number: attempt})
-    return run, step, setting_of_practice(design, SettingCache(design.beside), run, step)
+    return run, step, setting_of_practice(design, SETTINGS, run, step)
 
 
 def test_practice_is_played_in_the_first_condition_with_all_else_as_in_its_trial(tmp_path: Path) -> None:
@@ -83,7 +87,8 @@ def test_keys_of_the_step_change_the_practice_game_alone(tmp_path: Path) -> None
     [
         (", base: {robots: many}", "robots", "'many' is not a number"),
         (", base: {map: nowhere}", "map", "nowhere"),
-        (", at_least: {moves: 3}", "steps[0].at_least.moves", "the map has 2 rooms"),
+        (", at_least: {moves: 3}", "steps[0].at_least.moves", "the map and the energy of the robots allow 2 of these"),
+        (", base: {game.energy: 1}", "steps[0].at_least.moves", "allow 0 of these"),
         (", at_least: {moves: 0.5}", "steps[0].at_least.moves", "not a whole number"),
         (", at_least: {jumps: 1}", "steps[0].at_least.jumps", "jumps is not counted in practice"),
         (", at_least: {moves: some}", "steps[0].at_least.moves", "'some' is no number"),
@@ -96,8 +101,9 @@ def test_keys_of_the_step_change_the_practice_game_alone(tmp_path: Path) -> None
     ],
 )
 def test_what_nobody_can_do_is_refused_with_its_line(tmp_path: Path, keys: str, key: str, problem: str) -> None:
+    text = (STUDY % keys).replace("[supervisor, collaborator]", "[script]").replace(", dialogue.language: de", "")
     with pytest.raises(BadFile) as raised:
-        designed(tmp_path, keys)
+        read_experiment(write(tmp_path, text), with_files=True)
     (fault,) = getattr(raised.value, "faults", (raised.value,))
     assert problem in str(fault)
     assert (fault.line, fault.key) == (7, key)

@@ -3,8 +3,10 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
+from thbridge.app.compose.setting import StudySetting
 from thbridge.batch.settings import SettingCache
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.experiment.design.steps import LARGEST_COUNT, PracticeTerm, StepEntry, StepKind
@@ -81,7 +83,7 @@ def practice_problems(
             if f"steps[{index}].{name}" in lines:
                 yield f"steps[{index}].{name}", f"a {entry.step} is no practice game", "Take the line away"
         return
-    rooms = 0 if files is None else min((len(files.of(study).map.rooms) for study in studies), default=0)
+    most = math.inf if files is None else min((_most_moves(files.of(study)) for study in studies), default=math.inf)
     for term, text in entry.at_least.items():
         number = _number(text)
         if term not in list(PracticeTerm):
@@ -97,8 +99,16 @@ def practice_problems(
         elif term == PracticeTerm.DIALOGUES and number > 0 and all(map(_is_silent, studies)):
             remedy = "Take it away, or set base: {dialogue.condition: ...}"
             yield f"{key}.{term}", "robots never talk in the condition supervisor", remedy
-        elif rooms and term != PracticeTerm.DIALOGUES and number > rooms:
-            yield f"{key}.{term}", f"the map has {rooms} rooms, each for one of these", f"Write at most {rooms}"
+        elif term != PracticeTerm.DIALOGUES and number > most:
+            remedy = f"Write at most {most:g}, or set base: {{game.energy: ...}}"
+            yield f"{key}.{term}", f"the map and the energy of the robots allow {most:g} of these", remedy
+
+
+def _most_moves(setting: StudySetting) -> float:
+    """Return the number of moves that a game allows at most: each room once, and none without energy."""
+    cheapest = min(chain.from_iterable(setting.costs.rows))
+    energy, rooms = setting.study.game.energy, len(setting.map.rooms)
+    return min(rooms, setting.study.robots * (energy // cheapest)) if cheapest > 0.0 else rooms
 
 
 def _is_silent(study: Study) -> bool:

@@ -483,6 +483,9 @@ def test_instructions_read_so_far_are_there_to_be_read_again_and_that_is_in_the_
     ]
     opened, closed = EventKind.INSTRUCTIONS_OPENED, EventKind.INSTRUCTIONS_CLOSED
     assert news == [(opened, 3, 3), (closed, 3, 4), (opened, 5, 5), (closed, 5, 6)]
+    tables = tables_of(laboratory.design, read_log(tmp_path / "store" / "log"))
+    (steps,) = [table.rows for table in tables if table.name == "steps"]
+    assert [row["read_again"] for row in steps] == [0, 0, 1, 0, 1]
 
 
 def test_a_program_that_comes_back_sends_the_instructions_again(tmp_path: Path) -> None:

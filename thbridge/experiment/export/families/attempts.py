@@ -63,6 +63,7 @@ class Attempt:
         outcome: how it ended; None while it has not.
         resumed: how often a program went on with it that another one had begun.
         broken_off: how many games were begun in it and not gone on with.
+        read_again: how often the instructions were opened again in it.
         away_ns: how long another window had keys and clicks.
         away: how often.
         left_ns: since when it has; None: it has not.
@@ -81,6 +82,7 @@ class Attempt:
     outcome: StepOutcome | None = None
     resumed: int = 0
     broken_off: int = 0
+    read_again: int = 0
     away_ns: int = 0
     away: int = 0
     left_ns: int | None = None
@@ -144,6 +146,8 @@ def _gathered(run: Run, events: Iterable[LoggedEvent]) -> list[Attempt]:
                 attempt.consent, attempt.consent_at = data, event.clocks.wall
             case EventKind.GAME_BROKEN_OFF:
                 attempt.broken_off += 1
+            case EventKind.INSTRUCTIONS_OPENED:
+                attempt.read_again += 1
             case EventKind.FOCUS_LOST:
                 attempt.away += 1
                 attempt.left_ns = now

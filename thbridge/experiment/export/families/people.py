@@ -132,6 +132,7 @@ def steps(design: ExperimentDesign, subjects: Sequence[AttemptSubject]) -> Exper
                 "time in the step, by the program's clock: of a text that of reading it; none where it was resumed",
                 lambda row: row.attempt.duration,
             ),
+            count("read_again", "how often the instructions were read again in it", lambda row: row.attempt.read_again),
             count("resumed", "how often another program went on with it", lambda row: row.attempt.resumed),
             count("away", "how often another window had keys and clicks", lambda row: row.attempt.away),
             seconds("away_s", "how long it had them", lambda row: row.attempt.away_ns / 1e9),
