@@ -53,6 +53,8 @@ def faults_of(design: ExperimentDesign) -> Iterator[BadFile]:
             yield design.fault(f"steps[{index}]", problem, "Write each_condition: true, or step: practice")
         if entry.step is StepKind.CHECK:
             yield from _of_check(design, index, entry)
+        if entry.step in {StepKind.CHECK, StepKind.FORM}:
+            yield from _of_right_answers(design, index, entry)
     yield from _of_repetitions(design)
     for form in {form.path: form for form in design.form_files.values()}.values():
         yield from _of_answers(form)
@@ -161,13 +163,19 @@ def _levels_of(design: ExperimentDesign) -> dict[str, tuple[str, ...]]:
 
 
 def _of_check(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
-    """Yield faults of a check that nobody can pass, or that is judged by an answer that is not right."""
-    form = design.form_files[index]
-    asked = [(number, item) for number, item in enumerate(form.value.items) if item.is_checked]
+    """Yield faults of a check that nobody can pass."""
+    asked = [item for item in design.forms[index].items if item.is_checked]
     if entry.right is not None and entry.right > len(asked):
         problem = f"{entry.right} right answers are asked for, and {len(asked)} items have one"
         yield design.fault(f"steps[{index}].right", problem, f"Write at most {len(asked)}")
-    for number, item in asked:
+
+
+def _of_right_answers(design: ExperimentDesign, index: int, entry: StepEntry) -> Iterator[BadFile]:
+    """Yield faults of items of a check, and of attention checks, that are judged by an answer that is not right."""
+    form, is_check = design.form_files[index], entry.step is StepKind.CHECK
+    for number, item in enumerate(form.value.items):
+        if not item.is_checked or not (item.attention or is_check):
+            continue
         correct = {"correct": item.correct} if item.correct is not None else {}
         keys = {f"correct_by_condition.{key}": answer for key, answer in item.correct_by_condition.items()}
         for key, answer in {**correct, **keys}.items():

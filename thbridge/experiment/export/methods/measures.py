@@ -1,9 +1,10 @@
 """Measures: questionnaires with their items, scales, keys and sources; reliability; measures of the games."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.export.families.attempts import NO_DATA
+from thbridge.experiment.export.families.forms import attention_checks
 from thbridge.experiment.export.methods.markdown import counted, paragraph, table
 from thbridge.experiment.export.tables import ExperimentRecords
 from thbridge.experiment.questionnaires.form import Form, Item, Scale, Scoring
@@ -22,6 +23,7 @@ def measures_section(records: ExperimentRecords) -> Iterator[str]:
     forms = {index: form for index, form in records.design.forms.items() if steps[index].step is StepKind.FORM}
     for index, form in forms.items():
         yield from _form(form, each_condition=steps[index].each_condition and len(records.design.conditions) > 1)
+    yield from paragraph(*_attention(records, [item for form in forms.values() for item in form.items]))
     if not forms:
         yield from paragraph("Participants filled in no questionnaire.")
     reliabilities = list(_reliabilities(records))
@@ -45,6 +47,26 @@ def measures_section(records: ExperimentRecords) -> Iterator[str]:
         )
 
 
+def _attention(records: ExperimentRecords, items: Sequence[Item]) -> Iterator[str]:
+    """Yield sentences on attention checks among the items of questionnaires, and on how many failed some."""
+    asked = [item for item in items if item.attention]
+    if not asked:
+        return
+    complete = [subject for subject in records.subjects if subject.run.state is RunState.COMPLETE]
+    passed = attention_checks(records.design, complete).values()
+    failed = sum(not all(each) for each in passed)
+    total = sum(each.count(False) for each in passed)
+    yield f"{counted(len(asked), 'item')} of these only checked attention and counted for no score."
+    yield (
+        f"Of {counted(len(passed), 'participant')} analyzed who answered them, {failed} failed at least one "
+        f"({counted(total, 'failure')} in all)."
+    )
+
+
+def _purpose(item: Item) -> str:
+    return "attention check" if item.attention else item.subscale
+
+
 def _form(form: Form, *, each_condition: bool) -> Iterator[str]:
     when = "once for each condition" if each_condition else "once"
     order = " Items came in a random order for each participant." if form.shuffle else ""
@@ -59,7 +81,13 @@ def _form(form: Form, *, each_condition: bool) -> Iterator[str]:
     )
     shown = form.items[:ITEMS_SHOWN]
     rows = [
-        (item.id, item.text or "(the two words alone)", scale_words(item), item.subscale, "yes" if item.reverse else "")
+        (
+            item.id,
+            item.text or "(the two words alone)",
+            scale_words(item),
+            _purpose(item),
+            "yes" if item.reverse else "",
+        )
         for item in shown
     ]
     yield from table(f"Items of {form.title}", ("Item", "Text", "Response scale", "Score", "Reversed"), rows)
