@@ -314,7 +314,7 @@ class KioskHost:
 
     async def _next_run(self) -> str:
         """Wait until the next person begins; their id."""
-        await self._send_instructions()
+        await self._send_instructions(None)
         while True:
             place = self.progress.next_place()
             if isinstance(place, NoPlace):
@@ -346,27 +346,33 @@ class KioskHost:
         before = self._run
         if before.last_outcome is StepOutcome.FAILED and not before.under_way:
             await self._tell_of_repetition(before)
-        await self._send_instructions()
         ahead = self.progress.next_step(self._person)
         how = resumes(before, ahead) if before.under_way and ahead is not None else None
         step = self._conductor.begin(self._person)
         if step is not None:
+            await self._send_instructions(step)
             await self._do(step, how)
             self._conductor.end(self._person, step)
         return step is not None
 
-    async def _send_instructions(self) -> None:
-        """Send the instructions that the person has read so far, if there are others than before; nobody has none."""
-        run = self._run if self._person else None
-        read = tuple(
-            step
-            for step in (() if run is None else run.plan)
-            if step.entry.step is StepKind.INSTRUCTIONS
-            and run is not None
-            and step.number in run.begun
-            and not (run.under_way and step.number == run.step)
-            and self.progress.wants(run.participant, step)
-        )
+    async def _send_instructions(self, now: PlannedStep | None) -> None:
+        """Send the instructions that the person has read so far, if they are others than before.
+
+        Args:
+            now: the step under way, in which instructions for other conditions would mislead; None: nobody takes part.
+        """
+        read: tuple[PlannedStep, ...] = ()
+        if now is not None:
+            run = self._run
+            read = tuple(
+                step
+                for step in run.plan
+                if step.entry.step is StepKind.INSTRUCTIONS
+                and step.number in run.begun
+                and step.number != now.number
+                and (None in {step.condition, now.condition} or step.condition == now.condition)
+                and self.progress.wants(run.participant, step)
+            )
         if read != self._instructions:
             self._instructions = read
             await self._window.send(InstructionsSoFar(tuple(InstructionText(*self._text_of(step)) for step in read)))

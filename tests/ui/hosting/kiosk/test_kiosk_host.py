@@ -488,6 +488,29 @@ def test_instructions_read_so_far_are_there_to_be_read_again_and_that_is_in_the_
     assert [row["read_again"] for row in steps] == [0, 0, 1, 0, 1]
 
 
+def test_instructions_for_other_conditions_are_not_read_again(tmp_path: Path) -> None:
+    for name in ("few", "many"):
+        (tmp_path / f"{name}.txt").write_text(f"Now there are {name} robots.\n")
+    laboratory = Laboratory(
+        tmp_path,
+        "title: x\nquota: 1\norder: fixed\nwithin: {robots: [1, 3]}\nsteps:\n"
+        "  - {step: instructions, name: all, text: debrief.txt}\n"
+        "  - {step: instructions, name: few, text: few.txt, each_condition: true, only_at: {robots: 1}}\n"
+        "  - {step: instructions, name: many, text: many.txt, each_condition: true, only_at: {robots: 3}}\n"
+        "  - {step: trial, name: first, each_condition: true}\n"
+        "  - {step: form, form: final.yaml, name: final}\n",
+    )
+    person = Person()
+    laboratory.run(person)
+    both, few, many = "It was about robots.", "Now there are few robots.", "Now there are many robots."
+    now, offered = (), []
+    for page in person.seen:
+        now = tuple(text.text.strip() for text in page.texts) if isinstance(page, InstructionsSoFar) else now
+        if isinstance(page, GameToJoin | FormToFill):
+            offered.append(now)
+    assert offered == [(both, few), (both, many), (both, few, many)]
+
+
 def test_a_program_that_comes_back_sends_the_instructions_again(tmp_path: Path) -> None:
     (tmp_path / "how.md").write_text("*Send* robots.\n")
     laboratory = Laboratory(tmp_path, INSTRUCTED)
