@@ -199,7 +199,7 @@ def _digest(path: Path) -> str:
 
 
 class _ManifestDesign(msgspec.Struct):
-    """What readers of a manifest rely on of its design; the rest is compared with a new design as it stands."""
+    """Design of a manifest, as far as readers rely on it; the rest is compared with a new design as it stands."""
 
     factors: list[str]
     levels: dict[Annotated[int, Meta(ge=1, le=MOST_CONDITIONS)], dict[str, str]]

@@ -27,6 +27,7 @@ from thbridge.batch.results import (
 )
 from thbridge.batch.settings import SettingCache
 from thbridge.files.disk.own_links import own_target
+from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.append import append_whole
 from thbridge.recording.recordings import active_of
@@ -180,6 +181,10 @@ ATTEMPT = "attempt"
 """First word of a line that begins an attempt, with its worker; other lines are seeds of games that were begun."""
 
 
+_LARGEST_JOURNAL = 1 << 24
+"""Largest journal in bytes: a chunk has a line for each game that was begun."""
+
+
 def _note(journal: Path, line: str) -> None:
     """Append a line to a journal of attempts. Raises BadFile: it cannot be written."""
     try:
@@ -191,8 +196,20 @@ def _note(journal: Path, line: str) -> None:
 
 
 def _deaths(journal: Path) -> Mapping[int, int]:
-    """Return the number of attempts that ended within a game, by its seed."""
-    if not journal.exists():
+    """Return the number of attempts that ended within a game, by its seed.
+
+    Raises:
+        BadFile: the journal is not one.
+        OSError: it cannot be read.
+    """
+    remedy = "Delete it, then go on: it counts how often workers died"
+    try:
+        text = content_of(journal, _LARGEST_JOURNAL).decode()
+        attempts = [attempt.splitlines() for attempt in text.split(ATTEMPT)[1:]]
+        return Counter(int(lines[-1]) for lines in attempts if len(lines) > 1)
+    except FileNotFoundError:
         return Counter()
-    attempts = [attempt.splitlines() for attempt in journal.read_text().split(ATTEMPT)[1:]]
-    return Counter(int(lines[-1]) for lines in attempts if len(lines) > 1)
+    except BadFile as fault:
+        raise BadFile(journal, fault.problem, remedy) from None
+    except ValueError:
+        raise BadFile(journal, "is no journal of attempts", remedy) from None

@@ -58,7 +58,7 @@ class ExperimentFolder:
 
     @property
     def origins(self) -> KnownFolders:
-        """Of a backup: the list of where its study was, the last place last."""
+        """List of the places where a backup's study was, the last one last."""
         return KnownFolders(self.root / STORE / "origins.json", self.root, "studies")
 
     @property

@@ -70,7 +70,8 @@ def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fin
         name = path.relative_to(folder.root)
         if path.is_file() and name.parts[0] not in _DATA and not any(part.startswith(".") for part in name.parts):
             try:
-                files[name.as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
+                with path.open("rb") as file:
+                    files[name.as_posix()] = hashlib.file_digest(file, "sha256").hexdigest()
             except OSError as error:
                 raise BadFile(path, f"cannot be read ({reason_of(error)})", "Give the right to read it") from None
     return Fingerprint(files, versions)

@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
+
 from thbridge.experiment.backup import copy_folder, missing_recordings
 from thbridge.experiment.export.manifest import known_exports
 from thbridge.experiment.folder import EXPORTS, RECORDINGS, REPLACED, STORE, ExperimentFolder
@@ -25,15 +27,18 @@ from thbridge.experiment.store.event_log import (
 from thbridge.experiment.store.events import EventKind, LoggedEvent
 from thbridge.experiment.store.head import head_path, restoring_path, wal_path
 from thbridge.experiment.store.pending_withdrawals import PendingWithdrawal
+from thbridge.files.disk.regular_files import content_of
 from thbridge.files.disk.synced import make_folder, sync_file, sync_folder
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.json_text import json_of
+
+_LARGEST = 1000
+"""Largest size in bytes of the file that exists during a restore; it has one name."""
 
 
 @dataclass(frozen=True, slots=True)
 class RestorePlan:
-    """What a restore is going to do.
+    """Plan of a restore.
 
     Attributes:
         backup: the backup.
@@ -155,16 +160,28 @@ def _check_place(copy: ExperimentFolder, study: ExperimentFolder) -> None:
         raise BadFile(study.root, problem, "Name the folder of the study, a new or an empty one with --to")
 
 
+class _RestoringFile(msgspec.Struct):
+    """Content of the file that exists during a restore.
+
+    Attributes:
+        kept: name of the folder that keeps what is replaced.
+    """
+
+    kept: str
+
+
 def _begun(study: ExperimentFolder) -> ExperimentFolder | None:
     """Return the folder that keeps what a restore which was interrupted has replaced; None if none was."""
+    path = restoring_path(study.log)
     try:
-        name = json_of(restoring_path(study.log).read_text(encoding="utf-8"))["kept"]
+        name = msgspec.json.decode(content_of(path, _LARGEST), type=_RestoringFile).kept
     except FileNotFoundError:
         return None
-    except (ValueError, TypeError, KeyError):
+    except BadFile as fault:
+        raise BadFile(path, fault.problem, "Delete it, and run the command again") from None
+    except (ValueError, RecursionError):
         name = ""
-    kept = study.log.parent / str(name)
-    return ExperimentFolder(kept) if kept in {each.root for each in study.replaced()} else _keep(study)
+    return next((kept for kept in study.replaced() if kept.root.name == name), None) or _keep(study)
 
 
 def _keep(study: ExperimentFolder) -> ExperimentFolder:

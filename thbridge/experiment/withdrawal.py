@@ -34,7 +34,7 @@ class NobodyWithdraws(Exception):  # noqa: N818 - it is told as a sentence
 
 @dataclass(frozen=True, slots=True)
 class WithdrawalPlan:
-    """What a withdrawal is going to delete.
+    """Plan of a withdrawal: all that it is going to delete.
 
     Attributes:
         withdrawal: the participant with their code.

@@ -4,6 +4,7 @@ import hashlib
 import re
 from pathlib import Path
 
+from thbridge.files.disk.regular_files import open_regular
 from thbridge.files.disk.synced import make_folder, sync_folder
 from thbridge.recording.claims import claim
 
@@ -43,11 +44,12 @@ def digest_of(bag: Path) -> str:
     """SHA-256 of a recording: of its file, or of the files of a split one, one after the other.
 
     Raises:
+        BadFile: a pipe or a device is in its place.
         OSError: there is none, or it cannot be read.
     """
     digest = hashlib.sha256()
     for part in parts_of(bag):
-        with part.open("rb") as file:
+        with open_regular(part) as file:
             while piece := file.read(1 << 20):
                 digest.update(piece)
     return digest.hexdigest()

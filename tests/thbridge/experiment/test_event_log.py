@@ -300,3 +300,19 @@ def test_a_log_is_open_in_one_program_at_a_time(tmp_path: Path) -> None:
     with ExperimentLog(tmp_path / "log"), pytest.raises(BadFile, match="another program runs this study"):
         ExperimentLog(tmp_path / "log")
     ExperimentLog(tmp_path / "log").close()
+
+
+def test_a_full_log_says_that_it_is_full_and_not_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("thbridge.experiment.store.event_log.LARGEST_LOG", 3 << 19)
+    with ExperimentLog(tmp_path / "log", salts()) as log:
+        with pytest.raises(BadFile) as refusal:
+            for _ in range(100):
+                log.append([answer("P-AAAA", "zebra " * 2000)])
+        assert str(refusal.value).endswith(
+            "/log: is full: a log has at most 1572864 bytes. End this study, and start another one in a new folder."
+        )
+        written = len(log.read())
+        assert written > 10
+        log.delete([1, 2], NOON)
+        log.append([answer("P-BBBB", "okapi " * 2000)])
+    assert len(read_log(tmp_path / "log")) == written + 2

@@ -7,10 +7,15 @@ from pathlib import Path
 from typing import cast
 
 from thbridge.experiment.folder import ExperimentFolder
+from thbridge.files.disk.regular_files import content_of
+from thbridge.files.disk.text_files import text_of
+from thbridge.files.errors import BadFile
 from thbridge.json_text import json_of
 
 MANIFEST = "manifest.json"
 """File of an export that says of which people it has data."""
+_LARGEST = 1 << 24
+"""Largest manifest in bytes: a million people."""
 
 
 def register_export(folder: ExperimentFolder, export: Path) -> None:
@@ -79,11 +84,11 @@ def people_of(export: Path) -> frozenset[str] | None:
 def _told(export: Path) -> Mapping[str, object]:
     """Return what a manifest says; nothing where there is none, or where it is damaged."""
     try:
-        told = json_of((export / MANIFEST).read_text(encoding="utf-8"))
+        told = json_of(text_of(export / MANIFEST, content_of(export / MANIFEST, _LARGEST)))
         # An id with another letter would be of nobody, and data of who withdraws would stay. Older ones have no sum.
         if "sum" in told and told.pop("sum") != _sum(told):
             return {}
-    except (OSError, ValueError, TypeError, AttributeError):
+    except (OSError, BadFile, ValueError, TypeError, AttributeError):
         return {}
     return cast(Mapping[str, object], told) if isinstance(told, dict) else {}
 

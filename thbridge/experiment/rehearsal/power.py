@@ -28,6 +28,7 @@ from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.rehearsal.rehearsal import rehearse
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import EventKind, LoggedEvent, RunState
+from thbridge.files.disk.json_files import read_json
 from thbridge.files.disk.whole import whole_file
 
 LEVEL = 0.05
@@ -150,8 +151,10 @@ def estimate_power(
         engine.submit(ended.task)
     found: dict[bool, dict[int, list[float | None]]] = {True: defaultdict(list), False: defaultdict(list)}
     for task in tasks:
-        for people, value in json.loads(task.result.read_text()).items():
-            found[task.effects][int(people)].append(value)
+        remedy = "Delete this file: the same command rehearses it again"
+        values = read_json(task.result, dict[int, float | None], "is no result of a rehearsal", remedy)
+        for people, value in (values or {}).items():
+            found[task.effects][people].append(value)
     return {
         effects: tuple(
             PowerEstimate(people, len(values), sum(value is not None and value < LEVEL for value in values))

@@ -68,6 +68,9 @@ VERSION = 1
 _MOST_STEPS = 1 << 28
 """Most steps of SQLite's virtual machine that reading a log takes; the largest log needs a third of them."""
 _STEPS_BETWEEN_CHECKS = 1 << 16
+_MOST_BYTES_OF_LETTER = 4
+_ROOM = 1 << 20
+"""Bytes of the largest log that are left for withdrawals; also more than a transaction takes besides its rows."""
 
 _TABLE = """
 CREATE TABLE events (
@@ -208,7 +211,18 @@ class ExperimentLog:
             with self._transaction():
                 self._database.executemany("INSERT INTO events VALUES (?, ?, ?, ?, ?)", rows)
         except (sqlite3.Error, OSError) as error:
-            raise BadFile(self.path, f"cannot be written ({_reason(error)})", "make room on the disk") from None
+            raise self._unwritable(error, sum(len(content) for _, _, content, _, _ in rows)) from None
+
+    def _unwritable(self, error: sqlite3.Error | OSError, size: int) -> BadFile:
+        """Return the fault of rows with so many letters that could not be written: a full disk, or a full log."""
+        if _is_full(error):
+            (pages,), (page,) = (
+                self._database.execute(f"PRAGMA {of}").fetchone() for of in ("page_count", "page_size")
+            )
+            if pages * page + _MOST_BYTES_OF_LETTER * size + 2 * _ROOM > LARGEST_LOG:
+                problem = f"is full: a log has at most {LARGEST_LOG} bytes"
+                return BadFile(self.path, problem, "End this study, and start another one in a new folder")
+        return BadFile(self.path, f"cannot be written ({_reason(error)})", "make room on the disk")
 
     def read(self) -> list[LogEntry]:
         """Read all of it, as `read_log` does."""
@@ -225,6 +239,8 @@ class ExperimentLog:
         """
         self.flush()
         try:
+            # A full log still has the room for this.
+            _limit(self._database, LARGEST_LOG)
             self._database.execute("PRAGMA secure_delete=ON")
             with self._transaction():
                 self._database.executemany(
@@ -239,6 +255,8 @@ class ExperimentLog:
             self._wipe()
         except sqlite3.Error as error:
             raise BadFile(self.path, f"cannot be written ({_reason(error)})", "make room on the disk") from None
+        finally:
+            _limit(self._database, LARGEST_LOG - _ROOM)
 
     def _wipe(self) -> None:
         """Write the file anew, without what pages still hold of deleted rows."""
@@ -257,10 +275,12 @@ class ExperimentLog:
         self._database.execute("BEGIN IMMEDIATE")
         try:
             yield
+            self._database.execute("COMMIT")
         except BaseException:
-            self._database.execute("ROLLBACK")
+            # Where there is no room, SQLite has rolled back already.
+            if self._database.in_transaction:
+                self._database.execute("ROLLBACK")
             raise
-        self._database.execute("COMMIT")
 
     def _checkpoint_is_due(self) -> bool:
         try:
@@ -365,8 +385,12 @@ def _reason(error: Exception) -> str:
     """The system's text for what SQLite calls otherwise."""
     if isinstance(error, OSError):
         return reason_of(error)
-    is_full = isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
-    return os.strerror(errno.ENOSPC) if is_full else str(error)
+    return os.strerror(errno.ENOSPC) if _is_full(error) else str(error)
+
+
+def _is_full(error: Exception) -> bool:
+    """Return True where SQLite has no room for a row: on the disk, or below its limit of pages."""
+    return isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
 
 
 def log_digests(path: Path) -> list[bytes]:
@@ -542,12 +566,17 @@ def _opened(path: Path, mode: str) -> sqlite3.Connection:
             )
         else:
             # What would be too large to be read again is not written.
-            (page,) = database.execute("PRAGMA page_size").fetchone()
-            database.execute(f"PRAGMA max_page_count={LARGEST_LOG // page}")
+            _limit(database, LARGEST_LOG - _ROOM)
     except BaseException:
         database.close()
         raise
     return database
+
+
+def _limit(database: sqlite3.Connection, size: int) -> None:
+    """Let a database grow to so many bytes at most."""
+    (page,) = database.execute("PRAGMA page_size").fetchone()
+    database.execute(f"PRAGMA max_page_count={size // page}")
 
 
 def _make(path: Path) -> None:

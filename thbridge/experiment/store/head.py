@@ -39,7 +39,7 @@ _WRITE_VERSION, _WITH_WAL = 18, 2
 
 @dataclass(frozen=True, slots=True)
 class LogHead:
-    """How far a log goes, and its files.
+    """Head of a log: its length, its chain and its files.
 
     Attributes:
         length: number of its events.

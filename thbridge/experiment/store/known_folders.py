@@ -5,9 +5,9 @@ import os
 from pathlib import Path
 
 from thbridge.files.disk.inside import fault_of_name, fault_of_path
+from thbridge.files.disk.json_files import read_json
 from thbridge.files.disk.whole import write_whole
-from thbridge.files.errors import BadFile, reason_of
-from thbridge.json_text import json_of
+from thbridge.files.errors import BadFile
 
 _REMEDY = "Correct it: a JSON list of paths. Or move it away, and look yourself after what is in those folders"
 
@@ -65,19 +65,10 @@ class KnownFolders:
         return os.fspath(path.relative_to(root) if path.is_relative_to(root) else path)
 
     def _noted(self) -> list[str]:
-        try:
-            told = json_of(self._list.read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            return []
-        except OSError as error:
-            raise BadFile(self._list, f"cannot be read ({reason_of(error)})", _REMEDY) from None
-        except ValueError:
-            told = None
-        if not isinstance(told, list) or not all(isinstance(path, str) for path in told):
-            raise BadFile(self._list, f"is no list of {self._what}", _REMEDY)
-        for path in told:
+        noted = read_json(self._list, list[str], f"is no list of {self._what}", _REMEDY) or []
+        for path in noted:
             # They may be anywhere; those in the study's folder have no way out of it.
             names = [] if path.startswith("/") or path == "." else path.split("/")
             if problem := fault_of_path(path) or next(filter(None, map(fault_of_name, names)), ""):
                 raise BadFile(self._list, problem, _REMEDY, key=repr(path))
-        return told
+        return noted

@@ -5,10 +5,15 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from thbridge.files.disk.json_files import read_json
 from thbridge.files.disk.synced import sync_folder
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.json_text import json_of
+
+_DAMAGE = "is damaged: it lists withdrawals"
+_REMEDY = "Look in it for who withdrew, move it away, and withdraw them again with `thbridge study withdraw`"
+_MOST_BYTES = 1 << 26
+"""Largest list in bytes; the digest of an event takes 68."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +47,7 @@ class PendingWithdrawals:
         Raises:
             BadFile: the file cannot be read.
         """
-        try:
-            return tuple(PendingWithdrawal(str(one["participant"]), str(one["code"])) for one in _read(self._path))
-        except (KeyError, TypeError):
-            raise _damaged(self._path) from None
+        return tuple(read_json(self._path, list[PendingWithdrawal], _DAMAGE, _REMEDY) or ())
 
     def add(self, withdrawal: PendingWithdrawal) -> None:
         """Note a withdrawal before anything is deleted.
@@ -93,9 +95,9 @@ class WithdrawnEvents:
             BadFile: the file cannot be read.
         """
         try:
-            return frozenset(bytes.fromhex(one) for one in _read(self._path))
-        except (TypeError, ValueError):
-            raise _damaged(self._path) from None
+            return frozenset(map(bytes.fromhex, read_json(self._path, list[str], _DAMAGE, _REMEDY, _MOST_BYTES) or ()))
+        except ValueError:
+            raise BadFile(self._path, _DAMAGE, _REMEDY) from None
 
     def add(self, digests: Iterable[bytes]) -> None:
         """Add digests.
@@ -108,24 +110,5 @@ class WithdrawnEvents:
             _write(self._path, sorted(digest.hex() for digest in known.union(digests)))
 
 
-def _read(path: Path) -> list:  # type: ignore[type-arg]  # whatever JSON has
-    try:
-        content = json_of(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return []
-    except OSError as error:
-        raise BadFile(path, f"cannot be read ({reason_of(error)})", "Give the right to read it") from None
-    except ValueError:
-        raise _damaged(path) from None
-    if not isinstance(content, list):
-        raise _damaged(path)
-    return content
-
-
 def _write(path: Path, content: list[object] | list[dict[str, str]] | list[str]) -> None:
     write_whole(path, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
-
-
-def _damaged(path: Path) -> BadFile:
-    remedy = "Look in it for who withdrew, move it away, and withdraw them again with `thbridge study withdraw`"
-    return BadFile(path, "is damaged: it lists withdrawals", remedy)

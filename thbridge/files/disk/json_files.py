@@ -1,0 +1,39 @@
+"""Reading of JSON files that this program wrote, and that people or other programs may have changed since."""
+
+from pathlib import Path
+from typing import TypeVar
+
+import msgspec
+
+from thbridge.files.disk.regular_files import content_of
+from thbridge.files.errors import BadFile, reason_of
+
+LARGEST_JSON = 1 << 20
+"""Largest file in bytes, where its readers name no other."""
+
+T = TypeVar("T")
+
+
+def read_json(path: Path, type_: type[T], damage: str, remedy: str, largest: int = LARGEST_JSON) -> T | None:
+    """Return the content of a JSON file, or None if there is no such file.
+
+    Args:
+        path: the file.
+        type_: type of the content, which msgspec checks while it decodes.
+        damage: problem of a file with other content, as a clause.
+        remedy: remedy for every problem, as a clause.
+        largest: largest size in bytes.
+
+    Raises:
+        BadFile: it is not a file, cannot be read, is larger, or has other content.
+    """
+    try:
+        return msgspec.json.decode(content_of(path, largest), type=type_)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise BadFile(path, f"cannot be read ({reason_of(error)})", remedy) from None
+    except BadFile as fault:
+        raise BadFile(path, fault.problem, remedy) from None
+    except (ValueError, RecursionError):
+        raise BadFile(path, damage, remedy) from None
