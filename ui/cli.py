@@ -50,7 +50,13 @@ from ui.commands.sweep.run import sweep_run
 from ui.commands.sweep.sweep import sweep_app
 from ui.commands.talk import talk_app
 from ui.commands.watch import watch
-from ui.terminal import escape_for_standard_output, forgive_standard_error, note, whole_standard_output
+from ui.terminal import (
+    escape_for_standard_output,
+    forgive_standard_error,
+    note,
+    replace_closed_streams,
+    whole_standard_output,
+)
 
 app = typer.Typer(
     cls=CommandGroup,
@@ -140,6 +146,7 @@ def main() -> None:
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         # Begun by `&` in a script. Else Ctrl-C would stop a server or not, by the moment, and SIGTERM not stop a kiosk.
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    replace_closed_streams()
     forgive_standard_error()
     escape_for_standard_output()
     logging.basicConfig(level=logging.WARNING, format="%(message)s", handlers=[NoteHandler()])

@@ -23,8 +23,6 @@ def destination(path: Path, suffix: str = "") -> Iterator[Path]:
     with TemporaryDirectory(prefix="thbridge-") as folder:
         file = Path(folder) / f"output{suffix}"
         yield file
-        if sys.stdout is None:
-            fail(BAD_INPUT, "-: standard output is closed. Name a file.")
         sys.stdout.flush()
         sys.stdout.buffer.write(file.read_bytes())
         sys.stdout.buffer.flush()

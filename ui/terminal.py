@@ -47,6 +47,8 @@ class VisibleConsole(Console):
 
 _KEPT = "\n\t"
 _DISK_FAULTS = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.EFBIG})
+_STANDARD_ERROR = 2
+"""Descriptor of the last standard stream."""
 _LONGEST_NAME = 200
 """Letters that are shown of the name of a file at fault."""
 out = VisibleConsole()
@@ -127,6 +129,34 @@ def forgive_standard_error() -> None:
         sys.stderr = io.TextIOWrapper(io.BufferedWriter(raw), usual.encoding, "backslashreplace", line_buffering=True)
 
 
+class _ClosedOutput(io.RawIOBase):
+    """Standard output that is closed. What is written to it is lost.
+
+    Attributes:
+        lost: True once something was written.
+    """
+
+    lost = False
+
+    def writable(self) -> bool:
+        """Return True."""
+        return True
+
+    def write(self, data: "Buffer", /) -> int:
+        """Drop bytes."""
+        self.lost = True
+        return memoryview(data).nbytes
+
+
+def replace_closed_streams() -> None:
+    """Open the standard streams that are closed: no file of ours takes their place, and lost output is noticed."""
+    while (free := os.open(os.devnull, os.O_RDWR)) <= _STANDARD_ERROR:
+        os.set_inheritable(free, True)
+    os.close(free)
+    if sys.stdout is None:
+        sys.stdout = io.TextIOWrapper(io.BufferedWriter(_ClosedOutput()), "utf-8")
+
+
 def escape_for_standard_output() -> None:
     """Write letters that the locale's encoding does not have as escapes, such as \\xb0, instead of an exception."""
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -146,7 +176,7 @@ def whole_standard_output() -> Iterator[None]:
                 yield
             except (typer.Exit, SystemExit) as left:
                 # What has failed is told already, and it may be that there was no room.
-                with suppress(OSError) if _code_of(left) else nullcontext():
+                with suppress(OSError, typer.Exit) if _code_of(left) else nullcontext():
                     _flush()
                 raise
             _flush()
@@ -156,8 +186,6 @@ def whole_standard_output() -> Iterator[None]:
         code = _code_of(failed)
     else:
         return
-    if sys.stdout is None:
-        sys.exit(code)
     # What is left would be tried again by Python, and told as a fault.
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -172,8 +200,10 @@ def _code_of(left: typer.Exit | SystemExit) -> int:
 
 
 def _flush() -> None:
-    if sys.stdout is not None:
-        sys.stdout.flush()
+    sys.stdout.flush()
+    raw = getattr(getattr(sys.stdout, "buffer", None), "raw", None)
+    if isinstance(raw, _ClosedOutput) and raw.lost:
+        fail(FAILED, "Standard output is closed, and what the command printed is lost. Direct it to a file.")
 
 
 def print_json(value: Mapping[str, object]) -> None:

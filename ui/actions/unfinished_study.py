@@ -1,4 +1,4 @@
-"""What an interrupted command has left to do in a study; each command of a study begins with that."""
+"""Work that an interrupted command left in a study; each command of a study begins with it."""
 
 from pathlib import Path
 
