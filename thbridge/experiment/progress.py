@@ -181,10 +181,19 @@ class Progress:
     def wants(self, participant: str, step: PlannedStep) -> bool:
         """Return True when a person's condition and answers ask for a step."""
         run = self.runs[participant]
-        levels = self.design.levels_at(run.place.cell, step.condition)
-        return all(levels.get(factor) == level for factor, level in step.entry.only_at.items()) and all(
+        return self._at_levels(run, step) and all(
             run.answers.get(item) == wanted for item, wanted in step.entry.when.items()
         )
+
+    def steps_shown(self, participant: str) -> list[PlannedStep]:
+        """Return the steps of a person's plan, without those that their condition passes over."""
+        run = self.runs[participant]
+        return [step for step in run.plan if self._at_levels(run, step)]
+
+    def _at_levels(self, run: Run, step: PlannedStep) -> bool:
+        """Return True when a person's condition asks for a step."""
+        levels = self.design.levels_at(run.place.cell, step.condition)
+        return all(levels.get(factor) == level for factor, level in step.entry.only_at.items())
 
     def after(self, entries: Iterable[LogEntry]) -> "Progress":
         """Return the state after further entries of the log.

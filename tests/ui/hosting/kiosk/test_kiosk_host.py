@@ -511,6 +511,23 @@ def test_instructions_for_other_conditions_are_not_read_again(tmp_path: Path) ->
     assert offered == [(both, few), (both, many), (both, few, many)]
 
 
+def test_steps_of_another_group_are_not_counted(tmp_path: Path) -> None:
+    for name in ("few", "many"):
+        (tmp_path / f"{name}.txt").write_text(f"Now there are {name} robots.\n")
+    laboratory = Laboratory(
+        tmp_path,
+        "title: x\nquota: 1\nbetween: {robots: [1, 3]}\nsteps:\n"
+        "  - {step: instructions, name: few, text: few.txt, only_at: {robots: 1}}\n"
+        "  - {step: instructions, name: many, text: many.txt, only_at: {robots: 3}}\n"
+        "  - {step: form, form: final.yaml, name: final}\n"
+        "  - {step: debrief, text: debrief.txt}\n",
+    )
+    person = Person()
+    laboratory.run(person, people=2)
+    pages = [page.progress for page in person.seen if isinstance(page, TextToRead | FormToFill) and page.progress.steps]
+    assert [(way.step, way.steps) for way in pages] == [(1, 3), (2, 3), (3, 3)] * 2
+
+
 def test_a_program_that_comes_back_sends_the_instructions_again(tmp_path: Path) -> None:
     (tmp_path / "how.md").write_text("*Send* robots.\n")
     laboratory = Laboratory(tmp_path, INSTRUCTED)
