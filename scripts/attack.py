@@ -9,6 +9,7 @@ of their own, which have all the descriptors that the system allows. Ends with 1
 import argparse
 import asyncio
 import contextlib
+import hashlib
 import json
 import multiprocessing
 import os
@@ -18,6 +19,7 @@ import resource
 import selectors
 import signal
 import socket
+import sqlite3
 import ssl
 import struct
 import subprocess
@@ -36,10 +38,15 @@ from typing import TypeAlias, cast
 from free_ports import free_ports
 
 from sim.numerics.compiled_files import write
+from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.experiment.store.head import LogHead, head_path
 from thbridge.files.keys.key_ring import KeyRing
 from thbridge.protocols.credentials import Right, key_line
 from thbridge.protocols.mavlink.dialect import mav
+from thbridge.protocols.text.lines import encode_line
 from thbridge.protocols.watching import BagStreamReader, SessionMessage, parse_status
+from thbridge.roles.participant.tabui import encode_request_line
+from thbridge.roles.view import RequestSuggestion
 from thbridge.timing.wall_clock import utc_now
 
 HOST = "127.0.0.1"
@@ -445,7 +452,11 @@ async def ended(*arguments: object) -> int:
     process = await asyncio.create_subprocess_exec(
         "nice", "-n", "19", *COMMAND, *map(str, arguments), env=environment, stdin=quiet, stdout=quiet, stderr=quiet
     )
-    return await process.wait()
+    try:
+        return await process.wait()
+    finally:
+        if process.returncode is None:
+            process.kill()
 
 
 def contents(folder: Path) -> dict[Path, bytes]:
@@ -474,6 +485,54 @@ async def names_that_lead_elsewhere() -> int:
         if 0 in codes or contents(Path(name)) != before:
             raise BreachError
     return 2 * len(names)
+
+
+ENDLESS_VIEW = """CREATE VIEW events AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n)
+SELECT i AS sequence, NULL AS salt, NULL AS content, NULL AS digest, NULL AS chain FROM n"""
+ODD_EVENTS = ["[" * 100_000, '{"kind": 5}', '{"kind": "note", "data": []}', '"zebra"']
+ODD_SWEEPS = ["[]", "[" * 100_000, '{"layout": 1}', '{"layout": 1, "design": {"levels": []}, "versions": {}}']
+
+
+def write_odd_log(log: Path, content: str | None) -> None:
+    """Put one event into a new log, with right digests, chain and head; None: an endless view in the events' place."""
+    for path in (log, head_path(log)):
+        path.unlink(missing_ok=True)
+    with ExperimentLog(log):
+        pass
+    with contextlib.closing(sqlite3.connect(log)) as database:
+        if content is None:
+            database.execute("DROP TABLE events")
+            database.execute(ENDLESS_VIEW)
+        else:
+            digest = hashlib.sha256(bytes(16) + content.encode()).digest()
+            chain = hashlib.sha256(hashlib.sha256(b"thbridge experiment log 1").digest() + digest).digest()
+            database.execute("INSERT INTO events VALUES (1, ?, ?, ?, ?)", (bytes(16), content, digest, chain))
+            LogHead(1, chain).write(log)
+        database.commit()
+
+
+async def odd_files(place: Path) -> int:
+    """Have commands read logs with right digests and sweeps, all of them with odd contents.
+
+    Raises:
+        BreachError: one was not refused in words, or was read without an end.
+    """
+    study, sweep = place / "study", place / "sweep"
+    sweep.mkdir(parents=True)
+    await ended("study", "new", study)
+    (study / "store").mkdir()
+    codes = []
+    with contextlib.suppress(TimeoutError):
+        async with asyncio.timeout(20 * PATIENCE):
+            for content in (*ODD_EVENTS, None):
+                write_odd_log(study / "store" / "log", content)
+                codes.append(await ended("study", "status", study))
+            for content in ODD_SWEEPS:
+                (sweep / "sweep.json").write_text(content)
+                codes.append(await ended("sweep", "status", sweep))
+    if codes != [2] * (len(ODD_EVENTS) + 1 + len(ODD_SWEEPS)):
+        raise BreachError
+    return len(codes)
 
 
 async def links_of_others() -> int:
@@ -588,6 +647,7 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, fo
     surrogate = b'%%error SimR Game thbridge {"kind":"GiveUp","game":"\\ud800"}\n'
     slow = b'%%found Hider TabUI 1 1 "(Colour: ' + b") (Footprint: " * 4600 + b"\n"
     ready = b'%%setid P extended\n%%error P Game thbridge {"kind":"ParticipantReady"}\n'
+    advice = encode_line(encode_request_line(RequestSuggestion(0), 7).line())
     names = b"".join(ready.replace(b"P ", f"P{number} ".encode()) for number in range(50))
     endless = b"x" * 2**20
     page = xmlrpc_call("getPid", "x").replace(b"\r\n", b"\r\nOrigin: http://a.example\r\n", 1)
@@ -596,6 +656,7 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, fo
         ("text: a line that regular expressions shun", lambda: say(doors.text, slow, 10)),
         ("text: notices in another's name", lambda: say(doors.text, forged, 500)),
         ("text: invented participants", lambda: say(doors.text, names, 10 * scale)),
+        ("text: the same request for advice", lambda: say(doors.text, b"%%setid TabUI\n" + advice * 500, 20 * scale)),
         ("text: a line without end", lambda: say(doors.text, endless, 30 * scale)),
         ("text: short lines, one connection", lambda: say(doors.text, b"%%error A B x\n" * 500, 20 * scale)),
         ("text: short lines, 100 connections", lambda: say(doors.text, b"%%error A B x\n" * 500, 2 * scale, 100)),
@@ -623,6 +684,7 @@ def attacks(doors: Doors, outside: Outside, draws: random.Random, scale: int, fo
         ("MAVLink: noise", lambda: noise(doors.tcp, draws)),
         ("cache: planted compiled code", planted_code),
         ("files: names that lead elsewhere", names_that_lead_elsewhere),
+        ("files: odd logs and sweeps", lambda: odd_files(folder / "odd")),
         ("files: links in the place of a recording", lambda: links_in_a_recording(folder)),
         *([("files: links of another account", links_of_others)] if may_give_away else []),
         *crowds_and_floods(doors, outside, scale),
