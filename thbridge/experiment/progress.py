@@ -123,6 +123,11 @@ class BadHistory(BadFile):
 _UNFIT = "does not fit what is in the log: "
 
 
+def failure(check: PlannedStep) -> str:
+    """Return the reason of those who were excluded since they failed a check."""
+    return f"failed {check.name}"
+
+
 class _CannotFollowError(ValueError):
     """An event that cannot follow those before it."""
 
@@ -324,7 +329,7 @@ def _ended(run: Run, number: int, outcome: StepOutcome) -> Run:
         return dataclasses.replace(following, step=repeated_from(run.plan, step))
     if step.entry.failed is Failed.GO_ON:
         return dataclasses.replace(following, failed=run.failed | {number})
-    return dataclasses.replace(following, state=RunState.EXCLUDED, reason=f"failed {step.name}")
+    return dataclasses.replace(following, state=RunState.EXCLUDED, reason=failure(step))
 
 
 def options_shown(item: Item) -> dict[str, JsonValue]:

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -19,10 +20,10 @@ from thbridge.experiment.export.methods.text import methods_text
 from thbridge.experiment.export.tables import ExperimentRecords, records_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import RunState
-from thbridge.experiment.questionnaires.form import SHIPPED, read_form
+from thbridge.experiment.questionnaires.form import SHIPPED, Item, read_form
 from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import EventKind, LogEntry
+from thbridge.experiment.store.events import EventKind, JsonValue, LogEntry
 
 VERSIONS = {"thbridge": "1.0", "python": "3.11"}
 HEADINGS = [
@@ -72,8 +73,13 @@ steps:
         ),
         (
             BETWEEN,
-            ["between-participants design with 2 groups: each participant met one of them", "to groups at random"],
-            ["Latin square", "order of conditions", "within-participants"],
+            [
+                "between-participants design with 2 groups: each participant met one of them",
+                "to groups at random",
+                "| who decides: supervisor, robots do what they are told; collaborator, robots argue and nothing "
+                "happens before both agree |",
+            ],
+            ["Latin square", "rder of conditions", "within-participants", "script", "autonomous"],
         ),
         (
             BOTH,
@@ -175,7 +181,7 @@ def test_everybody_who_began_is_in_the_flow_with_a_reason(course: Course) -> Non
         ("Declined", "did not agree"),
         ("Left", "stopped taking part, at trial_5"),
         ("Ended by the researcher", "fire alarm, at trial_5"),
-        ("Excluded", "failed understood"),
+        ("Excluded", "failed the check Before we begin"),
         ("Excluded", r"knew the \| study (after completing the study)"),
     ):
         assert rows[row][-1] == 1
@@ -187,14 +193,20 @@ def test_everybody_who_began_is_in_the_flow_with_a_reason(course: Course) -> Non
 def test_checks_have_their_attempts_and_failures(course: Course) -> None:
     text = text_of(records_of(course.folder.read(), read_log(course.folder.log)))
     assert "The check *Before we begin* had 1 question with a right answer; it was passed with 1 right." in text
-    assert "It could be tried up to 2 times, each time from the step practice on." in text
+    assert "It could be tried up to 2 times, after a failure from the step practice on." in text
     assert "Participants who failed the last attempt were excluded." in text
     # Of ten who began, one declined, one is still reading, and one withdrew.
     assert (
         "Of 7 participants who answered it, 5 passed at the first attempt, 1 at a later one, and 1 did not pass "
         "(9 attempts, 3 failures)."
     ) in text
+    assert "*Questions of Before we begin*" in text
     assert "| Who decides where robots go? | one of: you; they | you |" in text
+    durations = text[text.index("*Durations of those analyzed*") : text.index("### Data collection")]
+    assert "The step of a game includes its start and the page with its result." in durations
+    assert "After a failed check, steps that were repeated count each time." in durations
+    # Data collection goes on: nothing says that it has ended.
+    assert "was set to admit people until this number of complete runs that count was reached, and to give" in text
 
 
 @settings(max_examples=8, deadline=None)
@@ -321,7 +333,8 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
     text = rehearsed(
         tmp_path,
         f"title: x\n{WITHIN}quota: 2\nconsent_elsewhere: Participants signed a form on paper\nsteps:\n"
-        "  - {step: practice, max_seconds: 300, base: {game.energy: 20}, at_least: {moves: 2, pictures: 0}}\n"
+        "  - {step: practice, max_seconds: 300, base: {game.energy: 20}, at_least: {moves: 2, pictures: 0, "
+        "identified: 1}}\n"
         "  - {step: instructions, text: welcome.md, each_condition: true, only_at: {dialogue.condition: supervisor}}\n"
         "  - {step: trial, each_condition: true, max_seconds: 60}\n"
         "  - {step: debrief, text: debrief.md}\n",
@@ -330,7 +343,7 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
     section = text[text.index("### Procedure") : text.index("### Data collection")]
     assert (
         "1. Practice game of at most 300 s, in the settings of the participant's first condition, but for game.energy: "
-        "20.0; participants could go on once they reached: moves 2.\n"
+        "20.0; participants could go on after at least 2 moves and 1 named treasure.\n"
         "2. For each condition, in the participant's order:\n"
         "    * Instructions on screen (welcome.md); only at dialogue.condition=supervisor.\n"
         "    * Game of at most 60 s.\n"
@@ -342,6 +355,25 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
     assert "[Write who approved it.] " not in each
     assert "[Write who approved it.]\n" in each
     assert "[How" not in section
+
+
+class SilentPeople(SimulatedPeople):
+    """People who answer only what has to be answered."""
+
+    def answer(self, item: Item, *rest: Any) -> JsonValue:
+        return super().answer(item, *rest) if item.required else None
+
+
+def test_a_study_between_participants_names_no_first_condition_and_what_might_be_left_out(tmp_path: Path) -> None:
+    (tmp_path / "more.yaml").write_text(
+        "title: More\nitems:\n  - {id: calm, text: I felt calm., low: no, high: yes}\n"
+        "  - {id: why, text: Anything else?, scale: text, required: false}\n"
+    )
+    steps = "quota: 1\nsteps:\n  - {step: practice}\n  - {step: trial}\n  - {step: form, form: more.yaml}\n"
+    place = rehearse(tmp_path, SilentPeople(plays=False, drop_out=0.0), 1, f"title: x\n{BETWEEN}{steps}")
+    text = text_of(records_of(place.read(), read_log(place.log), tmp_path))
+    assert "in the settings of the participant's condition; participants could go on after at least 1 move." in text
+    assert "Of 4 answers to questionnaires, 2 were empty (2 of them to items that participants could leave out)" in text
 
 
 def test_what_a_study_leaves_out_is_not_made_up(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ def design_section(records: ExperimentRecords, people: str) -> Iterator[str]:
     yield ""
     yield from paragraph(_kind(design))
     factors = [
-        (factor, manipulated, "; ".join(levels), meaning_of(factor))
+        (factor, manipulated, "; ".join(levels), meaning_of(factor, levels))
         for manipulated, found in (("between", _between(design)), ("within", _within(design)))
         for factor, levels in found.items()
     ]
@@ -34,7 +34,8 @@ def design_section(records: ExperimentRecords, people: str) -> Iterator[str]:
             "[Who knew the condition of a participant: the participants themselves, the experimenters, those who "
             "analyzed the data; and what participants knew of the hypotheses.]"
         )
-    yield from table("Analyzed by group and order", ("Group", "Order of conditions", "n"), _places(records))
+    if len(design.orders) > 1:
+        yield from table("Analyzed by group and order", ("Group", "Order of conditions", "n"), _places(records))
 
 
 def _between(design: ExperimentDesign) -> Mapping[str, list[str]]:
@@ -131,11 +132,9 @@ def _seeds(design: ExperimentDesign) -> str:
 
 def _places(records: ExperimentRecords) -> Iterator[tuple[str, str, int]]:
     design = records.design
-    if len(design.cells) == len(design.orders) == 1:
-        return
     runs = (run for run in records.progress.runs.values() if run.state is RunState.COMPLETE)
     counts = Counter((run.place.cell, run.place.order) for run in runs)
     for index, cell in enumerate(design.cells):
         for number, order in enumerate(design.orders):
             names = ", then ".join(design.conditions[one].name for one in order)
-            yield cell.name or "all", names or "one condition", counts[index, number]
+            yield cell.name or "all", names, counts[index, number]

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from thbridge.experiment.allocation.places import NoPlace
+from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.export.methods.markdown import joined, paragraph, sentence, table
 from thbridge.experiment.export.tables import ExperimentRecords
-from thbridge.experiment.progress import Run
+from thbridge.experiment.progress import Run, failure
 from thbridge.experiment.questionnaires.form import Scale
 from thbridge.experiment.store.events import EventKind, RunState
 
@@ -87,7 +88,7 @@ def outcomes_of(records: ExperimentRecords) -> list[PersonOutcome]:
     for run in records.runs:
         by_researcher = run.state is RunState.LEFT and ended_by.get(run.participant) == "experimenter"
         fate = END_BY_RESEARCHER if by_researcher else str(run.state)
-        outcomes.append(PersonOutcome(fate, _reason(run), run.place.cell))
+        outcomes.append(PersonOutcome(fate, _reason(records.design, run), run.place.cell))
     return outcomes + [PersonOutcome(WITHDRAWN)] * records.withdrawn
 
 
@@ -112,7 +113,7 @@ def _flow(records: ExperimentRecords, outcomes: Sequence[PersonOutcome]) -> list
     return lines
 
 
-def _reason(run: Run) -> str:
+def _reason(design: ExperimentDesign, run: Run) -> str:
     match run.state:
         case RunState.COMPLETE | RunState.UNDER_WAY:
             return ""
@@ -120,6 +121,11 @@ def _reason(run: Run) -> str:
             return run.reason or "no reason recorded"
         case RunState.EXCLUDED if run.code:
             return f"{run.reason or 'no reason recorded'} (after completing the study)"
+    failed = next(
+        (step for step in run.plan if step.entry.step is StepKind.CHECK and run.reason == failure(step)), None
+    )
+    if failed is not None:
+        return f"failed the check {design.forms[failed.index].title or failed.name}"
     at = f", at {run.plan[run.step - 1].name}" if run.state is RunState.LEFT and run.step <= len(run.plan) else ""
     return f"{run.reason or 'no reason recorded'}{at}"
 
@@ -176,8 +182,8 @@ def sample_size_section(records: ExperimentRecords) -> Iterator[str]:
             "Why this number: a power analysis with the effect size that it assumes and its source, the precision "
             "wanted, or the resources available. `thbridge study power` estimates power by rehearsals.",
         ),
-        "The program admitted people until this number of complete runs that count was reached; the place of a run "
-        "that did not count was given to the next participant.",
+        "The program was set to admit people until this number of complete runs that count was reached, and to give "
+        "the place of a run that did not count to the next participant.",
         "[Whether anybody looked at the data before its collection ended.]",
     )
 

@@ -4,7 +4,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign, name_of
-from thbridge.experiment.design.steps import Failed, ResumeRule, StepEntry, StepKind
+from thbridge.experiment.design.steps import Failed, PracticeTerm, ResumeRule, StepEntry, StepKind
 from thbridge.experiment.export.methods.markdown import (
     Spread,
     counted,
@@ -36,8 +36,17 @@ def procedure_section(records: ExperimentRecords, people: str) -> Iterator[str]:
         if entry.step is StepKind.CHECK:
             yield from _check(records, index, entry, people)
     yield from table("Durations of those analyzed", ("Step", "n", "Median", "Least", "Greatest"), _durations(records))
-    if any(subject.attempt.resumed for subject in records.subjects):
-        yield from paragraph("Steps that a crash interrupted have no duration.")
+    kinds = {entry.step for entry in design.file.steps}
+    repeated = any(entry.step is StepKind.CHECK and entry.attempts > 1 for entry in design.file.steps)
+    yield from paragraph(
+        "The step of a game includes its start and the page with its result."
+        if kinds & {StepKind.PRACTICE, StepKind.TRIAL}
+        else "",
+        "After a failed check, steps that were repeated count each time." if repeated else "",
+        "Steps that a crash interrupted have no duration."
+        if any(subject.attempt.resumed for subject in records.subjects)
+        else "",
+    )
 
 
 def _steps(design: ExperimentDesign) -> Iterator[str]:
@@ -92,11 +101,26 @@ def _practice(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
     """Return in which settings practice is played, and what must be done in it."""
     own = [f"{key}: {value}" for key, value in practice_settings(design, index)]
     but = f", but for {', '.join(own)}" if own else ""
-    demands = [f"{term} {number}" for term, number in entry.at_least.items() if float(number) > 0.0]
-    done = f"; participants could go on once they reached: {', '.join(demands)}" if demands else ""
+    demands = [
+        f"{number:g} {_DONE[PracticeTerm(term)]}{'' if number == 1.0 else 's'}"
+        for term, number in ((term, float(each)) for term, each in entry.at_least.items())
+        if number > 0.0
+    ]
+    done = f"; participants could go on after at least {joined(demands)}" if demands else ""
     each = entry.each_condition and len(design.conditions) > 1
-    which = "that condition" if each else "the participant's first condition"
+    first = "first " if len(design.conditions) > 1 else ""
+    which = "that condition" if each else f"the participant's {first}condition"
     return f"in the settings of {which}{but}{done}"
+
+
+_DONE = {
+    PracticeTerm.SECONDS: "second",
+    PracticeTerm.MOVES: "move",
+    PracticeTerm.PICTURES: "picture",
+    PracticeTerm.IDENTIFIED: "named treasure",
+    PracticeTerm.DIALOGUES: "dialogue",
+}
+"""Words for one of each thing that practice asks for."""
 
 
 def _consent(records: ExperimentRecords, people: str) -> Iterator[str]:
@@ -129,7 +153,7 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
     asked = [item for item in form.items if item.is_checked]
     needed = len(asked) if entry.right is None else entry.right
     tries = "once" if entry.attempts == 1 else f"up to {entry.attempts} times"
-    again = f", each time from the step {entry.repeat} on" if entry.repeat and entry.attempts > 1 else ""
+    again = f", after a failure from the step {entry.repeat} on" if entry.repeat and entry.attempts > 1 else ""
     failed = (
         "Participants who failed the last attempt were excluded."
         if entry.failed is Failed.EXCLUDE
@@ -141,7 +165,9 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
         *_results(records, index, people),
     )
     rows = [(item.text, scale_words(item), _right(item.correct, item.correct_by_condition)) for item in asked]
-    yield from table(f"Questions of {name_of(index, entry)}", ("Question", "Answers", "Right answer"), rows)
+    yield from table(
+        f"Questions of {form.title or name_of(index, entry)}", ("Question", "Answers", "Right answer"), rows
+    )
     if any(item.correct_by_condition for item in asked) and design.conditions:
         yield from paragraph(
             "Where a right answer depends on the condition, it is the one of the participant's condition."

@@ -121,16 +121,21 @@ def _missing(records: ExperimentRecords) -> Iterator[str]:
         and subject.attempt.step.entry.step is StepKind.FORM
         and subject.attempt.outcome is StepOutcome.DONE
     ]
-    asked = empty = inapplicable = 0
+    asked = empty = optional = inapplicable = 0
     for attempt in steps:
         for item in records.design.forms[attempt.step.index].items:
             times = attempt.items.get(item.id)
             asked += 1
             answer = None if times is None else times.answer
             empty += answer is None
+            optional += answer is None and not item.required
             inapplicable += item.not_applicable and answer == NOT_APPLICABLE
     if asked:
-        yield f"Of {counted(asked, 'answer')} to questionnaires, {empty} were empty and {inapplicable} not applicable."
+        could = f" ({optional} of them to items that participants could leave out)" if optional else ""
+        yield (
+            f"Of {counted(asked, 'answer')} to questionnaires, {empty} were empty{could} and {inapplicable} not "
+            f"applicable."
+        )
     scores = [score for score in records.scores if score.run.state is RunState.COMPLETE]
     scores = [score for score in scores if score.attempt.step.entry.step is StepKind.FORM]
     if lacking := sum(score.value is None for score in scores):

@@ -1,7 +1,7 @@
 """Settings of an experiment's games that differ from the program's defaults."""
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, cast
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign
@@ -49,8 +49,11 @@ def _plain(value: str) -> str:
     return value.removesuffix(".0")
 
 
-def meaning_of(key: str) -> str:
-    """Return the meaning of a key of studies; a gap to fill in for a factor that sets several keys."""
+def meaning_of(key: str, levels: Sequence[str]) -> str:
+    """Return the meaning of a key of studies, without values that are none of these levels.
+
+    A factor that sets several keys has a gap to fill in.
+    """
     section: object = StudyFile()
     meaning = ""
     for name in key.split("."):
@@ -61,7 +64,9 @@ def meaning_of(key: str) -> str:
             return "[what its levels set]"
         meaning = str(fields[name].metadata.get("help", ""))
         section = cast(object, getattr(section, name))
-    return meaning
+    what, _, values = meaning.partition(": ")
+    own = [value for value in values.split("; ") if value.partition(",")[0] in levels]
+    return f"{what}: {'; '.join(own)}" if len(own) == len(levels) else meaning
 
 
 def _flat(study: Study) -> Mapping[str, str]:
