@@ -44,6 +44,16 @@ def test_nothing_is_cut_off_or_covered(opened: Open, qapp: QApplication, text: f
             assert misfits(one.window) == [], (name, size)
 
 
+def test_a_narrow_list_of_names_has_no_bar_below_instead_of_a_name(opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    names = shown.window.treasure.names
+    names.setFixedSize(names.sizeHintForColumn(0) - 20, names.minimumSizeHint().height())
+    settle()
+    assert names.verticalScrollBar().maximum() > 0, "there is no room for all"
+    assert not names.horizontalScrollBar().isVisible()
+    assert names.viewport().height() >= 2 * names.sizeHintForRow(0)
+
+
 @pytest.mark.parametrize("text", TEXTS, indirect=True)
 def test_the_history_leaves_room_for_the_map(opened: Open, qtbot: QtBot, qapp: QApplication, text: float) -> None:
     shown = opened(STATES["six"])
