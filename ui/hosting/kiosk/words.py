@@ -132,7 +132,7 @@ def results(games: Sequence[tuple[int, int | None]]) -> str:
     """Return what a debriefing says of each game: its score, and the best possible one where it is known."""
     return "\n\n".join(
         f"Your score in game {number}: {score}."
-        + ("" if best is None else f" With the same energy, {best} points were possible.")
+        + ("" if best is None else f" With the same energy and enough time, {best} points were possible.")
         for number, (score, best) in enumerate(games, 1)
     )
 
