@@ -264,6 +264,14 @@ def test_a_check_in_each_condition_or_by_group_may_be_judged_by_it(tmp_path: Pat
     accepted(folder_of(tmp_path, between, understood=understood))
 
 
+def test_an_answer_key_by_a_factor_that_was_removed_is_refused(tmp_path: Path) -> None:
+    by = "correct_by_condition: {dialogue.condition=supervisor: you, dialogue.condition=collaborator: both}"
+    understood = replaced("correct: you", by, FORMS["understood.yaml"])
+    removed = replaced("within: {dialogue.condition: [supervisor, collaborator]}\n", "")
+    said = refused(folder_of(tmp_path, removed, understood=understood))
+    assert "dialogue.condition is no factor. Write one `correct`: there is no factor." in said
+
+
 def test_what_rehearsals_read_is_checked_as_well(tmp_path: Path) -> None:
     folder = folder_of(tmp_path, replaced(CONSENT, ""))
     folder.people.write_text("effects:\n  - {score: workload}\n")

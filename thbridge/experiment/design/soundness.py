@@ -210,7 +210,8 @@ def _of_answer_key(design: ExperimentDesign, entry: StepEntry, item: Item) -> It
     named = dict.fromkeys(key.partition("=")[0] for key in item.correct_by_condition)
     unknown = [factor for factor in named if factor not in factors]
     if unknown:
-        yield f"{unknown[0]} is no factor", f"Write FACTOR=LEVEL with one of {', '.join(factors) or 'no factors'}"
+        known = f"FACTOR=LEVEL with one of {', '.join(factors)}" if factors else "one `correct`: there is no factor"
+        yield f"{unknown[0]} is no factor", f"Write {known}"
         return
     if len(named) > 1:
         yield f"answers by several factors ({', '.join(named)})", "Write those of one factor"
