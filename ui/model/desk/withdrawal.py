@@ -1,4 +1,4 @@
-"""What a withdrawal deletes, in words."""
+"""Sentences on what a withdrawal deletes."""
 
 from collections.abc import Iterator
 
