@@ -5,6 +5,7 @@ threads.
 """
 
 import asyncio
+import secrets
 import threading
 import time
 from collections import deque
@@ -60,6 +61,10 @@ class ReceivedEvent:
 
     time: float
     event: ServerEvent
+
+
+_FIRST_NUMBERS = 1 << 31
+"""Numbers among which that of a window's first request is chosen."""
 
 
 class ParticipantLink:
@@ -124,7 +129,8 @@ class ParticipantLink:
 
     async def _converse(self) -> None:
         player = _WindowPlayer()
-        role = TabUI(player, self, self._consent)
+        # A window that is opened again after a crash has the mark of the one before.
+        role = TabUI(player, self, self._consent, 1 + secrets.randbelow(_FIRST_NUMBERS))
         role.run = self._token
         runner = _ClockedRole(role, self._report)
         async with self._client.running():

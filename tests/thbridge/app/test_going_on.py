@@ -36,7 +36,9 @@ async def played(setting: StudySetting, options: PlayOptions, dies: int | None =
     def ready(where: ListeningAddress | CannotListen) -> None:
         nonlocal program
         assert isinstance(where, ListeningAddress)
-        joining = tabui(TabUI(bot), where.host, where.port, "token", lambda _lost: None, lambda _view: None)
+        # As for a window that is opened again, the mark of the program is the same.
+        role = TabUI(bot, first_number=1000 * (dies or 1))
+        joining = tabui(role, where.host, where.port, "token", lambda _lost: None, lambda _view: None)
         program = asyncio.create_task(joining)
 
     def progress(moment: TickRecord) -> None:

@@ -71,6 +71,8 @@ class TabUI:
         player: decides.
         observer: takes all notices; without one TabUI does not subscribe to pose telemetry.
         consent: of a participant who agreed to take part before this program joined; it is the first thing said.
+        first_number: number of its first request. Where another program of the same mark may follow, such as a window
+            that was opened again, it is random: the keeper must not take new requests for repetitions of old ones.
 
     Attributes:
         view: the latest view, None before the first.
@@ -82,7 +84,11 @@ class TabUI:
     name = legacy.TABUI
 
     def __init__(
-        self, player: Player, observer: ParticipantObserver | None = None, consent: GiveConsent | None = None
+        self,
+        player: Player,
+        observer: ParticipantObserver | None = None,
+        consent: GiveConsent | None = None,
+        first_number: int = 1,
     ) -> None:
         self._player = player
         self._observer = observer
@@ -96,7 +102,7 @@ class TabUI:
         # By request that the player has now: its number, and the tick up to which that is good; when it was last sent.
         self._numbers: dict[ParticipantRequest, tuple[int, int]] = {}
         self._sent: dict[ParticipantRequest, int] = {}
-        self._last_number = 0
+        self._last_number = first_number - 1
         self._next_poll = 0
 
     def connected(self) -> None:
