@@ -184,6 +184,17 @@ class RepeatedRequests(RuleBasedStateMachine):
         else:
             self.send(message, gap)
 
+    def send_line(self, request: ParticipantRequest, gap: int) -> None:
+        """Send a line of 2016; it has no number, so one that was refused is a new request when it comes again."""
+        line, refused = encode_request_line(request), self.view.refusal
+        self.once.lines.waiting.append(line)
+        self.twice.lines.waiting.append(line)
+        self.run(3)
+        if self.view.refusal == refused:
+            self.run(gap)
+            self.twice.lines.waiting.append(line)
+            self.run(3)
+
     def ask_without_number(self, request: ParticipantRequest, gap: int) -> None:
         """Send a request as an older window does; what the view shows as granted is repeated."""
         message, refused = encode_request_line(request), self.view.refusal
@@ -250,15 +261,15 @@ class RepeatedRequests(RuleBasedStateMachine):
                 case _ if consent not in self.view.consents:
                     continue
                 case "select-room":
-                    self.send(encode_request_line(SendRobot(consent.robot, consent.room)), gap)
+                    self.send_line(SendRobot(consent.robot, consent.room), gap)
                 case "take-picture":
-                    self.send(encode_request_line(TakePicture(consent.room)), gap)
+                    self.send_line(TakePicture(consent.room), gap)
                 case "take-treasure":
                     name = consent.name or "Pink_can"
-                    self.send(encode_request_line(IdentifyTreasure(consent.room, name)), gap)
+                    self.send_line(IdentifyTreasure(consent.room, name), gap)
         for room in self.view.rooms:
             if room.undecided and not room.found and room.robot is not None:
-                self.send(encode_request_line(SenseTreasure(room.room)), gap)
+                self.send_line(SenseTreasure(room.room), gap)
 
     @rule(request=of_others, gap=at_once_or_later)
     def others_ask(self, request: GameRequest, gap: int) -> None:
