@@ -414,7 +414,7 @@ class _Planted:
 
 
 async def planted_code() -> int:
-    """Plant pickles in a program's cache of compiled code, of which others may write one level after the other.
+    """Plant pickles in a program's cache of compiled code, whose folders others may write, one level after the other.
 
     Raises:
         BreachError: the program has run one of them.
