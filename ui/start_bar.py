@@ -61,7 +61,7 @@ class StartBar:
             Thread(target=self._wait_for_cancel, args=(self._window,), daemon=True).start()
 
     def show(self, done: int, total: int) -> None:
-        """Show that so many of all kernels are compiled."""
+        """Show how many of all kernels are compiled."""
         if self._terminal is not None:
             self._terminal.update(self._task, completed=done, total=total)
         if self._window is not None and self._window.stdin is not None:

@@ -62,7 +62,7 @@ def plan_restore(backup: Path, to: Path | None) -> RestorePlan:
 
     Args:
         backup: the backup's folder.
-        to: the folder of the study. If None, it is the one of which the backup was made.
+        to: the folder of the study. If None, it is the folder that was backed up.
 
     Raises:
         BadFile: there is no whole backup, or `to` is no place for it.

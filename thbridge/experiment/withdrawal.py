@@ -186,10 +186,10 @@ def finish_withdrawal(
             continue
         _remake(study, design, entries, export, versions, changed, told)
     for export in missing_exports(study):
-        told.failed.append(f"{export}: an export was written here, and is here no more.")
+        told.failed.append(f"{export}: an export was written here, but it no longer exists.")
     for backup in study.backups_known.paths():
         if not backup.is_dir():
-            told.failed.append(f"{backup}: a backup was written here, and is here no more.")
+            told.failed.append(f"{backup}: a backup was written here, but it no longer exists.")
             continue
         try:
             back_up(study, backup)

@@ -13,7 +13,7 @@ def confirm(question: str, otherwise: str, *, yes: bool) -> None:
     Args:
         question: what is confirmed.
         otherwise: clause on what was not done then.
-        yes: True to ask nobody.
+        yes: True to skip the question.
     """
     if yes:
         return

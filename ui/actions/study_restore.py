@@ -13,7 +13,7 @@ def restore_study(backup: Path, to: Path | None, *, yes: bool) -> None:
 
     Args:
         backup: the backup's folder.
-        to: the study's folder. If None, the one of which the backup was made.
+        to: the study's folder. If None, it is the folder that was backed up.
         yes: True to ask for no confirmation.
     """
     with bad_input():

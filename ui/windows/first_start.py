@@ -68,7 +68,7 @@ class FirstStartWindow(QWidget):
         self._show_seconds()
 
     def show_progress(self, done: int, total: int) -> None:
-        """Show that so many kernels are compiled."""
+        """Show how many kernels are compiled."""
         self.bar.setRange(0, total)
         self.bar.setValue(done)
         self._known = f"Compiled {done} of {total}, "

@@ -164,7 +164,7 @@ def test_simulated_people_who_leave_after_they_agreed_read_the_debriefing(tmp_pa
     table = next(table for table in tables_of(folder.read(), read_log(folder.log)) if table.name == "participants")
     told = {row["participant"]: row["debriefed"] for row in pd.DataFrame(table.rows).to_dict("records")}
     for name, run in runs.items():
-        # Whoever leaves in the middle of the debriefing has not read it to its end.
+        # A participant who leaves in the middle of the debriefing has not read it to its end.
         expected = run.state is not RunState.LEFT or (2 < run.step < 5)
         assert told[name] is expected, (name, run.state, run.step)
 

@@ -138,7 +138,7 @@ def _on_form(form: Form) -> Iterator[str]:
 
 
 def _on_methods(design: ExperimentDesign) -> Iterator[str]:
-    """Yield what a paper must report, and nobody has written yet."""
+    """Yield what a paper must report and the design does not state yet."""
     file = design.file
     written = {
         "recruitment": file.recruitment,

@@ -72,10 +72,10 @@ class ExperimentFile:
     study: Path | None = param(None, "path of the study file that trials begin from, from here; null: defaults")
     base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, over its file's"})
     within: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "factors of which each person meets all levels"}
+        default_factory=dict, metadata={"help": "factors with all levels for each participant"}
     )
     between: Mapping[str, str] = field(
-        default_factory=dict, metadata={"help": "factors of which each person meets one level"}
+        default_factory=dict, metadata={"help": "factors with one level for each participant"}
     )
     quota: int = param(12, "runs that count, of each combination of levels between people", "", 1, MOST_PEOPLE)
     order: OrderKind = param(OrderKind.BALANCED, "how conditions are ordered for each person")

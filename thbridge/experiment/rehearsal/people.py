@@ -45,7 +45,7 @@ class SimulatedPeople:
     within: float = param(0.15, "standard deviation of a person's answers between items and conditions", "", 0, 1)
     effects: tuple[PutInEffect, ...] = param((), "effects that are put in")
     attitudes: tuple[Attitude, ...] = param(
-        (), "attitudes towards what robots say, of which each person has one; none: that of the study"
+        (), "attitudes towards what robots say; each participant has one of them. If empty, the attitude of the study"
     )
     words_per_minute: float = param(220.0, "how fast people read", "1/min", 10, 2000)
     answering: float = param(4.0, "median time of answering an item", "s", 0.1, 600)

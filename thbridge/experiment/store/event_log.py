@@ -214,7 +214,7 @@ class ExperimentLog:
             raise self._unwritable(error, sum(len(content) for _, _, content, _, _ in rows)) from None
 
     def _unwritable(self, error: sqlite3.Error | OSError, size: int) -> BadFile:
-        """Return the fault of rows with so many letters that could not be written: a full disk, or a full log."""
+        """Return the fault of rows of `size` letters that could not be written: a full disk, or a full log."""
         if _is_full(error):
             (pages,), (page,) = (
                 self._database.execute(f"PRAGMA {of}").fetchone() for of in ("page_count", "page_size")
@@ -574,7 +574,7 @@ def _opened(path: Path, mode: str) -> sqlite3.Connection:
 
 
 def _limit(database: sqlite3.Connection, size: int) -> None:
-    """Let a database grow to so many bytes at most."""
+    """Limit the size of a database, in bytes."""
     (page,) = database.execute("PRAGMA page_size").fetchone()
     database.execute(f"PRAGMA max_page_count={size // page}")
 

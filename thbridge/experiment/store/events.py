@@ -150,7 +150,7 @@ class StepOutcome(StrEnum):
     PASSED_OVER = "passed over"
     """The answers given do not ask for it."""
     LOST = "lost"
-    """It could not go on after a crash, and was not to begin anew."""
+    """It could not continue after a crash, and was not to restart."""
 
 
 class RunState(StrEnum):

@@ -6,7 +6,7 @@ from pathlib import Path
 from thbridge.files.errors import BadFile, visible
 
 LONGEST_NAME = 240
-"""Longest name, in bytes of UTF-8; file systems take 255, of which a file needs 15 while it is written."""
+"""Longest name, in bytes of UTF-8; file systems accept 255, and a file that is being written needs 15 of them."""
 LONGEST_PATH = 4095
 """Longest path, in bytes, as in Linux."""
 

@@ -38,7 +38,7 @@ REJOIN_PERIOD = TICKS_PER_SECOND // 2
 NUMBER_PERIOD = 30 * TICKS_PER_SECOND
 """Ticks after which a request that the player still has gets another number: its effect was lost before it was seen.
 
-A server that a connection cannot reach for so long has closed it.
+After this time without a connection, the server has closed it.
 """
 
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND

@@ -231,7 +231,7 @@ def study_restore(
     to: Annotated[
         Path | None,
         typer.Option(
-            "--to", help="The folder of the study; by default the one of which the backup was made.", metavar="STUDY"
+            "--to", help="The folder of the study; by default the folder that was backed up.", metavar="STUDY"
         ),
     ] = None,
     yes: Annotated[

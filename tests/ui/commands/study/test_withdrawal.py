@@ -162,8 +162,8 @@ def test_what_is_not_there_is_done_by_the_next_command_once_it_is(study: Path, t
         each.rename(away / each.name)
     for command in ("withdraw", "withdraw"):
         said = told_by("study", command, study, first, "--yes")
-        assert f"{export}: an export was written here, and is here no more" in said
-        assert f"{backup}: a backup was written here, and is here no more" in said
+        assert f"{export}: an export was written here, but it no longer exists" in said
+        assert f"{backup}: a backup was written here, but it no longer exists" in said
         assert f"The withdrawal of {first} is not finished" in said
     for each in (export, backup):
         (away / each.name).rename(each)

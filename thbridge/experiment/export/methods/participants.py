@@ -1,4 +1,4 @@
-"""Participants: how many began, and what became of each; characteristics, recruitment, sample size."""
+"""Participants: how many began, finished and left; characteristics, recruitment, sample size."""
 
 import statistics
 from collections import Counter
