@@ -22,7 +22,7 @@ LEAST: dict[Kind, float] = {"text": 4.5, "sign": 3.0, "told besides": 0.0}
 APART = 15.0
 """Least distance (CIE76) in everybody's eyes of colours that distinguish things; 2.3 is just noticed."""
 
-FLOORS = "unvisited reserved visited"
+FLOORS = "unvisited reserved visited won lost"
 GROUNDS = f"window panel floor {FLOORS}"
 
 
@@ -104,15 +104,15 @@ PAIRS = (
     Pair("map/rooms.py", "frame of a room to choose or looked at", "accent", FLOORS, "sign"),
     Pair("map/rooms.py", "what was found", "text", "panel"),
     Pair("map/rooms.py", "its edge, sign of state", "line robots", f"panel {FLOORS}", "sign"),
-    Pair("map/rooms.py", "tick of a visited room", "panel", "line robots", "sign"),
+    Pair("map/rooms.py", "dot, tick or cross of a visited room", "panel", "line robots", "sign"),
     Pair(
         "map/rooms.py",
         "stripes and dots of the floor",
         "text",
-        "reserved visited",
+        "reserved visited won lost",
         "told besides",
         46 / 255,
-        "the room's sign: circle, arrows, tick",
+        "the room's sign: circle, arrows, dot, tick, cross",
     ),
     Pair("map/badges.py", "robot's number, who else commands it, mast", "text", "panel"),
     Pair("map/badges.py", "the same of the selected robot", "panel", "robots"),
@@ -224,7 +224,7 @@ TOLD_APART: dict[ReportedPair, tuple[str, ...]] = {
     ("points won from points lost", "+ and -, words", APART): ("good", "bad"),
     ("what the robot has, from what it has not enough of", "hatching, words", APART): ("text", "bad"),
     ("the selected card from others", "width of the edge", APART): ("accent", "line"),
-    ("states of rooms", "signs, patterns, words", 6.0): ("unvisited", "reserved", "visited"),
+    ("states of rooms", "signs, patterns, words", 6.0): tuple(FLOORS.split()),
 }
 
 

@@ -7,7 +7,16 @@ from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
 from thbridge.roles.notices import Ellipse
 
-RoomState = Literal["unvisited", "reserved", "visited"]
+RoomState = Literal["unvisited", "reserved", "visited", "won", "lost"]
+"""State of a room as it is drawn; a visited room is won or lost once its treasure brought or cost points."""
+
+VISITED: tuple[RoomState, ...] = ("visited", "won", "lost")
+"""States of rooms that a robot has reached."""
+
+
+def decided(points: int) -> RoomState:
+    """Return the state of a room whose treasure was named for these points."""
+    return "won" if points > 0 else "lost" if points < 0 else "visited"
 
 
 @dataclass(frozen=True, slots=True)

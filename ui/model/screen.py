@@ -9,6 +9,7 @@ from enum import IntEnum, StrEnum
 from typing import Literal
 
 from thbridge.hunt.properties import PropertyDrawing
+from ui.model.scene import RoomState
 
 
 class GameSound(IntEnum):
@@ -321,7 +322,7 @@ class RoomTile:
     Attributes:
         room: its number.
         name: name for people.
-        state: "unvisited", "reserved" or "visited".
+        state: of the room, with the outcome of naming its treasure.
         robot: index of the robot that visited it or drives to it.
         cost: energy for the selected robot; None where it has no path, or the room is visited or reserved, or while it
             drives and nobody knows where it would be stopped.
@@ -333,7 +334,7 @@ class RoomTile:
 
     room: int
     name: str
-    state: Literal["unvisited", "reserved", "visited"]
+    state: RoomState
     robot: int | None
     cost: float | None
     considered: bool

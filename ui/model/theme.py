@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from math import dist
 from typing import Literal
 
+from ui.model.scene import RoomState
+
 
 @dataclass(frozen=True, slots=True)
 class Palette:
@@ -26,6 +28,8 @@ class Palette:
         unvisited: floor of a room not visited yet.
         reserved: floor of a room that a robot drives to.
         visited: floor of a room visited.
+        won: floor of a room whose treasure brought points.
+        lost: floor of a room whose treasure cost points.
         robots: of robot 1, 2, ...; from the eleventh on they repeat, and the number tells.
     """
 
@@ -45,11 +49,23 @@ class Palette:
     unvisited: str
     reserved: str
     visited: str
+    won: str
+    lost: str
     robots: tuple[str, ...]
 
     def robot(self, number: int) -> str:
         """The colour of the robot of this index."""
         return self.robots[number % len(self.robots)]
+
+    def room(self, state: RoomState) -> str:
+        """The colour of a room's floor."""
+        return {
+            "unvisited": self.unvisited,
+            "reserved": self.reserved,
+            "visited": self.visited,
+            "won": self.won,
+            "lost": self.lost,
+        }[state]
 
 
 LIGHT = Palette(
@@ -67,8 +83,10 @@ LIGHT = Palette(
     floor="#fbfbfc",
     unknown="#e9ebf0",
     unvisited="#eaf1fc",
-    reserved="#fdf0cf",
-    visited="#d2ead4",
+    reserved="#fdf3c4",
+    visited="#dedfe1",
+    won="#c6f4db",
+    lost="#ffdac3",
     robots=(
         "#0070d0",
         "#b05010",
@@ -100,7 +118,9 @@ DARK = Palette(
     unknown="#14181e",
     unvisited="#242d52",
     reserved="#4b3c10",
-    visited="#1e4327",
+    visited="#404346",
+    won="#1b4a30",
+    lost="#461828",
     robots=(
         "#7090c0",
         "#c08020",

@@ -209,6 +209,7 @@ def test_a_wrong_name_costs_and_is_said_so():
     pop = seat.do(SubmitName()).popup
     assert pop.verdict == f"{name_in_words(wrong)} is wrong, {treasure.points} points lost."
     assert seat.screen.tiles[2].found == f"{wrong}, −{treasure.points}"
+    assert seat.screen.tiles[2].state == "lost"
 
 
 def test_who_may_be_sent_is_said_where_nothing_waits():

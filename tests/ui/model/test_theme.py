@@ -1,9 +1,11 @@
 """Every state in the windows can be read and told apart, by figures."""
 
 from itertools import combinations
+from typing import get_args
 
 import pytest
 
+from ui.model.scene import RoomState
 from ui.model.theme import DARK, LIGHT, SIMULATED, Palette, Vision, contrast, difference
 
 PALETTES = pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
@@ -12,8 +14,12 @@ TEXT, SIGN = 4.5, 3.0
 """WCAG 2.2 AA, criteria 1.4.3 and 1.4.11."""
 
 
+def floors(palette: Palette) -> list[str]:
+    return [palette.room(state) for state in get_args(RoomState)]
+
+
 def grounds(palette: Palette) -> list[str]:
-    return [palette.window, palette.panel, palette.floor, palette.unvisited, palette.reserved, palette.visited]
+    return [palette.window, palette.panel, palette.floor, *floors(palette)]
 
 
 @PALETTES
@@ -53,7 +59,7 @@ def test_edges_and_robots_show_on_every_ground(palette: Palette) -> None:
 def test_robots_and_rooms_look_different_to_everybody(palette: Palette, vision: Vision) -> None:
     for one, other in combinations(palette.robots, 2):
         assert difference(one, other, vision) >= 15.0
-    for one, other in combinations([palette.unvisited, palette.reserved, palette.visited], 2):
+    for one, other in combinations(floors(palette), 2):
         assert difference(one, other, vision) >= 6.0
     assert difference(palette.good, palette.bad, vision) >= 15.0
 

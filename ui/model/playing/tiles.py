@@ -11,6 +11,7 @@ from ui.model.keys import keyed
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
 from ui.model.playing.words import gained, place_name, titled
+from ui.model.scene import decided
 from ui.model.screen import Action, AskAdvice, ChooseRoom, EndGame, RoomTile
 
 
@@ -44,7 +45,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
     return RoomTile(
         room=room.room,
         name=names.get(room.room) or f"Room {room.room}",
-        state=room.state,
+        state=room.state if room.verdict is None else decided(room.verdict.points),
         robot=room.robot,
         cost=costs[room.room] if costs is not None and room.state == "unvisited" else None,
         considered=room.room == (memory.considered() or hunt.destination_considered(robot)),

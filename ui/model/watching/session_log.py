@@ -18,7 +18,7 @@ from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.records import LogLevel
 from thbridge.ros.messages.session_records import GameEvent
 from ui.model.playing.words import gained
-from ui.model.scene import RoomState
+from ui.model.scene import RoomState, decided
 from ui.model.watching.dialogue_log import DialogueCourse, DialogueLog
 from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind
@@ -206,7 +206,7 @@ class SessionLog:
             case GameEvent("failed", _, int(room)):
                 rooms = {**rooms, room: replace(room_before, state="unvisited", robot=None)}
             case GameEvent("identified", _, int(room)):
-                rooms = {**rooms, room: replace(room_before, answer=_answer(fields))}
+                rooms = {**rooms, room: replace(room_before, state=_decided(fields), answer=_answer(fields))}
             case GameEvent("left", _, int(room)):
                 rooms = {**rooms, room: replace(room_before, answer="left there")}
             case GameEvent("takenup", _, int(room)):
@@ -242,6 +242,12 @@ def _answer(fields: dict[str, object]) -> str:
     name, points = fields.get("name"), fields.get("points")
     won = gained(points) if isinstance(points, int) else ""
     return " for ".join(part for part in (won, name_in_words(str(name or ""))) if part)
+
+
+def _decided(fields: dict[str, object]) -> RoomState:
+    """The state of a room after its treasure was named."""
+    points = fields.get("points")
+    return decided(points) if isinstance(points, int) else "visited"
 
 
 def _fields(text: str) -> dict[str, object]:

@@ -19,7 +19,7 @@ from PySide6.QtGui import (
 )
 
 from sim.numerics.float_array import FloatArray
-from ui.model.scene import RoomMark
+from ui.model.scene import RoomMark, RoomState
 from ui.model.theme import Palette
 from ui.windows.map.camera import Camera
 from ui.windows.map.geometry import MapGeometry, contains
@@ -56,20 +56,18 @@ NAME_HEIGHT = 13.0
 
 def paint_floors(painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], palette: Palette) -> None:
     """Paint the floors of the rooms and their patterns; walls are painted over their edges."""
-    patterns = {
-        state: _pattern(state, palette, painter.device().devicePixelRatio()) for state in ("reserved", "visited")
-    }
+    ratio = painter.device().devicePixelRatio()
+    stripes, dots = _pattern("reserved", palette, ratio), _pattern("visited", palette, ratio)
     for mark in rooms:
         outline = polygon(camera.to_screen(mark.region))
-        colours = {"unvisited": palette.unvisited, "reserved": palette.reserved, "visited": palette.visited}
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(colours[mark.state]))
+        painter.setBrush(QColor(palette.room(mark.state)))
         painter.drawPolygon(outline)
         if mark.considered:
             painter.setBrush(_faint(palette.accent))
             painter.drawPolygon(outline)
         if mark.state != "unvisited":
-            painter.setBrush(patterns[mark.state])
+            painter.setBrush(stripes if mark.state == "reserved" else dots)
             painter.setBrushOrigin(outline.boundingRect().topLeft())
             painter.drawPolygon(outline)
 
@@ -250,8 +248,18 @@ def _paint_pill(painter: QPainter, space: _Space, text: str, palette: Palette, f
     painter.drawText(box, Qt.AlignmentFlag.AlignCenter, pill.words)
 
 
+_STROKES: dict[RoomState, list[list[tuple[float, float]]]] = {
+    "visited": [[(-0.6, 0.0), (0.6, 0.0)]],
+    "won": [[(-5.0, 0.5), (-1.5, 4.0), (5.0, -3.5)]],
+    "lost": [[(-4.0, -4.0), (4.0, 4.0)], [(-4.0, 4.0), (4.0, -4.0)]],
+}
+"""Lines on the disc of a room that was visited, pixels from its middle at the usual size of text."""
+
+
 def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette, scale: float) -> None:
-    """Paint an open circle: not visited; arrows in the robot's colour: a robot is coming; or a tick: visited."""
+    """Paint the state: an open circle: not visited; arrows: a robot is coming; on a disc a dot: visited, tick: won,
+    cross: lost. Arrows and discs have the robot's colour.
+    """
     painter.save()
     painter.translate(centre)
     painter.scale(scale, scale)
@@ -277,8 +285,8 @@ def _paint_sign_of_usual_size(painter: QPainter, mark: RoomMark, palette: Palett
         painter.setBrush(colour)
         painter.drawEllipse(centre, SIGN_RADIUS, SIGN_RADIUS)
         colour = QColor(palette.panel)
-        strokes = [[(-5.0, 0.5), (-1.5, 4.0), (5.0, -3.5)]]
-    pen = QPen(colour, 2.4)
+        strokes = _STROKES[mark.state]
+    pen = QPen(colour, 5.0 if mark.state == "visited" else 2.4)
     pen.setCapStyle(Qt.PenCapStyle.RoundCap)
     pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
     painter.setPen(pen)

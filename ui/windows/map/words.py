@@ -5,16 +5,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim.common.robot_numbers import robot_name
-from ui.model.scene import RobotMark, RoomMark
+from ui.model.scene import VISITED, RobotMark, RoomMark
 from ui.windows.map.geometry import contains
 
 
 def describe(rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
     """Describe how many rooms there are, which are visited or expect a robot, and where every robot is."""
     sentences = [f"Map: {len(rooms)} room{'' if len(rooms) == 1 else 's'}"]
-    visited = [mark.room for mark in rooms if mark.state == "visited"]
-    if visited:
-        sentences.append(f"visited: {_listed(visited)}")
+    for told, states in (("visited", VISITED), ("won", ("won",)), ("lost", ("lost",))):
+        numbers = [mark.room for mark in rooms if mark.state in states]
+        if numbers:
+            sentences.append(f"{told}: {_listed(numbers)}")
     for robot in robots:
         where = _where(robot, rooms)
         going = _going(robot, rooms)

@@ -6,13 +6,26 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
+from ui.model.scene import RoomState
 from ui.model.screen import RoomTile
 from ui.windows.look import GAP, RADIUS, colours, font, px, smooth_painter
 from ui.windows.participant.widgets.buttons import ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, elided, ring, sign, write
 
-SIGNS: dict[str, Sign] = {"unvisited": "open", "reserved": "arrow", "visited": "tick"}
-STATES: dict[str, str] = {"unvisited": "not visited yet", "reserved": "a robot is under way", "visited": "visited"}
+SIGNS: dict[RoomState, Sign] = {
+    "unvisited": "open",
+    "reserved": "arrow",
+    "visited": "dot",
+    "won": "tick",
+    "lost": "cross",
+}
+STATES: dict[RoomState, str] = {
+    "unvisited": "not visited yet",
+    "reserved": "a robot is under way",
+    "visited": "visited",
+    "won": "visited, won",
+    "lost": "visited, lost",
+}
 
 SPACE = GAP - 2
 """Distance between tiles, logical pixels."""
@@ -88,7 +101,7 @@ class Tile(ParticipantButton):
         painter = smooth_painter(self)
         rect = QRectF(self.rect())
         can = tile.choose.enabled
-        ground = {"unvisited": palette.unvisited, "reserved": palette.reserved, "visited": palette.visited}[tile.state]
+        ground = palette.room(tile.state)
         strong = tile.considered or self.pointed_at()
         box(
             painter,
@@ -240,7 +253,9 @@ def below(tile: RoomTile) -> tuple[str, ...]:
 def spoken_tile(tile: RoomTile) -> str:
     """Return a room as screen readers say it."""
     who = robot_name(tile.robot) if tile.robot is not None else ""
-    state = {"visited": f"visited by {who}", "reserved": f"{who} is under way"}.get(tile.state) if who else None
+    state = STATES[tile.state]
+    if who and tile.state != "unvisited":
+        state = f"{who} is under way" if tile.state == "reserved" else state.replace("visited", f"visited by {who}")
     cost = f"costs {energy_text(tile.cost)}" if tile.cost is not None and tile.state == "unvisited" else ""
-    parts = [f"Room {tile.room}", tile.name, state or STATES[tile.state], tile.found, cost, tile.warning]
+    parts = [f"Room {tile.room}", tile.name, state, tile.found, cost, tile.warning]
     return ", ".join(part for part in parts if part)

@@ -8,9 +8,9 @@ from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QPainter, QPaint
 from sim.common.robot_numbers import number_of
 from ui.windows.look import GAP, RADIUS, RING, colours, font, smooth_painter, text_colour_on
 
-Sign = Literal["open", "arrow", "tick", "trouble", "busy", "talk", "mast"]
-"""Not visited yet, a robot is on its way, visited; something is wrong; asked for and not done yet; somebody speaks;
-somebody else commands."""
+Sign = Literal["open", "arrow", "dot", "tick", "cross", "trouble", "busy", "talk", "mast"]
+"""Not visited yet, a robot is on its way, visited, won, lost; something is wrong; asked for and not done yet; somebody
+speaks; somebody else commands."""
 
 
 LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
@@ -110,6 +110,12 @@ def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
         case "arrow":
             painter.drawPolyline([at(0.1, 0.5), at(0.9, 0.5)])
             painter.drawPolyline([at(0.6, 0.2), at(0.9, 0.5), at(0.6, 0.8)])
+        case "dot":
+            painter.setBrush(QColor(ink))
+            painter.drawEllipse(area.adjusted(side * 0.32, side * 0.32, -side * 0.32, -side * 0.32))
+        case "cross":
+            painter.drawPolyline([at(0.2, 0.2), at(0.8, 0.8)])
+            painter.drawPolyline([at(0.2, 0.8), at(0.8, 0.2)])
         case "tick":
             painter.drawPolyline([at(0.15, 0.55), at(0.4, 0.8), at(0.88, 0.22)])
         case "trouble":
