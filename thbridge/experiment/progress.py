@@ -195,6 +195,11 @@ class Progress:
         run = self.runs[participant]
         return [step for step in run.plan if self._at_levels(run, step)]
 
+    def step_count(self, participant: str) -> tuple[int, int]:
+        """Return the number of a person's step, from 1, and of all their steps, without those that are passed over."""
+        numbers = [step.number for step in self.steps_shown(participant)]
+        return sum(number <= self.runs[participant].step for number in numbers), len(numbers)
+
     def _at_levels(self, run: Run, step: PlannedStep) -> bool:
         """Return True when a person's condition asks for a step."""
         levels = self.design.levels_at(run.place.cell, step.condition)

@@ -4,6 +4,7 @@ A list in the store has the withdrawal before anything is deleted, and loses it 
 that was killed, or could not reach a backup, is finished later: each command of a study begins with that.
 """
 
+import mmap
 import re
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -192,7 +193,7 @@ def finish_withdrawal(
             told.failed.append(f"{backup}: a backup was written here, but it no longer exists.")
             continue
         try:
-            back_up(study, backup)
+            told.left += back_up(study, backup)
             told.done.append(f"{backup}: this backup is brought up to date, without {participant}.")
         except BadFile as fault:
             if _may_hold(ExperimentFolder(backup), participant):
@@ -322,6 +323,9 @@ def _remake(
 def _names(file: Path, participant: str) -> bool:
     """Return True where a file has an id as plain text, or cannot be read."""
     try:
-        return participant.encode() in file.read_bytes()
+        if not file.stat().st_size:
+            return False
+        with file.open("rb") as opened, mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as content:
+            return content.find(participant.encode()) >= 0
     except OSError:
         return True

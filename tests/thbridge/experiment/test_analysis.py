@@ -70,6 +70,17 @@ def test_an_effect_that_was_put_in_is_found_and_none_where_none_was(
     assert (export / "results" / "workload-python.png").stat().st_size > 1000
 
 
+def test_before_anybody_met_all_conditions_it_says_that_there_is_nothing_to_compare(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = rehearse(tmp_path, SimulatedPeople(plays=False), 3, TEXT)
+    begun = [entry for entry in read_log(folder.log) if entry.sequence <= 12]
+    export = tmp_path / "exports" / "first"
+    export_experiment(folder, folder.read(), begun, export, {"thbridge": "1.0"}, None)
+    runpy.run_path(str(export / "analysis.py"), run_name="__main__")
+    assert "cells: none. Nobody has data in all conditions yet" in capsys.readouterr().out
+
+
 def test_columns_have_their_types(export: Path) -> None:
     read = runpy.run_path(str(export / "analysis.py"))["table"]
     answers, people, steps = read("answers"), read("participants"), read("steps")

@@ -180,6 +180,7 @@ def test_a_step_of_some_levels_comes_in_these_conditions_alone(tmp_path: Path) -
     steps = [step for step in log.progress.runs["A"].plan if step.name == "told"]
     wanted = {log.progress.design.conditions[step.condition].name: log.progress.wants("A", step) for step in steps}
     assert wanted == {"dialogue.condition=supervisor": False, "dialogue.condition=collaborator": True}
+    assert log.progress.step_count("A") == (1, len(log.progress.runs["A"].plan) - 1)
 
 
 def test_a_run_cannot_jump_nor_go_through_a_step_twice(design: ExperimentDesign) -> None:

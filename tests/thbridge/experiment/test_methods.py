@@ -280,6 +280,7 @@ title: About you
 items:
   - {id: age, text: How old are you?, scale: number, minimum: 18, maximum: 99, unit: years}
   - {id: gender, text: What is your gender?, scale: choice, options: [woman, man, "another, or none"]}
+  - {id: who, text: Who decided?, scale: choice, options: [I did., They did.]}
 """
 
 
@@ -302,6 +303,7 @@ def test_what_the_researcher_wrote_fills_the_brackets(tmp_path: Path) -> None:
         "| dialogue.language | en | de |",
         "| each.2.localization | not set | ekf |",
         "| age | How old are you? | number from 18 to 99 years |",
+        "| who | Who decided? | one of: I did; They did |",
         "[Source of this form.]",
     ):
         assert said in text, said

@@ -75,7 +75,8 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     say(f"{design.file.title}: {counts['complete']} of {design.allocation.size} runs that count")
     for run in runs:
         reason = f" ({run.reason})" if run.reason else ""
-        at = f", step {run.step} of {len(run.plan)}" if run.state is RunState.UNDER_WAY else ""
+        number, steps = progress.step_count(run.participant)
+        at = f", step {number} of {steps}" if run.state is RunState.UNDER_WAY else ""
         step, lag = (None, 0.0) if run.slowest is None else run.slowest
         slow = f", {step.name} up to {lag:.1f} s behind real time" if step is not None and lag >= 1.0 else ""
         say(f"  {run.participant}  {run.state}{reason}{at}{slow}")

@@ -444,8 +444,7 @@ class KioskHost:
         run = self.progress.runs.get(self._person)
         if run is None or run.state is not RunState.UNDER_WAY:
             return StudyProgress()
-        steps = [step.number for step in self.progress.steps_shown(self._person)]
-        return StudyProgress(sum(number <= run.step for number in steps), len(steps))
+        return StudyProgress(*self.progress.step_count(self._person))
 
     async def _read(self, page: TextToRead | GameRecorded) -> None:
         """Show a page until the person goes on from it."""

@@ -35,8 +35,8 @@ class DeskRun(msgspec.Struct, frozen=True):
         order: their conditions in words, in their order.
         state: how far the run is, as `RunState` has it.
         reason: for being excluded, or for leaving.
-        step: number of the step that comes next or is under way, from 1; one beyond the last when all are done.
-        steps: number of steps.
+        step: number of the step that comes next or is under way, from 1; that of the last when all are done.
+        steps: number of the person's steps, without those that are passed over in their condition.
         step_name: its name; empty beyond the last.
         step_kind: its kind; empty beyond the last.
         under_way: True while it is.

@@ -91,7 +91,7 @@ def run_words(run: DeskRun) -> str:
 
 
 def _numbered(run: DeskRun) -> str:
-    return f"{min(run.step, run.steps)} of {run.steps}"
+    return f"{run.step} of {run.steps}"
 
 
 def _step(run: DeskRun) -> str:

@@ -70,7 +70,7 @@ def desk_state(
         counted=len(progress.valid),
         cells=_cells(design, runs),
         changed=told.changed,
-        runs=tuple(_run(design, run, own[run.participant], told.now) for run in runs),
+        runs=tuple(_run(progress, run, own[run.participant], told.now) for run in runs),
         kiosk=told.kiosk,
         troubles=told.troubles,
         notes=tuple(notes),
@@ -96,7 +96,9 @@ def _cells(design: ExperimentDesign, runs: Iterable[Run]) -> tuple[DeskCell, ...
     )
 
 
-def _run(design: ExperimentDesign, run: Run, events: Sequence[LoggedEvent], now: str) -> DeskRun:
+def _run(progress: Progress, run: Run, events: Sequence[LoggedEvent], now: str) -> DeskRun:
+    design = progress.design
+    number, steps = progress.step_count(run.participant)
     over = run.state is not RunState.UNDER_WAY
     step = run.plan[run.step - 1] if run.step <= len(run.plan) else None
     missing: tuple[str, ...] = ()
@@ -114,8 +116,8 @@ def _run(design: ExperimentDesign, run: Run, events: Sequence[LoggedEvent], now:
         ),
         state=str(run.state),
         reason=run.reason,
-        step=run.step,
-        steps=len(run.plan),
+        step=number,
+        steps=steps,
         step_name="" if step is None else step.name,
         step_kind="" if step is None else str(step.entry.step),
         under_way=run.under_way and not over,

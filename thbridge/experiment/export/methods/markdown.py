@@ -42,6 +42,11 @@ def joined(words: Sequence[str], last: str = "and") -> str:
     return f"{', '.join(words[:-1])}, {last} {words[-1]}"
 
 
+def listed(answers: Iterable[str]) -> str:
+    """Return answers as a list in a sentence, without the periods at their ends."""
+    return "; ".join(answer.removesuffix(".") for answer in answers)
+
+
 def sentence(text: str, gap: str) -> str:
     """Return a text of the researcher's as a sentence with its stop; where it is empty, a gap in brackets."""
     said = text.strip()

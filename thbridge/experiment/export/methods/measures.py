@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.export.families.attempts import NO_DATA
 from thbridge.experiment.export.families.forms import attention_checks
-from thbridge.experiment.export.methods.markdown import counted, paragraph, table
+from thbridge.experiment.export.methods.markdown import counted, listed, paragraph, table
 from thbridge.experiment.export.tables import ExperimentRecords
 from thbridge.experiment.questionnaires.form import Form, Item, Scale, Scoring
 from thbridge.experiment.questionnaires.scoring import Answer, reliability_of
@@ -131,7 +131,7 @@ def scale_words(item: Item) -> str:
         case Scale.CHOICE:
             several = "any of" if item.several else "one of"
             shuffled = ", in random order" if item.shuffle else ""
-            return f"{several}: {'; '.join(item.options)}{shuffled}{also}"
+            return f"{several}: {listed(item.options)}{shuffled}{also}"
         case _:
             return f"free text{also}"
 

@@ -9,6 +9,7 @@ from thbridge.experiment.export.methods.markdown import (
     Spread,
     counted,
     joined,
+    listed,
     paragraph,
     sentence,
     spread,
@@ -177,7 +178,7 @@ def _check(records: ExperimentRecords, index: int, entry: StepEntry, people: str
 def _right(correct: str | None, by_condition: object) -> str:
     ways = dict(by_condition) if isinstance(by_condition, dict) else {}
     told = [f"{level}: {answer}" for level, answer in ways.items()]
-    return "; ".join([*told, *([f"else: {correct}" if told else correct] if correct is not None else [])])
+    return listed([*told, *([f"else: {correct}" if told else correct] if correct is not None else [])])
 
 
 def _results(records: ExperimentRecords, index: int, people: str) -> Iterator[str]:

@@ -229,10 +229,16 @@ for (name in names(found)) {
 }
 for (file in c("cells", "tests")) {
   lines <- if (file == "cells") means else tests
+  path <- file.path(here, "results", paste0(file, "-r.csv"))
+  if (is.null(lines)) {
+    unlink(path)
+    cat("\n", file, ": none. Nobody has data in all conditions yet, or all values are the same.\n", sep = "")
+    next
+  }
   numbers <- vapply(lines, is.numeric, TRUE)
   rounded <- lines
   rounded[numbers] <- lapply(lines[numbers], signif, 6)
-  write.csv(rounded, file.path(here, "results", paste0(file, "-r.csv")), row.names = FALSE, na = "")
+  write.csv(rounded, path, row.names = FALSE, na = "")
   rounded[numbers] <- lapply(lines[numbers], round, 4)
   cat("\n", file, "\n", sep = "")
   print(rounded, row.names = FALSE)

@@ -212,8 +212,13 @@ def main() -> None:
         for inside, outside in product(within, between):
             tests += interactions(name, rows, inside, outside)
     for file, lines in (("cells", means), ("tests", tests)):
+        path = HERE / "results" / f"{file}-python.csv"
+        if not lines:
+            path.unlink(missing_ok=True)
+            print(f"\n{file}: none. Nobody has data in all conditions yet, or all values are the same.")
+            continue
         frame = pd.DataFrame(lines)
-        frame.to_csv(HERE / "results" / f"{file}-python.csv", index=False, float_format="%.6g")
+        frame.to_csv(path, index=False, float_format="%.6g")
         print(f"\n{file}\n{frame.round(4).to_string(index=False)}")
 
 
