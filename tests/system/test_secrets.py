@@ -103,7 +103,7 @@ def test_keys_are_nowhere_but_in_their_files(tmp_path: Path, keys: Path) -> None
     secrets = forms_of(secret, PASSPHRASE)
     secrets |= set((folder / "certificate.pem").read_bytes().splitlines()[1:3])  # of the private key
     port = free_port()
-    options = ("--headless", "--rate", "5", "--max-seconds", "25", "--bag", "a.bag", "--port", "0", "--report")
+    options = ("--headless", "--rate", "5", "--max-seconds", "60", "--bag", "a.bag", "--port", "0", "--report")
     # Packed, a key would not be found.
     options += ("--with", "recording.compression=none")
     doors = ("--watch", str(port), "--watch-key", "ring", "--mavlink", "--tlog", "--signing-key", "keys/signing.txt")

@@ -98,7 +98,7 @@ def spread(path: Path, node: Node) -> Node:
     return tree
 
 
-def entries_of(node: Node | None) -> list[tuple[Scalar, Node]]:
+def entries_of(node: Node | None) -> Sequence[tuple[Scalar, Node]]:
     """Return the keys and values of a section; none of what is no section."""
     return node.entries if isinstance(node, Section) else []
 

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,7 +53,7 @@ class RosYamlNormalizer:
                     name, inner = self.unfolded(key, self.node(child))
                     before, known = written.get(name.text, (name, None))
                     if isinstance(inner, Section) and isinstance(known, Section) and "/" in key.text.strip("/"):
-                        known.entries.extend(inner.entries)
+                        written[name.text] = before, Section(known.line, [*known.entries, *inner.entries])
                         continue
                     if known is not None:
                         notice = f"{name.text} stands twice, first in line {before.line}; the later holds, as in ROS"
@@ -60,7 +61,7 @@ class RosYamlNormalizer:
                     written[name.text] = name, inner
                 return Section(line, list(written.values()))
 
-    def merged(self, entries: list[Entry]) -> list[Entry]:
+    def merged(self, entries: Sequence[Entry]) -> list[Entry]:
         """The entries, with those of merge keys (`<<: *common`) that they do not override."""
         own = [entry for entry in entries if entry[0].text != "<<"]
         names = {key.text for key, _ in own}

@@ -1,8 +1,11 @@
 """The tree of a YAML file as it is written: nodes have line numbers, and words are not interpreted."""
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
+from typing import cast
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
@@ -24,6 +27,8 @@ DEEPEST = 32
 """Largest depth of nesting."""
 LARGEST_TREE = 100_000
 """Largest number of values of a file, with its aliases expanded."""
+KEPT_TREES, KEPT_LETTERS = 256, 20_000
+"""Number of trees that are kept, and the longest text of one: those of our own files, which each study reads again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +56,7 @@ class Listing:
     """A sequence; `start` is its offset in the text, `flow` is True when it is written in brackets."""
 
     line: int
-    items: list["Node"]
+    items: Sequence["Node"]
     start: int = field(default=0, compare=False)
     flow: bool = field(default=False, compare=False)
 
@@ -61,7 +66,7 @@ class Section:
     """A mapping as it is written, with duplicate keys. `start` and `flow` as for a Listing."""
 
     line: int
-    entries: list[tuple[Scalar, "Node"]]
+    entries: Sequence[tuple[Scalar, "Node"]]
     start: int = field(default=0, compare=False)
     flow: bool = field(default=False, compare=False)
 
@@ -72,6 +77,8 @@ Node = Scalar | Listing | Section
 def parse(path: Path, text: str, ros: bool = False) -> Node:
     """The tree of one YAML document; an empty text gives an empty section.
 
+    The parser needs 0.1 s for 10,000 letters, and a study with many conditions reads the same texts many times.
+
     Args:
         path: the file, for faults.
         text: the text of the file.
@@ -80,8 +87,29 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
     Raises:
         BadFile: it is not YAML, or has what a plain list of settings does not need: anchors, tags, documents.
     """
+    source = _Source(text, ros, path)
+    return _kept_tree(source) if len(text) <= KEPT_LETTERS else _tree_of(source)
+
+
+@dataclass(frozen=True, slots=True)
+class _Source:
+    """What a tree is made of; the file has no part in it."""
+
+    text: str
+    ros: bool
+    path: Path = field(compare=False)
+
+
+@lru_cache(KEPT_TREES)
+def _kept_tree(source: _Source) -> Node:
+    return _tree_of(source)
+
+
+def _tree_of(source: _Source) -> Node:
+    path, text, ros = source.path, source.text, source.ros
     _refuse_tabs(path, text)
     root: list[Node] = []
+    # Only here, while a tree is made, are its lists added to.
     stack: list[Listing | Section] = []
     pending_keys: list[Scalar | None] = []
     anchors = _Anchors(path)
@@ -105,12 +133,12 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
                 if not stack:
                     root.append(node)
                 elif isinstance(stack[-1], Listing):
-                    stack[-1].items.append(node)
+                    cast("list[Node]", stack[-1].items).append(node)
                 elif (key := pending_keys[-1]) is not None:
                     # The parser gives a left-out value the line of the next key; the line of its own key is better.
                     if isinstance(node, Scalar) and node.absent:
                         node = dataclasses.replace(node, line=key.line)
-                    stack[-1].entries.append((key, node))
+                    cast("list[tuple[Scalar, Node]]", stack[-1].entries).append((key, node))
                     pending_keys[-1] = None
                 elif isinstance(node, Scalar):
                     pending_keys[-1] = node
