@@ -4,10 +4,12 @@ import os
 from collections import Counter
 from collections.abc import Iterator
 from datetime import datetime
+from functools import cache
 from itertools import chain
 from pathlib import Path
 
 import pytest
+import typer.testing
 from hypothesis import settings
 
 from tests.compiling import ROOT, compile_kernels
@@ -19,6 +21,9 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 settings.register_profile("quick", deadline=None, max_examples=30)
 settings.register_profile("thorough", deadline=None, max_examples=300)  # by `make test-slow`
 settings.load_profile("quick")
+
+# The tree of all commands takes 35 ms, and tests call a thousand of them.
+typer.testing._get_command = cache(typer.testing._get_command)  # type: ignore[attr-defined]
 
 CHECKED = "CHECKED_SECONDS"
 """The variable by which `make test` says how long it took before tests began."""

@@ -79,7 +79,12 @@ def requests(seed: int, robots: int, tick: int):
 
 
 @pytest.mark.parametrize(
-    ("seed", "robots"), [(1, [PARTICLES] * 4), (2, [PARTICLES, KALMAN, TRUTH]), (3, [PARTICLES]), (4, [PARTICLES] * 3)]
+    ("seed", "robots"),
+    [
+        (2, [PARTICLES, KALMAN, TRUTH]),
+        (3, [PARTICLES]),
+        *(pytest.param(seed, [PARTICLES] * robots, marks=pytest.mark.slow) for seed, robots in ((1, 4), (4, 3))),
+    ],
 )
 def test_a_team_whose_robots_skip_ticks_does_what_one_does_that_steps_them_all(seed, robots):
     skipping, stepping = team_of(robots, seed), team_of(robots, seed)

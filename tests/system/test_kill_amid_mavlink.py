@@ -4,6 +4,8 @@ import socket
 import time
 from pathlib import Path
 
+import pytest
+
 from tests.system.programs import Program, until
 from thbridge.app.session.mavros import frame_in
 from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
@@ -38,6 +40,7 @@ def logged(tlog: Path) -> set[bytes]:
     return found
 
 
+@pytest.mark.slow
 def test_what_a_station_heard_is_kept(tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text("robots: 3\n")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:

@@ -60,6 +60,7 @@ def test_a_recorded_session_is_read_and_replayed(old: Path) -> None:
     assert is_same or ("The first difference:" in said and "Recorded with other versions" in said), said
 
 
+@pytest.mark.slow
 def test_a_study_with_people_goes_on_where_it_was(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "no faults" in thbridge("study", "check", study)
     status = thbridge("study", "status", study)

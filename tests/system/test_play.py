@@ -28,6 +28,7 @@ def messages(bag: Path) -> list[tuple[str, int, bytes]]:
         return [(connection.topic, stamp, bytes(data)) for connection, stamp, data in reader.messages()]
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_hunt_and_the_same_bag(tmp_path):
     (tmp_path / "short.yaml").write_text("game: {energy: 40}\n")
     first, second = (play(tmp_path, "short.yaml", "--robots", "2", "--seed", "7") for _ in range(2))

@@ -387,8 +387,8 @@ def check_older(folder: Path, said: Sequence[object]) -> None:
     assert journals == ["a-1.journal"] or not said
 
 
-LONG = {"backup of a study", "log of an experiment", "withdrawal", "restore of a study"}
-"""Writers with a hundred changes: tens of seconds each."""
+LONG = {"backup of a study", "key ring", "log of an experiment", "withdrawal", "restore of a study"}
+"""Writers with many changes: ten seconds and more each."""
 
 WRITERS["older recording"] = Writer(move_older, check_older, prepare_older)
 

@@ -30,6 +30,7 @@ def hunt(tmp_path):
             program.close()
 
 
+@pytest.mark.slow
 def test_a_hunt_survives_the_death_of_each_program(hunt, tmp_path):
     def count(kind: str) -> int:
         return kinds(tmp_path).count(kind)

@@ -58,6 +58,7 @@ def described(content: bytes) -> dict[str, dict[str, Any]]:
     return {each["name"]: each for each in json.loads(content)["parameters"]}
 
 
+@pytest.mark.slow
 def test_pymavlink_gets_them_whole(files: dict[str, bytes]) -> None:
     (about,) = json.loads(files["general.json"])["metadataTypes"]
     assert about["fileCrc"] == checksum(files["parameters.json"])

@@ -65,6 +65,7 @@ def test_mavutil_signs_and_verifies(tmp_path: Path, key: Path, scripts: tuple[Sc
         assert signing.badsig_count == signing.reject_count == 0
 
 
+@pytest.mark.slow
 def test_datagrams_that_are_said_again_or_late_or_by_another_key_do_nothing(
     tmp_path: Path, key: Path, scripts: tuple[Script, Script]
 ) -> None:

@@ -164,6 +164,7 @@ def test_whoever_stops_a_session_finds_the_graph_in_order(core: Core, tmp_path: 
     assert core.ros.says("rostopic", "list").split() == []
 
 
+@pytest.mark.slow
 def test_rosnode_kill_ends_the_sitting_and_not_the_hunt(core: Core, tmp_path: Path) -> None:
     core.start()
     with hunt(tmp_path, f"http://127.0.0.1:{core.port}") as program:
@@ -217,6 +218,7 @@ def refused(folder: Path, *arguments: str) -> str:
     return done.stderr
 
 
+@pytest.mark.slow
 def test_a_port_that_something_else_has_is_told_before_anything_begins(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         said = refused(tmp_path, "--ros-master", f"http://127.0.0.1:{taken.getsockname()[1]}")

@@ -4,6 +4,8 @@ import shutil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import pytest
+
 from tests.peers.mavlink.rovers import free_udp_port
 from tests.peers.ros.beside import NEEDS_ROS, Ros
 from tests.system.ports import free_port
@@ -32,6 +34,7 @@ def frames_so_far(recording: Path) -> int:
         return sum(map(len, frames_in(reindex(copy).path).values()))
 
 
+@pytest.mark.slow
 def test_rosbag_play_sets_robots_off(tmp_path: Path) -> None:
     record(tmp_path / "was.bag", 120, Tour({1: [5], 2: [4]}))
     port = free_port()

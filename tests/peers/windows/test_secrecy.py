@@ -123,6 +123,7 @@ def screen() -> Iterator[Desktop]:
         yield opened
 
 
+@pytest.mark.slow
 @needs_desktop
 def test_nothing_of_a_treasure_is_in_the_participants_process_before_it_is_told(hunt, screen, tmp_path):
     elsewhere = tmp_path / "participant"

@@ -180,6 +180,7 @@ def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, t
     assert again.returncode == 0, again.stdout + again.stderr
 
 
+@pytest.mark.slow
 def test_a_recording_is_looked_through_by_mouse_and_keys(screen: Desktop, tmp_path: Path) -> None:
     record(tmp_path / "hunt.bag", robots=2, seconds=8.0)
     with started(screen, tmp_path, "watch", "hunt.bag", "--look", "light") as program:

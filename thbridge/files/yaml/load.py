@@ -12,6 +12,7 @@ import re
 import types
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
@@ -105,6 +106,11 @@ _LEADING_ZERO = re.compile(r"[-+]?0\d+")
 _COUNTED = re.compile(r"[1-9]\d{0,8}")
 _NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
 _WORDS_FOR_TRUTH = {"yes", "no", "on", "off", "y", "n"}
+
+
+@cache
+def _hints_of(into: type) -> Mapping[str, object]:
+    return cast(Mapping[str, object], get_type_hints(into))
 
 
 @dataclass(slots=True)
@@ -231,7 +237,7 @@ class _Reader:
         if not isinstance(node, Section):
             return self.wrong(node.line, key, "a section of 'key: value' lines is needed", keys_of(into))
         node = _handed_down(node, into)
-        hints = cast(Mapping[str, object], get_type_hints(into))
+        hints = _hints_of(into)
         known = {field.name: field for field in dataclasses.fields(into)}
         listed = sections_named_in(into)
         named = _named(node, into, defaults)
@@ -384,7 +390,7 @@ def _handed_down(node: Section, into: type) -> Section:
         part, _, name = passed_on[key.text].partition(".")
         entries = parts.setdefault(part, [])
         entries.append((Scalar(name, plain=True, line=key.line), child))
-        if name == sections_named_in(cast(type, get_type_hints(into)[part])):
+        if name == sections_named_in(cast(type, _hints_of(into)[part])):
             named = _words(node, key.text)
             entries.extend(entry for entry in node.entries if entry[0].text in named)
             gone.update(named)

@@ -511,7 +511,7 @@ def test_a_lost_robot_with_a_goal_turns_on_the_spot_whatever_it_believes():
     assert rig.poses[0].distance(Pose2(0, -4, 0)) < 0.01
 
 
-@pytest.mark.parametrize("heading", [0.0, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.6, 0.95)), 1.2])
+@pytest.mark.parametrize("heading", [0.0, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.6, 0.95, 1.2))])
 def test_a_lost_robot_with_no_room_to_turn_stays_off_the_wall_ahead_however_noisy_its_scans(heading):
     rig = Rig([(0, -4, heading)])
     mount = LaserMount(Pose2(0.1, 0.0, 0.0), -2.35619449, 4.71238898 / 180, 181, 0.05, 8.0)

@@ -91,6 +91,7 @@ def below(tree: XmlRpcValue, name: str) -> Iterator[str]:
             yield from below(value, f"{name}/{key}")
 
 
+@pytest.mark.slow
 def test_after_a_storm_robots_obey_and_a_replay_is_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     draw, bag = random.Random(20), tmp_path / "storm.bag"
     session = Visited(setting_of(len(ROBOTS)), bag, monkeypatch)
