@@ -93,7 +93,7 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
 
 @dataclass(frozen=True, slots=True)
 class _Source:
-    """What a tree is made of; the file has no part in it."""
+    """Text of a tree, with the file that faults name."""
 
     text: str
     ros: bool
