@@ -25,7 +25,7 @@ check: setup ## Style, types, and that no import points back.
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test-slow: setup peers ## The tests that take their time, and all properties with ten times as many examples.
+test-slow: setup peers ## The tests that take their time, and all properties with 300 examples.
 	$(BIN)/pytest -m slow
 	$(BIN)/pytest -m "hypothesis and not slow" --hypothesis-profile thorough -n auto
 

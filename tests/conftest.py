@@ -18,7 +18,7 @@ from tests.compiling import ROOT, compile_kernels
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 # The first example may have to compile a kernel, and other programs may want the machine: no test is a matter of time.
-settings.register_profile("quick", deadline=None, max_examples=30)
+settings.register_profile("quick", deadline=None, max_examples=20)
 settings.register_profile("thorough", deadline=None, max_examples=300)  # by `make test-slow`
 settings.load_profile("quick")
 

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.system.programs import Program, journal, kinds, until
 from tests.system.two_machines import two_machines
 
@@ -38,6 +40,7 @@ print("watched")
 """
 
 
+@pytest.mark.slow
 def test_a_hunt_over_the_network_is_encrypted_and_who_shows_no_key_stays_outside(tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text("robots: 1\n")
     for name, right in (("ann", "robots"), ("bob", "hider"), ("cleo", "participant"), ("dora", "intervene")):

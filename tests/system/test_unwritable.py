@@ -232,7 +232,7 @@ KINDS = {
     "replay": Kind("replay {hunt} --to {disk}/new.bag", codes=(2, 1, 0), halves=RECORDING),
     "mavlink replay": Kind("mavlink replay {mavlink} --to {disk}/new.bag", halves=RECORDING),
     "report": Kind("report {bag} --to {disk}/new.html", older("new.html")),
-    "bag cut": Kind("bag cut {bag} --overwrite --to {disk}/new.bag", older("new.bag"), quick=True),
+    "bag cut": Kind("bag cut {bag} --overwrite --to {disk}/new.bag", older("new.bag")),
     "bag to-mcap": Kind("bag to-mcap {bag} --overwrite --to {disk}/new.mcap", older("new.mcap"), quick=True),
     "bag to-mcap, rosbag2": Kind("bag to-mcap {bag} --profile ros2 --to {disk}/new"),
     "bag export, parquet": Kind("bag export {bag} --format parquet --to {disk}/new"),

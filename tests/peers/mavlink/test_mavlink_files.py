@@ -65,6 +65,7 @@ def test_pymavlink_gets_them_whole(files: dict[str, bytes]) -> None:
     assert set(described(files["parameters.json"])) >= {parameter.name for parameter in PARAMETERS}
 
 
+@pytest.mark.slow
 @needs("mavsdk")
 def test_mavsdk_gets_them_and_the_metadata_by_itself(
     files: dict[str, bytes], play: Program, ports: tuple[int, int, int], tmp_path: Path

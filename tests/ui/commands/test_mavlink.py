@@ -123,7 +123,7 @@ def refusal(*arguments: object) -> str:
     return done.stderr
 
 
-@pytest.mark.parametrize("by", ["udp", "tcp"])
+@pytest.mark.parametrize("by", ["udp", pytest.param("tcp", marks=pytest.mark.slow)])
 def test_status_tells_who_is_there(by: str, at: Address, fleet: Fleet) -> None:
     where = at if by == "udp" else f"tcp:127.0.0.1:{fleet.tcp}"
     done = mavlink("status", where, "--seconds", 2.5, "--json")

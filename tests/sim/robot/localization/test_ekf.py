@@ -114,7 +114,9 @@ def test_it_is_as_sure_as_it_is_right_where_noise_is_what_it_believes(drive):
     assert_consistent([drive(seed=seed) for seed in range(1, 9)], least=0.85)
 
 
-@pytest.mark.parametrize(("noise", "others"), [(0.3, 0), (2.0, 0), (5.0, 0), (1.0, 8)])
+@pytest.mark.parametrize(
+    ("noise", "others"), [(0.3, 0), (2.0, 0), (5.0, 0), pytest.param(1.0, 8, marks=pytest.mark.slow)]
+)
 def test_it_is_not_surer_than_it_is_right_though_noise_is_not_what_it_believes(drive, noise, others):
     assert_not_too_sure([drive(seed=seed, noise=noise, others=others) for seed in (1, 2, 3, 4)])
 
@@ -146,6 +148,7 @@ def test_it_is_not_surer_than_it_is_right_among_many_robots(drive, others):
     assert_not_too_sure([drive(seed=seed, others=others) for seed in range(1, 31)])
 
 
+@pytest.mark.slow
 def test_wheels_of_a_wrong_size_do_not_lead_it_astray_in_the_long_run(drive):
     tour = degraded(drive(seconds=400.0), 1.05, 1.1)
     estimates = run(ekf_of(tour), tour)

@@ -200,6 +200,7 @@ def test_navigation_tells_plan_times_and_what_is_left():
     assert len(rig.said[0].plan) < len(first.plan)
 
 
+@pytest.mark.slow
 def test_times_rank_like_those_of_2016():
     rig = Rig([(0, 0, 0)])
     ours, theirs = [], []

@@ -94,6 +94,7 @@ def test_a_whole_game_scores_what_its_rewards_say_and_replays(tmp_path: Path) ->
     assert api.HuntRecording(tmp_path / "episode.bag").replay().equal
 
 
+@pytest.mark.slow
 def test_own_rewards_and_costs_add_up_to_those_of_the_team() -> None:
     returns = []
     for shared in (True, False):

@@ -290,7 +290,7 @@ def talk(seed: int) -> None:
     sides.teardown()
 
 
-@pytest.mark.parametrize("hundred", [0, 1, 2])
+@pytest.mark.parametrize("hundred", [0, *(pytest.param(each, marks=pytest.mark.slow) for each in (1, 2))])
 def test_talk_of_all_kinds(hundred: int) -> None:
     for seed in range(100 * hundred, 100 * hundred + 100):
         talk(seed)

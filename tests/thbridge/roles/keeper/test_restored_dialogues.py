@@ -54,7 +54,7 @@ def restored(stage: Stage, talk: DialogueEngine, history: list[JournalEntry]) ->
     [
         pytest.param(arguing(DialogueCondition.COLLABORATOR, talkative=True, misheard=0.3), id="collaborator"),
         pytest.param(arguing(DialogueCondition.ADVISER, talkative=False), id="adviser"),
-        pytest.param(arguing(DialogueCondition.AUTONOMOUS, talkative=True), id="autonomous"),
+        pytest.param(arguing(DialogueCondition.AUTONOMOUS, talkative=True), id="autonomous", marks=pytest.mark.slow),
         pytest.param(engine(templates()), id="script"),
     ],
 )

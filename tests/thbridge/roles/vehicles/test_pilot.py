@@ -335,7 +335,7 @@ def test_the_same_room_again_goes_on(taken: Flight) -> None:
     assert len(taken.events(RobotDeparted)) == 1 and not taken.events(MoveFailed)
 
 
-@pytest.mark.parametrize("ticks", [0, 1, 2, 3, 40])
+@pytest.mark.parametrize("ticks", [0, 1, pytest.param(2, marks=pytest.mark.slow), 3, 40])
 def test_halt_ends_whatever_is_under_way(taken: Flight, ticks: int) -> None:
     number = taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(ticks)
