@@ -14,6 +14,7 @@ from ui.commands.argue import argue
 from ui.commands.bag import bag
 from ui.commands.bag.export import bag_export
 from ui.commands.bag.plot import bag_plot
+from ui.commands.desktop import desktop_app
 from ui.commands.group import CommandGroup
 from ui.commands.keys import keys_app
 from ui.commands.maps.maps import maps_app
@@ -126,6 +127,7 @@ app.add_typer(mavlink_app, name="mavlink")
 app.add_typer(ros_app, name="ros")
 app.add_typer(keys_app, name="keys")
 app.add_typer(talk_app, name="talk")
+app.add_typer(desktop_app, name="desktop")
 sweep_app.command("run")(sweep_run)
 sweep_app.command("plot")(sweep_plot)
 app.add_typer(sweep_app, name="sweep")

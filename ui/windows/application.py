@@ -3,8 +3,10 @@
 import gc
 import signal
 import sys
+from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject
+from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QApplication
 
 COLLECTING_PERIOD = 250
@@ -18,6 +20,8 @@ def application() -> QApplication:
         app = QApplication(sys.argv[:1])
         gc.freeze()  # what is loaded by now stays for good: nobody need look through it again
         GarbageTimer(app)
+        app.setDesktopFileName("thbridge")  # by which a desktop knows which icon belongs to its windows
+        app.setWindowIcon(QIcon(str(Path(__file__).with_name("thbridge.svg"))))
     # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
     signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
     return app

@@ -29,7 +29,7 @@ def test_a_port_that_is_none() -> None:
 
 
 def test_a_key_for_a_recording(tmp_path: Path) -> None:
-    assert "a recording wants no key" in refused(str(tmp_path / "x.bag"), "--key", str(tmp_path / "key.txt"))
+    assert "a recording needs no key" in refused(str(tmp_path / "x.bag"), "--key", str(tmp_path / "key.txt"))
 
 
 def test_a_key_that_is_empty(tmp_path: Path) -> None:

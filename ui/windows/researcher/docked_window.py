@@ -5,7 +5,16 @@ from functools import partial
 from itertools import pairwise
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
-from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QAction, QActionGroup, QKeyEvent, QKeySequence
+from PySide6.QtGui import (
+    QAccessible,
+    QAccessibleAnnouncementEvent,
+    QAction,
+    QActionGroup,
+    QDragEnterEvent,
+    QDropEvent,
+    QKeyEvent,
+    QKeySequence,
+)
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
@@ -73,6 +82,9 @@ class DockedWindow(QMainWindow):
         speed_stepped: faster (1) or slower (-1).
         jumped: to the next mark (1), or the one before (-1).
         jumped_to_end: to the beginning (-1) or the end (1).
+        open_wanted: a person wants to open something else.
+        dropped: a person dropped the file or folder with this path on the window.
+        closed: the window is closed.
     """
 
     tool_selected = Signal(object)
@@ -85,11 +97,15 @@ class DockedWindow(QMainWindow):
     speed_stepped = Signal(int)
     jumped = Signal(int)
     jumped_to_end = Signal(int)
+    open_wanted = Signal()
+    dropped = Signal(str)
+    closed = Signal()
 
     def __init__(self, title: str, palette: Palette, live: bool, canvas: QWidget) -> None:
         super().__init__()
         self.setWindowTitle(f"{title_text(title)} - thbridge watch")
         self.setDockNestingEnabled(True)
+        self.setAcceptDrops(True)
         open_within_screen(self, _WANTED)
         self.canvas = canvas
         self.playback = PlaybackBar(live)
@@ -236,6 +252,7 @@ class DockedWindow(QMainWindow):
         bar.setMovable(False)
         bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
         self.addToolBar(bar)
+        bar.addWidget(self._menu_button("File", "Open, save and copy", self._file_menu()))
         group = QActionGroup(self)
         for tool, tool_help in TOOLS.items():
             label = f"{tool_help.label} ({tool_help.key})"
@@ -270,16 +287,24 @@ class DockedWindow(QMainWindow):
         spacer = QWidget()
         spacer.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         bar.addWidget(spacer)
-        panes = QToolButton()
-        panes.setText("Panes")
-        panes.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        panes.setToolTip("Show or hide parts of the window")
-        menu = QMenu(panes)
+        panes = QMenu(self)
         for dock in self._docks:
-            menu.addAction(dock.toggleViewAction())
-        panes.setMenu(menu)
-        bar.addWidget(panes)
+            panes.addAction(dock.toggleViewAction())
+        bar.addWidget(self._menu_button("Panes", "Show or hide parts of the window", panes))
         bar.addAction(self._action("Keys (F1)", "F1", self.show_keys))
+
+    def _file_menu(self) -> QMenu:
+        menu = QMenu(self)
+        menu.addAction(self._action("Open…", "Ctrl+O", self.open_wanted.emit))
+        return menu
+
+    def _menu_button(self, text: str, hint: str, menu: QMenu) -> QToolButton:
+        button = QToolButton()
+        button.setText(text)
+        button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        button.setToolTip(hint)
+        button.setMenu(menu)
+        return button
 
     def _add_keys(self, live: bool) -> None:
         self._action("Play or pause", "Space", self.playback.play_toggled.emit)
@@ -306,6 +331,20 @@ class DockedWindow(QMainWindow):
         action.triggered.connect(lambda _: do())
         self.addAction(action)
         return action
+
+    # Files dropped on the window
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Accept files and folders of this machine."""
+        if any(url.isLocalFile() for url in event.mimeData().urls()):
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Report each file and folder."""
+        event.acceptProposedAction()
+        for url in event.mimeData().urls():
+            if url.isLocalFile():
+                self.dropped.emit(url.toLocalFile())
 
     # Keys
 

@@ -37,6 +37,7 @@ GROUPS: tuple[tuple[str, KeyLines], ...] = (
     (
         "Window",
         (
+            ("Ctrl+O", "open a recording or a session"),
             ("F6", "to the next part of the window; with Shift the one before"),
             ("Enter", "press the button with the focus, tick the box, open the list of choices"),
             ("Ctrl+F", "filter the list on view"),

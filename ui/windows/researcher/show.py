@@ -1,25 +1,87 @@
-"""Entry point of the researcher's window."""
+"""Entry point of the researcher's windows."""
 
 import time
+from pathlib import Path
 
+from PySide6.QtCore import QObject
+from PySide6.QtWidgets import QApplication, QWidget
+
+from thbridge.files.errors import BadFile
 from ui.windows.application import application
 from ui.windows.look import Appearance, Choice, TextSize, colours, user_settings
-from ui.windows.researcher.feeds.feed import Feed
+from ui.windows.researcher.feeds.opening import OpenedFeed, open_feed
+from ui.windows.researcher.memory import WatchMemory
+from ui.windows.researcher.open_dialog import OpenDialog
 from ui.windows.researcher.window import ResearcherWindow
 
+OPEN_TIMEOUT = 0.5
+"""Seconds that a dialog waits for a recording to open; faults that are found later are shown in its window."""
 
-def show(feed: Feed, title: str, choice: Choice) -> None:
-    """Show a feed in the researcher's window until it is closed.
+
+class WatchProgram(QObject):
+    """The researcher's windows of one process: each shows one recording or session.
 
     Args:
-        feed: the session or recording.
-        title: its name, for people.
+        app: the application.
+        appearance: its palette.
+        text_size: its size of text.
+        memory: what was opened before.
+
+    Attributes:
+        windows: those that are open.
+        dialog: *Open*, the latest; None before the first.
+    """
+
+    def __init__(self, app: QApplication, appearance: Appearance, text_size: TextSize, memory: WatchMemory) -> None:
+        super().__init__(app)
+        self._appearance, self._text_size, self._memory = appearance, text_size, memory
+        self.windows: list[ResearcherWindow] = []
+        self.dialog: OpenDialog | None = None
+
+    def show(self, opened: OpenedFeed) -> ResearcherWindow:
+        """Show a recording or session in a window of its own."""
+        self._memory.add(opened.source)
+        window = ResearcherWindow(opened.feed, opened.title, colours(), time.monotonic)
+        self._appearance.changed.connect(window.set_palette)
+        self._text_size.add_keys(window)
+        window.open_wanted.connect(lambda: self.ask(window))
+        window.dropped.connect(lambda path: self._drop(window, path))
+        window.closed.connect(lambda: self.windows.remove(window))
+        self.windows.append(window)
+        window.show()
+        return window
+
+    def open(self, source: str, key: Path | None = None) -> str:
+        """Open a path or an address in a window; return the reason why it cannot be opened, or an empty text."""
+        try:
+            self.show(open_feed(source, key, OPEN_TIMEOUT))
+        except BadFile as fault:
+            return str(fault)
+        return ""
+
+    def ask(self, parent: QWidget | None) -> None:
+        """Open the dialog *Open*."""
+        self.dialog = OpenDialog(self._memory.recent(), self.open, parent)
+        self.dialog.open()
+
+    def _drop(self, window: ResearcherWindow, path: str) -> None:
+        problem = self.open(path)
+        if problem:
+            window.show_status(problem)
+
+
+def show(opened: OpenedFeed | None, choice: Choice) -> None:
+    """Show a recording or session until its window is closed, with all that is opened from it.
+
+    Args:
+        opened: what to show; None to ask first.
         choice: light, dark, or as the system has it.
     """
     app = application()
-    appearance, text_size = Appearance(app, choice), TextSize(app, user_settings())
-    window = ResearcherWindow(feed, title, colours(), time.monotonic)
-    appearance.changed.connect(window.set_palette)
-    text_size.add_keys(window)
-    window.show()
+    settings = user_settings()
+    program = WatchProgram(app, Appearance(app, choice), TextSize(app, settings), WatchMemory(settings))
+    if opened is None:
+        program.ask(None)
+    else:
+        program.show(opened)
     app.exec()

@@ -253,6 +253,7 @@ class ResearcherWindow(DockedWindow):
         self._working.stop()
         self._feed.close()
         super().closeEvent(event)
+        self.closed.emit()
 
 
 def _row_of(robot: RobotScene) -> RobotRow:

@@ -1,0 +1,35 @@
+"""`thbridge desktop`: the researcher's window in the desktop's menu, and as the program for bags."""
+
+import typer
+
+from ui.commands.group import CommandGroup
+from ui.terminal import bad_input, note, say
+
+desktop_app = typer.Typer(
+    cls=CommandGroup,
+    help="Open bags by a double click on a Linux desktop: install or remove menu entry, file types and icon.",
+    no_args_is_help=True,
+)
+
+
+@desktop_app.command("install")
+def desktop_install() -> None:
+    """Install the menu entry, the file types of bags and the icon, for this user alone."""
+    from ui.actions.desktop_files import data_home, install, installed_program
+
+    with bad_input():
+        for path in install(data_home(), installed_program()):
+            say(str(path))
+    note("Bags now open in `thbridge watch`. Undo this by `thbridge desktop remove`.")
+
+
+@desktop_app.command("remove")
+def desktop_remove() -> None:
+    """Remove what `desktop install` installed."""
+    from ui.actions.desktop_files import data_home, remove
+
+    removed = list(remove(data_home()))
+    for path in removed:
+        say(str(path))
+    if not removed:
+        note("Nothing is installed.")

@@ -1,0 +1,36 @@
+"""Addresses of running sessions, as people type them."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+
+_ADDRESS = re.compile(r"(?P<host>[^\s/]+):(?P<port>[0-9]{1,5})")
+
+
+@dataclass(frozen=True, slots=True)
+class SessionAddress:
+    """Address of a session's watch server."""
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        """Return the address as people type it."""
+        return f"{self.host}:{self.port}"
+
+
+def address_in(text: str) -> SessionAddress | None:
+    """Return the address that a text holds; None when the text is the path of a recording.
+
+    Raises:
+        BadFile: its port is out of range.
+    """
+    found = _ADDRESS.fullmatch(text)
+    if found is None or Path(text).exists():
+        return None
+    port = int(found["port"])
+    if not 0 < port < 65536:
+        raise BadFile(Path(text), f"{port} is not a port", "give the number that the session printed, 1 to 65535")
+    return SessionAddress(found["host"], port)
