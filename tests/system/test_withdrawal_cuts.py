@@ -117,7 +117,7 @@ def check_withdrawal(folder: Path, gone: str, name: str) -> None:
     assert gone not in people(study.root)
 
 
-@pytest.mark.parametrize("stride", [180, pytest.param(7, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("stride", [180, pytest.param(1, marks=[pytest.mark.slow, pytest.mark.timeout(4 * 3600)])])
 def test_a_withdrawal_that_is_killed_is_finished_by_the_next_command(
     disk: ForgettingDisk, processes: multiprocessing.context.BaseContext, prepared: Path, stride: int
 ) -> None:
