@@ -7,7 +7,7 @@ from pathlib import Path
 
 from thbridge.files.disk.json_files import read_json
 from thbridge.files.disk.synced import sync_folder
-from thbridge.files.disk.whole import write_whole
+from thbridge.files.disk.whole import clear_parts, write_whole
 from thbridge.files.errors import BadFile, reason_of
 
 _DAMAGE = "is damaged: it lists withdrawals"
@@ -65,10 +65,13 @@ class PendingWithdrawals:
         Raises:
             BadFile: the file cannot be read or written.
         """
-        if left := [asdict(one) for one in self.read() if one != withdrawal]:
-            _write(self._path, left)
-            return
+        left = [asdict(one) for one in self.read() if one != withdrawal]
         try:
+            # A program that was killed while it wrote the list has left a part of it, with the participant's id.
+            clear_parts(self._path)
+            if left:
+                _write(self._path, left)
+                return
             self._path.unlink(missing_ok=True)
             sync_folder(self._path.parent)
         except OSError as error:

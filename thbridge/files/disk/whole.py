@@ -1,5 +1,6 @@
 """Files and folders that are written completely or not at all, and outlive a power cut once they are."""
 
+import glob
 import os
 import shutil
 from collections.abc import Iterator
@@ -83,6 +84,12 @@ def write_whole(path: Path, data: bytes, remedy: str = REMEDY, *, mode: int | No
     """
     with whole_file(path, remedy, mode=mode, synced=synced) as file:
         file.write(data)
+
+
+def clear_parts(path: Path) -> None:
+    """Delete what programs that were killed while they wrote this file have left; no program may be writing it."""
+    for part in path.parent.glob(f".{glob.escape(path.name)}.*{PART}"):
+        part.unlink(missing_ok=True)
 
 
 @contextmanager
