@@ -10,7 +10,7 @@ from ui.model.playing.words import listed, percent
 
 GOAL = "A treasure lies in each room. Send robots to the rooms, and name what they find."
 ONE_VISIT = "A room is visited once by the team. Once you send its robot on, a treasure not named is left for good."
-CALLED_BACK = "A robot that is stopped gets the energy for the rest of its way back."
+CALLED_BACK = "If you stop a robot, it gets back the energy for the part of the move that it has not driven."
 ENDS = (
     "The game ends when every room is visited, or no robot has the energy for another move, and nothing that was found "
     "waits for your decision. You may end it earlier, while no robot is under way."

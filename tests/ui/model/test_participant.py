@@ -216,9 +216,39 @@ def test_who_may_be_sent_is_said_where_nothing_waits():
     seat = Seat(robots=3)
     assert seat.screen.nothing_waits == "3 robots are ready to be sent"
     seat.do(ChooseRobot(0))
-    assert seat.do(ChooseRoom(1), 3).nothing_waits == "Nothing else waits for you"
+    assert seat.do(ChooseRoom(1), 3).nothing_waits == "2 robots are ready to be sent"
     agree(seat)
     assert seat.screen.nothing_waits == "2 robots are ready to be sent"
+
+
+def test_one_robot_is_selected_that_of_the_pop_up():
+    seat = Seat(robots=3)
+    go(seat, 1)
+    assert (selected(seat), seat.screen.popup.robot) == (0, 0)
+    assert seat.screen.nothing_waits == "2 robots are ready to be sent", "and not that nothing waits"
+    screen = seat.do(ChooseRobot(1))
+    assert (selected(seat), screen.popup) == (1, None)
+    assert [waiting.robot for waiting in screen.waiting] == [0]
+    seat.do(ChooseRoom(2))
+    agree(seat)
+    assert (selected(seat), seat.screen.popup.room) == (0, 1), "it comes back once the other robot is sent"
+
+
+def test_no_other_robot_is_selected_by_itself_before_the_selected_one_is_sent():
+    seat = Seat(robots=2)
+    seat.do(ChooseRoom(1))
+    agree(seat)
+    seat.do(ChooseRobot(1))
+    screen = seat.run(60)
+    assert (selected(seat), screen.popup, [waiting.robot for waiting in screen.waiting]) == (1, None, [0])
+    seat.do(ChooseRoom(2))
+    agree(seat)
+    assert (selected(seat), seat.screen.popup.room) == (0, 1)
+
+
+def selected(seat):
+    (robot,) = (card.robot for card in seat.screen.cards if card.selected)
+    return robot
 
 
 def test_a_robot_for_which_no_room_is_left_is_not_said_to_be_ready():
@@ -479,7 +509,10 @@ def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
     ]
     seat.do(LeaveTreasure())
     assert go(seat, 5).cards[0].take_up is None
-    assert seat.press(TakeUpAgain()).banner.text == "Robot 1 does not stand where something was left."
+    assert (
+        seat.press(TakeUpAgain()).banner.text
+        == "There is nothing to undo: robot 1 does not stand where you left something."
+    )
     assert [type(event) for event in events(seat, TreasureLeft | TreasureTakenUp)] == [
         TreasureLeft,
         TreasureTakenUp,

@@ -623,6 +623,8 @@ def test_whoever_listens_is_told_what_matters_and_the_same_words_twice():
     model.do(ChooseRobot(0), 0.0)
     model.do(ChooseRobot(1), 0.0)
     assert model.screen(0.0).announcement_number > screen.announcement_number > before
+    model.do(ChooseRobot(0), 0.0)
+    model.screen(0.0)
     model.receive(UNDER_WAY, 1.0)
     model.receive(FOUND, 2.0)
     assert model.screen(2.0).announcement == (

@@ -47,7 +47,7 @@ from ui.model.playing.possible import (
 )
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.view_update import is_open, note, settle
-from ui.model.playing.words import UNSURE_NAME, name_request, titled
+from ui.model.playing.words import UNSURE_NAME, name_request
 from ui.model.screen import (
     Act,
     AgreeToTakePart,
@@ -100,7 +100,7 @@ def do(memory: ParticipantMemory, act: Act, now: float) -> None:
             _switch_sound(memory, now)
         case _ if memory.hunt is not None and memory.hunt.view.game == memory.last_drawn.game:
             _in_game(memory, memory.hunt, act, now)
-            settle(memory.hunt)
+            settle(memory, memory.hunt)
 
 
 def _switch_sound(memory: ParticipantMemory, now: float) -> None:
@@ -266,8 +266,9 @@ def _answer(memory: ParticipantMemory, hunt: HuntMemory, choice: int) -> None:
 def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> None:
     if not 0 <= robot < len(hunt.view.robots) or robot == memory.selected:
         return
-    memory.selected = robot
+    memory.selected, memory.turned = robot, True
     memory.typed = ""
+    hunt.popups.turn_to(robot)
     if hunt.view.has_last_word is not None:
         _show_talk(hunt, robot)
     if memory.followed is not None:
@@ -379,7 +380,7 @@ def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: floa
 def _take_up(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:
     room = left_beside(hunt.known, robot)
     if room is None:
-        note(memory, f"{titled(robot)} does not stand where something was left.", now)
+        note(memory, f"There is nothing to undo: {robot_name(robot)} does not stand where you left something.", now)
     else:
         hunt.pending.ask(TakeUpTreasure(room), hunt.view)
 

@@ -184,13 +184,11 @@ def nothing_waits(team: Sequence[RobotCard], *, answering: bool) -> str:
 
     Args:
         team: the cards of all robots.
-        answering: True while a pop-up is shown.
+        answering: True while a pop-up is shown, which waits for them.
     """
-    if answering:
-        return "Nothing else waits for you"
     ready = [card.robot for card in team if card.state == READY]
     if not ready:
-        return "Nothing waits for you"
+        return "" if answering else "Nothing waits for you"
     if len(ready) == 1:
         return f"{titled(ready[0])} is ready to be sent"
     return f"{len(ready)} robots are ready to be sent"

@@ -34,7 +34,14 @@ from ui.model.playing.memory.state import (
     ParticipantMemory,
     Reroute,
 )
-from ui.model.playing.possible import ends_game, why_not_command, why_not_end, why_not_go, why_not_name
+from ui.model.playing.possible import (
+    ends_game,
+    why_not_ask,
+    why_not_command,
+    why_not_end,
+    why_not_go,
+    why_not_name,
+)
 from ui.model.playing.sounds import sounds_of
 from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
 
@@ -68,11 +75,16 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
             note(memory, reason, now)
     _reroute(memory, hunt, now)
     _drop_obsolete_step(memory, hunt, now)
-    settle(hunt)
+    settle(memory, hunt)
 
 
-def settle(hunt: HuntMemory) -> None:
-    """Bring up to date everything that follows from the view and from pending requests."""
+def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
+    """Bring up to date everything that follows from the view and from pending requests.
+
+    The robot in the pop-up shown is the selected one: else two robots would look selected at once. After the
+    participant has turned to a robot that can be sent, no other robot's pop-up comes by itself before that robot's own:
+    the next room chosen is meant for it.
+    """
     view = hunt.view
     hunt.submitted_names = {room: name for room, name in hunt.submitted_names.items() if _is_talked_over(hunt, room)}
     hunt.opening_sentences = {
@@ -81,8 +93,13 @@ def settle(hunt: HuntMemory) -> None:
         if hunt.destination_dialogue(robot) is not None or hunt.pending.destination_request(robot) is not None
     }
     hunt.note_reading()
-    hunt.popups.update(tuple(_items(hunt)) if view.over is None else ())
+    at_hand = memory.selected if memory.turned and why_not_ask(hunt.known, memory.selected) is None else None
+    hunt.popups.update(tuple(_items(hunt)) if view.over is None else (), only_of=at_hand)
     hunt.note_reading()
+    if hunt.popups.shown is not None:
+        memory.turned = False
+        if hunt.popups.shown.robot != memory.selected:
+            memory.selected, memory.typed = hunt.popups.shown.robot, ""
     if hunt.choice is not None and not _asks_for_name(hunt, hunt.choice.item):
         hunt.choice = None
 
@@ -127,7 +144,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
     memory.motions = ()
     memory.last_refusal = 0 if view.refusal is None else view.refusal.number
     memory.history.receive(None, view, once=memory.once)
-    settle(hunt)
+    settle(memory, hunt)
 
 
 def _goes_on(before: View, view: View) -> bool:

@@ -159,7 +159,6 @@ def test_two_robots_wait_and_each_card_shows_its_dialogue(sit: Sit) -> None:
     arguer = sit()
     arguer.click(AskAdvice())
     arguer.key("Tab")
-    arguer.key("Esc")
     arguer.click(AskAdvice())
     assert [card.state for card in arguer.seat.screen.cards] == ["waits for your answer"] * 2
     arguer.click(ChooseRobot(0))

@@ -31,6 +31,8 @@ class PopupQueue:
     def __init__(self) -> None:
         self._items: list[PopupItem] = []
         self._aside: set[PopupItem] = set()
+        # Those that the participant turned away from: they come back once what was shown since has ended.
+        self._left: set[PopupItem] = set()
         self.shown: PopupItem | None = None
 
     @property
@@ -41,24 +43,40 @@ class PopupQueue:
     @property
     def next(self) -> PopupItem | None:
         """The item that `put_aside` would show."""
-        fresh = next((item for item in self.waiting if item not in self._aside), None)
+        fresh = next(iter(self._fresh()), None)
         return fresh if fresh is not None or self.shown is not None else next(iter(self.waiting), None)
 
-    def update(self, live: Sequence[PopupItem]) -> None:
-        """Keep only these items; new ones come last."""
+    def update(self, live: Sequence[PopupItem], only_of: int | None = None) -> None:
+        """Keep only these items; new ones come last.
+
+        Args:
+            live: all items that should be open.
+            only_of: the robot whose items may be shown now if nothing is shown; None: any robot.
+        """
         self._items = [item for item in self._items if item in live]
         self._items += [item for item in live if item not in self._items]
         self._aside &= set(live)
+        self._left &= set(live)
         if self.shown not in live:
+            if self.shown is not None:
+                self._left.clear()
             self.shown = None
-            self.shown = next((item for item in self.waiting if item not in self._aside), None)
+            self.shown = next((item for item in self._fresh() if only_of in (None, item.robot)), None)
 
     def show(self, item: PopupItem) -> None:
         """Show this item at once, as the participant asked for it; the one shown before waits."""
         self._aside.discard(item)
+        self._left.discard(item)
         if item not in self._items:
             self._items.append(item)
         self.shown = item
+
+    def turn_to(self, robot: int) -> None:
+        """Show what waits of this robot, if anything; what was shown of another robot waits until that has ended."""
+        if self.shown is None or self.shown.robot != robot:
+            if self.shown is not None:
+                self._left.add(self.shown)
+            self.shown = next((item for item in self._fresh() if item.robot == robot), None)
 
     def put_aside(self) -> None:
         """Let the item shown wait until it is asked for, and show `next`."""
@@ -68,3 +86,8 @@ class PopupQueue:
         self.shown = following
         if following is not None:
             self._aside.discard(following)
+            self._left.discard(following)
+
+    def _fresh(self) -> list[PopupItem]:
+        """Return what waits and has neither been put aside nor turned away from."""
+        return [item for item in self.waiting if item not in self._aside | self._left]

@@ -204,6 +204,7 @@ class ParticipantMemory:
         floor_plan: floor plan of the game.
         motions: progress of the robots on their paths, one entry a robot; may be empty.
         selected: the robot commanded.
+        turned: the participant has selected that robot, and no pop-up has been shown since.
         hovered: the room looked at.
         typed: digits of a room's number.
         typed_until: time at which they are forgotten.
@@ -227,6 +228,7 @@ class ParticipantMemory:
     floor_plan: FloorPlan | None = None
     motions: tuple[RobotMotion, ...] = ()
     selected: int = 0
+    turned: bool = False
     hovered: int | None = None
     typed: str = ""
     typed_until: float = math.inf
