@@ -2,8 +2,10 @@
 
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Generator, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from sim.common.grid import OccupancyGrid
 from thbridge.files.map_files import MapRoom
 from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.reading.index import BagIndex, MessageLocation, open_index
@@ -18,6 +20,7 @@ from ui.model.watching.scene import Scene, ShownLayers
 from ui.model.watching.scene_builder import SceneBuilder, SceneInputs
 from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog, is_logged
+from ui.sources.numbers import TopicNumbers
 from ui.sources.rooms import rooms_of
 
 TICK_NS = 20_000_000
@@ -69,7 +72,9 @@ class BagSource:
         series: numbers over time, likewise.
         rooms: of its map, where that is known.
         unreadable: sentences on topics that cannot be read.
-        topics: the type of each topic that can be read, by its name.
+        topics: the type of each topic that can be drawn, by its name.
+        numbers: all topics, and the numbers in their messages.
+        map: the map that is shown in place of the recorded one; None: the recorded one.
         start_ns: stamp of the first message.
         end_ns: stamp of the last message.
     """
@@ -79,6 +84,8 @@ class BagSource:
         self.start_ns, self.end_ns = index.start_ns, index.end_ns
         self._scenes = SceneBuilder()
         self.unreadable, self.topics = _readable(index)
+        self.numbers = TopicNumbers(index)
+        self.map: OccupancyGrid | None = None
         self.session = self._session()
         self.rooms: tuple[MapRoom, ...] = ()
         discovery = self._discover()
@@ -98,7 +105,8 @@ class BagSource:
         """The scene at a time; before the first message as at the first, after the last as at the last."""
         at_ns = min(max(at_ns, self.start_ns), self.end_ns)
         watched = SceneInputs(self._robots, self._mapped, self.series, self.log, self.rooms, self.start_ns)
-        return self._scenes.build(_Snapshot(self, at_ns), watched, shown)
+        scene = self._scenes.build(_Snapshot(self, at_ns), watched, shown)
+        return scene if self.map is None else replace(scene, grid=self.map)
 
     def step(self, at_ns: int, steps: int) -> int:
         """Return the time so many ticks later, or earlier where they are negative; at most the beginning or the end."""

@@ -105,8 +105,8 @@ def _too_wide(window: QWidget) -> Iterator[str]:
             yield f"{_name(area)} shows {seen} of {area.widget().width()} pixels"
 
 
-_LAYERED = (Card, MapArea, MapView, QAbstractScrollArea, QComboBox, QLineEdit)
-"""Kinds of widgets that put parts over each other on purpose, or scroll them."""
+_LAYERED = (Card, MapArea, MapView, QAbstractScrollArea, QComboBox, QLineEdit, QTabBar)
+"""Kinds of widgets that put parts over each other on purpose, or scroll them; arrows of Qt's tab bars overlap."""
 
 
 def _is_laid_out(part: QWidget) -> bool:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
+from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtGui import (
@@ -20,9 +21,11 @@ from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
     QDockWidget,
+    QFileDialog,
     QMainWindow,
     QMenu,
     QSizePolicy,
+    QStackedWidget,
     QTabBar,
     QToolBar,
     QToolButton,
@@ -42,6 +45,7 @@ from ui.windows.researcher.docks.log import LogView
 from ui.windows.researcher.docks.playback import PlaybackBar
 from ui.windows.researcher.docks.plots import Plots
 from ui.windows.researcher.docks.team import TeamView
+from ui.windows.researcher.docks.topics import TopicTree
 from ui.windows.researcher.docks.wizard import WizardDock
 from ui.windows.researcher.keys import GROUPS
 from ui.windows.researcher.map.tools import TOOLS, MapTool
@@ -82,6 +86,7 @@ class DockedWindow(QMainWindow):
         speed_stepped: faster (1) or slower (-1).
         jumped: to the next mark (1), or the one before (-1).
         jumped_to_end: to the beginning (-1) or the end (1).
+        map_chosen: show the map of this `map.yaml`.
         open_wanted: a person wants to open something else.
         dropped: a person dropped the file or folder with this path on the window.
         closed: the window is closed.
@@ -97,6 +102,7 @@ class DockedWindow(QMainWindow):
     speed_stepped = Signal(int)
     jumped = Signal(int)
     jumped_to_end = Signal(int)
+    map_chosen = Signal(object)
     open_wanted = Signal()
     dropped = Signal(str)
     closed = Signal()
@@ -113,14 +119,17 @@ class DockedWindow(QMainWindow):
         self.team = TeamView()
         self.plots = Plots(palette, live)
         self.logs = {kind: LogView(name, columns) for kind, (_, name, columns) in LISTS.items()}
+        self.topics = TopicTree()
         self.arguments = ArgumentsDock()
         self.wizard = WizardDock()
         self.tool = MapTool.LOOK
         self._tool_actions: dict[MapTool, QAction] = {}
         self._robot_actions: list[QAction] = []
-        self.setCentralWidget(canvas)
-        self._add_docks()
-        self._add_tools()
+        self._center = QStackedWidget()
+        self._center.addWidget(canvas)
+        self.setCentralWidget(self._center)
+        self._add_docks(live)
+        self._add_tools(live)
         self._add_time()
         self._add_keys(live)
         self.tool_help = PlainLabel()
@@ -169,9 +178,34 @@ class DockedWindow(QMainWindow):
         self._shape.setToolTip(reason)
         self.wizard.refuse(reason)
 
+    def show_contents(self, drawable: bool) -> None:
+        """Turn to the topics of a recording: in their pane, or, where nothing can be drawn, in place of the map."""
+        topics, plots = self.dock("Topics"), self.dock("Plots")
+        if drawable:
+            topics.setWidget(self.topics)
+            self._center.setCurrentWidget(self.canvas)
+            self.raise_dock("Topics")
+        else:
+            self._center.addWidget(self.topics)
+            self._center.setCurrentWidget(self.topics)
+        for dock in self._docks:
+            dock.setVisible(drawable or dock is plots)
+        self.topics.show()
+        self.resizeDocks([plots], [self.width() // (4 if drawable else 2)], Qt.Orientation.Horizontal)
+
+    def dock(self, title: str) -> QDockWidget:
+        """Return the dock of this title."""
+        return next(dock for dock in self._docks if dock.objectName() == title)
+
+    def raise_dock(self, title: str) -> None:
+        """Bring the dock of this title before the others of its group."""
+        dock = self.dock(title)
+        dock.show()
+        dock.raise_()
+
     # Layout
 
-    def _add_docks(self) -> None:
+    def _add_docks(self, live: bool) -> None:
         self.setCorner(Qt.Corner.BottomLeftCorner, LEFT)
         self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
         self._docks = [
@@ -181,10 +215,10 @@ class DockedWindow(QMainWindow):
             self._dock("Arguments", self.arguments, keeps_room=True),
         ]
         figures = self._docks[2:]
-        bottom = [
-            *(self._dock(LISTS[kind][0], log, BOTTOM) for kind, log in self.logs.items()),
-            self._dock("Wizard", self.wizard, BOTTOM),
-        ]
+        bottom = [*(self._dock(LISTS[kind][0], log, BOTTOM) for kind, log in self.logs.items())]
+        if not live:
+            bottom.append(self._dock("Topics", self.topics, BOTTOM))
+        bottom.append(self._dock("Wizard", self.wizard, BOTTOM))
         for group in (bottom, figures):
             for before, after in pairwise(group):
                 self.tabifyDockWidget(before, after)
@@ -246,13 +280,13 @@ class DockedWindow(QMainWindow):
         bar.addWidget(self.playback)
         self.addToolBar(Qt.ToolBarArea.BottomToolBarArea, bar)
 
-    def _add_tools(self) -> None:
+    def _add_tools(self, live: bool) -> None:
         bar = QToolBar("Tools", self)
         bar.setObjectName("Tools")
         bar.setMovable(False)
         bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
         self.addToolBar(bar)
-        bar.addWidget(self._menu_button("File", "Open, save and copy", self._file_menu()))
+        bar.addWidget(self._menu_button("File", "Open, save and copy", self._file_menu(live)))
         group = QActionGroup(self)
         for tool, tool_help in TOOLS.items():
             label = f"{tool_help.label} ({tool_help.key})"
@@ -293,10 +327,17 @@ class DockedWindow(QMainWindow):
         bar.addWidget(self._menu_button("Panes", "Show or hide parts of the window", panes))
         bar.addAction(self._action("Keys (F1)", "F1", self.show_keys))
 
-    def _file_menu(self) -> QMenu:
+    def _file_menu(self, live: bool) -> QMenu:
         menu = QMenu(self)
         menu.addAction(self._action("Open…", "Ctrl+O", self.open_wanted.emit))
+        if not live:
+            menu.addAction(self._action("Load a map…", "", self._choose_map))
         return menu
+
+    def _choose_map(self) -> None:
+        chosen, _ = QFileDialog.getOpenFileName(self, "Load a map", "", "Maps of map_server (*.yaml *.yml)")
+        if chosen:
+            self.map_chosen.emit(Path(chosen))
 
     def _menu_button(self, text: str, hint: str, menu: QMenu) -> QToolButton:
         button = QToolButton()
@@ -379,7 +420,8 @@ class DockedWindow(QMainWindow):
 
     def _next_part(self, step: int) -> None:
         """Move the focus to the next part of the window that is in sight."""
-        parts = [self.canvas, self.playback, *(dock.widget() for dock in self._docks if _in_sight(dock))]
+        center = self.canvas if self.canvas.isVisible() else self.topics
+        parts = [center, self.playback, *(dock.widget() for dock in self._docks if _in_sight(dock))]
         focus = QApplication.focusWidget()
         here = next((n for n, part in enumerate(parts) if focus is part or (focus and part.isAncestorOf(focus))), 0)
         part = parts[(here + step) % len(parts)]

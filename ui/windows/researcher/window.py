@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 from PySide6.QtCore import Qt, QTimer
@@ -9,17 +10,20 @@ from PySide6.QtGui import QCloseEvent
 
 from sim.common.robot_numbers import number_of, robot_name
 from sim.numerics.float_array import FloatArray
+from thbridge.files.errors import BadFile
+from thbridge.files.map_files import read_grid
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
 from ui.model.watching.curves import as_steps, broken
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene, ShownLayers
 from ui.model.watching.series import RobotSeries
+from ui.sources.numbers import NumberField
 from ui.windows.map import MapView
 from ui.windows.researcher.docked_window import DockedWindow
 from ui.windows.researcher.docks.displays import MapDisplay
 from ui.windows.researcher.docks.playback import SPEEDS
-from ui.windows.researcher.docks.plots import BAND, PANELS, RobotCurves
+from ui.windows.researcher.docks.plots import BAND, PANELS, NumberCurve, RobotCurves
 from ui.windows.researcher.docks.team import RobotRow
 from ui.windows.researcher.feeds.feed import Feed
 from ui.windows.researcher.log_updater import LogUpdater
@@ -59,6 +63,8 @@ class ResearcherWindow(DockedWindow):
         self._selected = 0
         self._generation = feed.generation
         self.scene: Scene | None = None
+        self._contents_shown = feed.live
+        self._plotted: tuple[int, ...] = ()
         self._bodies: dict[int, FloatArray] = {}
         self._frames = 0
         self._overlays = Overlays(self._map)
@@ -95,6 +101,9 @@ class ResearcherWindow(DockedWindow):
         self.follow_toggled.connect(self._follow)
         self.fit.connect(self._fit)
         self._map.robot_clicked.connect(self.select)
+        self.topics.opened.connect(self._list_numbers)
+        self.topics.chosen.connect(self._choose_numbers)
+        self.map_chosen.connect(self._load_map)
 
     # Each frame
 
@@ -107,6 +116,7 @@ class ResearcherWindow(DockedWindow):
         scene = feed.scene(self._shown())
         if scene is not None:
             self._show_map(scene)
+            self._show_contents(scene)
         self.sign.show_sentence(feed.trouble())
         for notice in feed.take_notices():
             self.show_status(notice)
@@ -121,7 +131,11 @@ class ResearcherWindow(DockedWindow):
             if scene is not None:
                 self._show_figures(scene)
         if self._frames % PLOTTED == 1:
-            self._show_plots(PANELS[self._frames // PLOTTED % len(PANELS)].name)
+            turn = self._frames // PLOTTED % (len(PANELS) + 1)
+            if turn < len(PANELS):
+                self._show_plots(PANELS[turn].name)
+            else:
+                self._show_numbers()
         for log in self.logs.values():
             log.show_time(time)
 
@@ -193,12 +207,60 @@ class ResearcherWindow(DockedWindow):
         if self.scene is not None and self.plots.isVisible():
             series = self._feed.series
             curves = [
-                RobotCurves(robot.robot, _figures(series.of(robot.robot), panel, series.gaps))
+                RobotCurves(robot.robot, robot.name, _figures(series.of(robot.robot), panel, series.gaps))
                 for robot in self.scene.robots
             ]
             self.plots.show_curves(curves, self._feed.span)
             self.plots.show_joined(self._feed.known_since)
         self.plots.show_time(self._feed.time)
+
+    # Contents of recordings
+
+    def _show_contents(self, scene: Scene) -> None:
+        """List the topics of a recording once it is open, and show them first where it is not one of ours."""
+        numbers = self._feed.numbers
+        if self._contents_shown or numbers is None:
+            return
+        self._contents_shown = True
+        self.topics.show_topics(numbers.topics)
+        if self._feed.foreign:
+            self.show_contents(drawable=scene.grid is not None or bool(scene.robots))
+
+    def _list_numbers(self, topic: str) -> None:
+        if self._feed.numbers is None:
+            return
+        try:
+            self.topics.show_numbers(topic, self._feed.numbers.fields(topic))
+        except BadFile as fault:
+            self.show_status(str(fault))
+
+    def _choose_numbers(self, chosen: tuple[NumberField, ...]) -> None:
+        if self._feed.numbers is not None:
+            self._feed.numbers.choose(chosen)
+            self._plotted = ()
+            self._show_numbers()
+            self.raise_dock("Plots")
+
+    def _show_numbers(self) -> None:
+        numbers = self._feed.numbers
+        if numbers is None:
+            return
+        curves = [(number, *numbers.curve(number)) for number in numbers.chosen]
+        lengths = tuple(len(times) for _, times, _ in curves)
+        if lengths != self._plotted:
+            self._plotted = lengths
+            self.plots.show_numbers(
+                [NumberCurve(_plot_of(each), each.name, *curve) for each, *curve in curves], self._feed.span
+            )
+
+    def _load_map(self, path: Path) -> None:
+        try:
+            self._feed.use_map(read_grid(path))
+        except BadFile as fault:
+            self.show_status(str(fault))
+            return
+        self.show_contents(drawable=True)
+        self.show_status(f"{path.name} is shown; robots are where the recording has them in the frame of its map.")
 
     # Robots
 
@@ -260,6 +322,13 @@ def _row_of(robot: RobotScene) -> RobotRow:
     trouble = robot.trouble or robot.dead
     state = f"{robot.state} · commanded by {robot.commander}".removeprefix(" · ") if robot.commander else robot.state
     return RobotRow(robot.name, state, robot.error, robot.deviation, robot.energy, robot.speed, trouble)
+
+
+def _plot_of(number: NumberField) -> str:
+    """Return the title of a number's plot: numbers of a topic in one unit share one, and the elements of an array."""
+    if number.unit:
+        return f"{number.topic}, {number.unit}"
+    return f"{number.topic} {number.column}"
 
 
 def _figures(series: RobotSeries, panel: str, gaps: Sequence[float]) -> dict[str, tuple[FloatArray, FloatArray]]:

@@ -231,7 +231,7 @@ def test_dark_and_light_can_be_changed_while_it_is_open(window: ResearcherWindow
 
 def test_whatever_takes_the_focus_has_a_name_and_tab_goes_as_the_eye_does(window: ResearcherWindow) -> None:
     docks = window.findChildren(QDockWidget)
-    assert len(docks) == 10
+    assert len(docks) == 11
     for dock in docks:
         dock.raise_()
         for _ in range(5):

@@ -36,6 +36,7 @@ class IndexedConnection:
         topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
         md5: md5 sum of the type.
+        definition: definition of the type and of the types within it.
     """
 
     file: int
@@ -43,6 +44,7 @@ class IndexedConnection:
     topic: str
     msgtype: str
     md5: str
+    definition: str
 
 
 class MessageLocation(NamedTuple):
@@ -141,6 +143,16 @@ class BagIndex:
     def chunks(self) -> int:
         """Number of chunks."""
         return len(self._chunks)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of messages of each topic; repeated latched messages of split recordings count in each part."""
+        counts = dict.fromkeys(sorted(self._of_topic), 0)
+        for chunk in self._chunks:
+            for number, count in chunk.counts.items():
+                if (publisher := self._publishers.get((chunk.file, number))) is not None:
+                    counts[publisher.topic] += count
+        return counts
 
     def close(self) -> None:
         """Close the files."""
@@ -286,7 +298,8 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
                 for share in read_end(files[-1], number, part, end):
                     yield (number + share) / len(parts)
             publishers += [
-                IndexedConnection(number, each.number, each.topic, each.msgtype, each.md5) for each in end.connections
+                IndexedConnection(number, each.number, each.topic, each.msgtype, each.md5, each.definition)
+                for each in end.connections
             ]
             chunks += end.chunks
     except BaseException:

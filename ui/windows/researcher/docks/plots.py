@@ -1,4 +1,5 @@
-"""Plots over time: the robots' errors of position and heading, their standard deviations, energy and speed."""
+"""Plots over time: the robots' errors of position and heading, their standard deviations, energy and speed, and any
+numbers of a recording's topics."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,16 +9,22 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QResizeEvent
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from sim.numerics.float_array import FloatArray
 from ui.model.theme import Palette
-from ui.windows.look import follow_text, font, px
+from ui.windows.look import follow_text, font, label, px
+from ui.windows.words_of_others import shown
 
 LATE = 1.0
 """Seconds after the beginning of a session from which on a window has joined late."""
 LIVE_SECONDS = 60.0
 """Seconds of a running session that the plots show until somebody looks elsewhere."""
+_UNBOUNDED = 16_777_215.0
+"""Qt's greatest height of a widget."""
+LEAST_HEIGHT = 112
+"""Least height of a plot, `px`; more of them are scrolled."""
+NOTHING = "Nothing is plotted. Open a topic under Topics, and tick numbers."
 MOST_POINTS = 4000
 """Most points of a curve, more than a screen has columns; beyond, runs of neighbours are drawn by their extremes."""
 
@@ -43,12 +50,31 @@ class RobotCurves:
 
     Attributes:
         robot: index in the team.
+        name: of the robot, for the legend.
         figures: by the name of a panel (or "band": two standard deviations of position, metres): (n,) seconds since
             the beginning, ascending, and (n,) values; NaN leaves a gap.
     """
 
     robot: int
+    name: str
     figures: Mapping[str, tuple[FloatArray, FloatArray]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NumberCurve:
+    """A number of a topic over time.
+
+    Attributes:
+        plot: title of its plot; curves of one title share a plot.
+        name: its name in the legend.
+        times: (n,) seconds since the beginning, ascending.
+        values: (n,) its values; NaN leaves a gap.
+    """
+
+    plot: str
+    name: str
+    times: FloatArray
+    values: FloatArray
 
 
 PANELS = (
@@ -65,7 +91,7 @@ TimeRange = Literal["all", "end", "free"]
 
 class Plots(QWidget):
     """One plot for each figure, one curve for each robot, one axis of time; behind the error a band of two standard
-    deviations of the selected robot.
+    deviations of the selected robot. Below are numbers of topics. A plot without a curve is not shown.
 
     A click seeks that time; dragging and the wheel move along the time, a double click shows all of it again.
 
@@ -89,46 +115,37 @@ class Plots(QWidget):
         self._selected = 0
         self._bands: dict[int, tuple[FloatArray, FloatArray]] = {}
         self._curves: dict[tuple[str, int], pg.PlotDataItem] = {}
+        self._numbers: dict[tuple[str, str], pg.PlotDataItem] = {}
+        self._joined = 0.0
         self.canvas = pg.GraphicsLayoutWidget()
         self.canvas.setAccessibleName("Plots over time")
         self.canvas.viewport().setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.canvas.ci.layout.setSpacing(2)
-        self._plots: dict[str, pg.PlotItem] = {}
-        self._cursors: list[pg.InfiniteLine] = []
-        for number, panel in enumerate(PANELS):
-            plot = self.canvas.addPlot(row=number, col=0)
-            plot.setMenuEnabled(False)
-            plot.hideButtons()
-            plot.setMouseEnabled(x=True, y=False)
-            plot.setClipToView(True)
-            plot.getViewBox().setAutoVisible(y=True)
-            plot.getViewBox().sigRangeChangedManually.connect(self._look_around)
-            for side in ("left", "bottom"):
-                # Lines of the grid between the numbers cost more than all curves.
-                plot.getAxis(side).setStyle(maxTickLevel=0)
-                plot.getAxis(side).enableAutoSIPrefix(False)
-            if number < len(PANELS) - 1:
-                plot.getAxis("bottom").setStyle(showValues=False)
-            if number:
-                plot.setXLink(self._plots[PANELS[0].name])
-            cursor = pg.InfiniteLine(angle=90, movable=False)
-            plot.addItem(cursor, ignoreBounds=True)
-            self._cursors.append(cursor)
-            self._plots[panel.name] = plot
-        # The first says in words what the others only mark.
-        self._joined = [pg.InfiniteLine(angle=90, movable=False) for _ in PANELS]
-        # Left of the line, where nothing is drawn.
-        self._joined_words = pg.InfLineLabel(self._joined[0], anchors=[(1.0, 0.5), (1.0, 0.5)])
-        for plot, line in zip(self._plots.values(), self._joined, strict=True):
-            line.hide()
-            plot.addItem(line, ignoreBounds=True)
+        self.nothing = label(NOTHING, muted=True)
+        self.nothing.setMargin(12)
+        self.nothing.setVisible(not live)
+        self._shown: list[_TimePlot] = []
+        self._panels = {panel.name: _TimePlot(panel.title) for panel in PANELS}
+        self._number_plots: dict[str, _TimePlot] = {}
+        for plot in self._panels.values():
+            plot.item.getViewBox().sigRangeChangedManually.connect(self._look_around)
         self._band = pg.PlotCurveItem(fillLevel=0.0)
-        self._plots[PANELS[0].name].addItem(self._band)
+        self._panels[PANELS[0].name].item.addItem(self._band)
         self.canvas.scene().sigMouseClicked.connect(self._clicked)
+        area = QScrollArea(widgetResizable=True)
+        area.setFrameShape(QFrame.Shape.NoFrame)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        area.setWidget(self.canvas)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self.canvas)
+        layout.addWidget(self.nothing)
+        layout.addWidget(area, 1)
         follow_text(self, lambda it: it.set_palette(it._palette))
+
+    @property
+    def titles(self) -> list[str]:
+        """Titles of the plots in sight, from top to bottom."""
+        return [plot.title for plot in self._shown]
 
     def show_curves(self, robots: Sequence[RobotCurves], end: float) -> None:
         """Draw these curves in place of the same robots' earlier ones.
@@ -140,37 +157,55 @@ class Plots(QWidget):
         self._end = end
         for curves in robots:
             for panel in PANELS:
-                if panel.name in curves.figures:
+                if panel.name in curves.figures and len(curves.figures[panel.name][0]):
                     times, values = curves.figures[panel.name]
-                    self._curve(panel.name, curves.robot).setData(*thinned(times, values * panel.factor))
+                    self._curve(panel.name, curves).setData(*thinned(times, values * panel.factor))
             if BAND in curves.figures:
                 self._bands[curves.robot] = curves.figures[BAND]
         self._draw_band()
+        self._arrange()
+        self._range()
+
+    def show_numbers(self, curves: Sequence[NumberCurve], end: float) -> None:
+        """Draw these numbers of topics, and no others.
+
+        Args:
+            curves: the numbers.
+            end: seconds from the beginning to the end of the data.
+        """
+        self._end = end
+        wanted = {(curve.plot, curve.name) for curve in curves}
+        for key in [key for key in self._numbers if key not in wanted]:
+            self._number_plots[key[0]].item.removeItem(self._numbers.pop(key))
+        for title in [title for title in self._number_plots if title not in {plot for plot, _ in wanted}]:
+            self._number_plots.pop(title)
+        for curve in curves:
+            self._number(curve).setData(*thinned(curve.times, curve.values))
+        self._arrange()
         self._range()
 
     def clear(self) -> None:
         """Remove all curves."""
         for (panel, _), curve in self._curves.items():
-            self._plots[panel].removeItem(curve)
+            self._panels[panel].item.removeItem(curve)
         self._curves, self._bands = {}, {}
+        self._name_curves()
         self._draw_band()
+        self._arrange()
 
     def show_time(self, now: float) -> None:
         """Move the cursor to this time."""
         if now != self._now:
             self._now = now
-            for cursor in self._cursors:
-                cursor.setValue(now)
+            for plot in self._shown:
+                plot.cursor.setValue(now)
             self._range()
 
     def show_joined(self, time: float) -> None:
         """Mark the time before which nothing is shown because the window joined the session then."""
-        if time == self._joined[0].value():
-            return
-        for line in self._joined:
-            line.setValue(time)
-            line.setVisible(time > LATE)
-        self._joined_words.setFormat(f"window joined\nat {time:.0f} s")
+        if time != self._joined:
+            self._joined = time
+            self._dress()
 
     def select(self, robot: int) -> None:
         """Draw this robot's curves stronger, and the band of its standard deviation."""
@@ -183,25 +218,11 @@ class Plots(QWidget):
     def set_palette(self, palette: Palette) -> None:
         """Use other colours."""
         self._palette, self._letters = palette, self._fitting_letters()
-        size = f"{self._letters.pointSizeF():.1f}pt"
         self.canvas.setBackground(palette.panel)
-        for panel in PANELS:
-            plot = self._plots[panel.name]
-            plot.setTitle(panel.title, color=palette.text, size=size, justify="left")
-            plot.getAxis("left").setWidth(round(48 * self._letters.pointSizeF() / 9.24))
-            plot.showGrid(x=True, y=True, alpha=0.15)
-            for side in ("left", "bottom"):
-                plot.getAxis(side).setPen(palette.line)
-                plot.getAxis(side).setTextPen(palette.muted)
-                plot.getAxis(side).setTickFont(self._letters)
-        style = {"color": palette.muted, "font-size": size}
-        self._plots[PANELS[-1].name].setLabel("bottom", "seconds since the beginning", **style)
-        for cursor in self._cursors:
-            cursor.setPen(pg.mkPen(palette.accent, width=1))
-        for line in self._joined:
-            line.setPen(pg.mkPen(palette.muted, width=1, style=Qt.PenStyle.DashLine))
-        self._joined_words.setColor(palette.muted)
-        self._joined_words.textItem.setFont(self._letters)
+        self._dress()
+        for curves in self._of_numbers().values():
+            for number, curve in enumerate(curves):
+                curve.setPen(pg.mkPen(palette.robot(number), width=1))
         self.select(self._selected)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -209,6 +230,82 @@ class Plots(QWidget):
         super().resizeEvent(event)
         if self._letters.pointSizeF() != self._fitting_letters().pointSizeF():
             self.set_palette(self._palette)
+
+    def points(self, panel: str, robot: int) -> int:
+        """Return the number of points of a robot's curve in a panel."""
+        curve = self._curves.get((panel, robot))
+        times = None if curve is None else curve.getOriginalDataset()[0]
+        return 0 if times is None else len(times)
+
+    def _arrange(self) -> None:
+        """Show the plots that have curves, below each other, with the axis of time at the last one."""
+        panels = {panel for panel, _ in self._curves}
+        wanted = [plot for name, plot in self._panels.items() if name in panels]
+        wanted += [plot for plot in self._number_plots.values() if plot not in wanted]
+        if wanted == self._shown:
+            return
+        for plot in self._shown:
+            self.canvas.removeItem(plot.legend)
+            self.canvas.removeItem(plot.item)
+        self._shown = wanted
+        for row, plot in enumerate(wanted):
+            self.canvas.addItem(plot.legend, 2 * row, 0)
+            self.canvas.addItem(plot.item, 2 * row + 1, 0)
+            plot.item.setXLink(wanted[0].item if row else None)
+            plot.cursor.setValue(self._now)
+        self.nothing.setVisible(not wanted and self._home == "all")
+        self._dress()
+
+    def _dress(self) -> None:
+        """Give the plots in sight fonts, colours, legends and lines."""
+        palette, letters = self._palette, self._letters
+        size = f"{letters.pointSizeF():.1f}pt"
+        self.canvas.setMinimumHeight(len(self._shown) * px(LEAST_HEIGHT))
+        for plot in self._shown:
+            last, first = plot is self._shown[-1], plot is self._shown[0]
+            item = plot.item
+            item.setTitle(plot.title, color=palette.text, size=size, justify="left")
+            item.getAxis("left").setWidth(round(48 * letters.pointSizeF() / 9.24))
+            item.showGrid(x=True, y=True, alpha=0.15)
+            for side in ("left", "bottom"):
+                item.getAxis(side).setPen(palette.line)
+                item.getAxis(side).setTextPen(palette.muted)
+                item.getAxis(side).setTickFont(letters)
+            item.getAxis("bottom").setStyle(showValues=last)
+            style = {"color": palette.muted, "font-size": size}
+            item.setLabel("bottom", "seconds since the beginning" if last else None, **style)
+            item.getAxis("bottom").showLabel(last)
+            plot.cursor.setPen(pg.mkPen(palette.accent, width=1))
+            plot.joined.setPen(pg.mkPen(palette.muted, width=1, style=Qt.PenStyle.DashLine))
+            plot.joined.setValue(self._joined)
+            plot.joined.setVisible(self._joined > LATE)
+            # The first says in words what the others only mark.
+            plot.joined_words.setVisible(first)
+            plot.joined_words.setFormat(f"window joined\nat {self._joined:.0f} s")
+            plot.joined_words.setColor(palette.muted)
+            plot.joined_words.textItem.setFont(letters)
+        self._name_curves()
+
+    def _name_curves(self) -> None:
+        """Fill the legends: robots in the first plot of theirs, numbers where they share a plot."""
+        robots = next((plot for plot in self._shown if plot in self._panels.values()), None)
+        curves = self._of_numbers()
+        if robots is not None:
+            name = next(name for name, plot in self._panels.items() if plot is robots)
+            curves[robots] = [curve for (panel, _), curve in sorted(self._curves.items()) if panel == name]
+        letter = QFontMetricsF(self._letters).averageCharWidth()
+        for plot in self._shown:
+            legend, named = plot.legend, curves.get(plot, ())
+            legend.clear()
+            legend.setLabelTextSize(f"{self._letters.pointSizeF():.1f}pt")
+            legend.setLabelTextColor(self._palette.text)
+            legend.setMaximumHeight(_UNBOUNDED if len(named) > 1 else 0.0)
+            if len(named) < 2:
+                continue
+            longest = max(len(curve.name()) for curve in named)
+            legend.setColumnCount(max(1, int((self.width() - px(48)) / (letter * longest + px(48)))))
+            for curve in named:
+                legend.addItem(curve, curve.name())
 
     def _fitting_letters(self) -> QFont:
         """Return small letters, or smaller ones where the widest title would not fit."""
@@ -218,18 +315,37 @@ class Plots(QWidget):
         letters.setPointSizeF(max(7.0, round(letters.pointSizeF() * share, 1)))
         return letters
 
-    def points(self, panel: str, robot: int) -> int:
-        """Return the number of points of a robot's curve in a panel."""
-        curve = self._curves.get((panel, robot))
-        times = None if curve is None else curve.getOriginalDataset()[0]
-        return 0 if times is None else len(times)
-
-    def _curve(self, panel: str, robot: int) -> pg.PlotDataItem:
-        curve = self._curves.get((panel, robot))
+    def _curve(self, panel: str, curves: RobotCurves) -> pg.PlotDataItem:
+        curve = self._curves.get((panel, curves.robot))
         if curve is None:
-            curve = self._plots[panel].plot(pen=self._pen(robot), connect="finite", antialias=True)
-            self._curves[panel, robot] = curve
+            pen, name = self._pen(curves.robot), shown(curves.name)
+            curve = pg.PlotDataItem(pen=pen, name=name, connect="finite", antialias=True)
+            self._panels[panel].item.addItem(curve)
+            self._curves[panel, curves.robot] = curve
+            self._name_curves()
         return curve
+
+    def _number(self, wanted: NumberCurve) -> pg.PlotDataItem:
+        plot = self._number_plots.get(wanted.plot)
+        if plot is None:
+            plot = self._number_plots[wanted.plot] = _TimePlot(shown(wanted.plot))
+            plot.item.getViewBox().sigRangeChangedManually.connect(self._look_around)
+        curve = self._numbers.get((wanted.plot, wanted.name))
+        if curve is None:
+            curve = pg.PlotDataItem(name=shown(wanted.name), connect="finite", antialias=True)
+            plot.item.addItem(curve)
+            self._numbers[wanted.plot, wanted.name] = curve
+            self._name_curves()
+            for number, each in enumerate(self._of_numbers()[plot]):
+                each.setPen(pg.mkPen(self._palette.robot(number), width=1))
+        return curve
+
+    def _of_numbers(self) -> dict["_TimePlot", list[pg.PlotDataItem]]:
+        """Return the curves of each plot with numbers of topics."""
+        found: dict[_TimePlot, list[pg.PlotDataItem]] = {plot: [] for plot in self._number_plots.values()}
+        for (title, _), curve in self._numbers.items():
+            found[self._number_plots[title]].append(curve)
+        return found
 
     def _pen(self, robot: int) -> object:
         colour = QColor(self._palette.robot(robot))
@@ -245,7 +361,9 @@ class Plots(QWidget):
         self._band.setData(*thinned(times, values), pen=None, brush=pg.mkBrush(colour), connect="finite")
 
     def _range(self) -> None:
-        first = self._plots[PANELS[0].name]
+        if not self._shown:
+            return
+        first = self._shown[0].item
         if self._span == "end":
             end = max(self._now, LIVE_SECONDS)
             first.setXRange(end - LIVE_SECONDS, end, padding=0.0)
@@ -263,10 +381,42 @@ class Plots(QWidget):
             self._span = self._home
             self._range()
             return
-        for plot in self._plots.values():
-            if plot.getViewBox().sceneBoundingRect().contains(event.scenePos()):
-                self.seek.emit(max(0.0, float(plot.getViewBox().mapSceneToView(event.scenePos()).x())))
+        for plot in self._shown:
+            box = plot.item.getViewBox()
+            if box.sceneBoundingRect().contains(event.scenePos()):
+                self.seek.emit(max(0.0, float(box.mapSceneToView(event.scenePos()).x())))
                 return
+
+
+class _TimePlot:
+    """A plot over time with its cursor, its legend, and the line of the moment at which the window joined.
+
+    Args:
+        shown_title: its title, for people.
+    """
+
+    def __init__(self, shown_title: str) -> None:
+        self.title = shown_title
+        self.item = pg.PlotItem()
+        self.item.setMenuEnabled(False)
+        self.item.hideButtons()
+        self.item.setMouseEnabled(x=True, y=False)
+        self.item.setClipToView(True)
+        self.item.getViewBox().setAutoVisible(y=True)
+        # Above the plot, since curves are everywhere in it.
+        self.legend = pg.LegendItem(size=(0, 0), verSpacing=-8)
+        self.legend.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        for side in ("left", "bottom"):
+            # Lines of the grid between the numbers cost more than all curves.
+            self.item.getAxis(side).setStyle(maxTickLevel=0)
+            self.item.getAxis(side).enableAutoSIPrefix(False)
+        self.cursor = pg.InfiniteLine(angle=90, movable=False)
+        self.joined = pg.InfiniteLine(angle=90, movable=False)
+        # Left of the line, where nothing is drawn.
+        self.joined_words = pg.InfLineLabel(self.joined, anchors=[(1.0, 0.5), (1.0, 0.5)])
+        self.joined.hide()
+        for line in (self.cursor, self.joined):
+            self.item.addItem(line, ignoreBounds=True)
 
 
 def thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -2,10 +2,12 @@
 
 from typing import Protocol
 
+from sim.common.grid import OccupancyGrid
 from thbridge.roles.robot_requests import PaceRequest, Request
 from ui.model.watching.scene import Scene, ShownLayers
 from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog
+from ui.sources.numbers import TopicNumbers
 
 FeedRequest = Request | PaceRequest
 """A request to the robots, or about the session's pace."""
@@ -37,6 +39,14 @@ class Feed(Protocol):
     @property
     def series(self) -> Series:
         """Numbers over time, as far as they are known."""
+
+    @property
+    def numbers(self) -> TopicNumbers | None:
+        """All topics, and the numbers in their messages; None where they are not known, as in a running session."""
+
+    @property
+    def foreign(self) -> bool:
+        """True for a recording that is not one of our sessions."""
 
     @property
     def time(self) -> float:
@@ -75,6 +85,9 @@ class Feed(Protocol):
 
     def take_notices(self) -> list[str]:
         """Return sentences that are to be shown once."""
+
+    def use_map(self, grid: OccupancyGrid) -> None:
+        """Show this map in place of the recorded one; no effect on a running session."""
 
     def play(self, on: bool) -> None:
         """Let time go on, or stop it."""

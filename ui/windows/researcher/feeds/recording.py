@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from sim.common.grid import OccupancyGrid
 from thbridge.files.errors import BadFile
 from ui.model.watching.playback import Playback
 from ui.model.watching.scene import Scene, ShownLayers
@@ -13,6 +14,7 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog
 from ui.model.watching.tools import RECORDED
 from ui.sources.bag import BagSource, open_bag
+from ui.sources.numbers import TopicNumbers
 from ui.windows.researcher.feeds.feed import FeedRequest
 
 READ_SLICE = 0.008
@@ -97,6 +99,16 @@ class RecordingFeed:
         self.generation = 0
 
     @property
+    def numbers(self) -> TopicNumbers | None:
+        """All topics, and the numbers in their messages, once it is open."""
+        return None if self._source is None else self._source.numbers
+
+    @property
+    def foreign(self) -> bool:
+        """True when it is open and not one of our sessions."""
+        return self._source is not None and self._source.session is None
+
+    @property
     def time(self) -> float:
         """Time shown."""
         return (self._playback.at_ns - self.start_ns) / 1e9
@@ -121,11 +133,16 @@ class RecordingFeed:
 
     def work(self) -> bool:
         """Read on for some milliseconds."""
-        if self._source is None or self._whole or self._fault:
+        if self._source is None or self._fault:
             return False
         end = time.perf_counter() + READ_SLICE
         try:
             while time.perf_counter() < end:
+                # Somebody waits for these.
+                if self._source.numbers.work():
+                    continue
+                if self._whole:
+                    return False
                 share = next(self._reading, None)
                 if share is None:
                     self._whole = True
@@ -151,6 +168,8 @@ class RecordingFeed:
         """Return how much of it was read."""
         if self._source is None:
             return f"opening, {self._opener.share:.0%}"
+        if self._source.numbers.share < 1.0:
+            return f"reading numbers, {self._source.numbers.share:.0%}"
         return "recording" if self._whole else f"reading, {self._share:.0%}"
 
     def trouble(self) -> str:
@@ -175,6 +194,11 @@ class RecordingFeed:
     def speed(self) -> float:
         """Recorded seconds per second."""
         return self._playback.speed
+
+    def use_map(self, grid: OccupancyGrid) -> None:
+        """Show this map in place of the recorded one."""
+        if self._source is not None:
+            self._source.map = grid
 
     def play(self, on: bool) -> None:
         """Let time go on, from the beginning when it is at its end."""

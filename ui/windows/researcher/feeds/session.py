@@ -5,6 +5,7 @@ import threading
 from collections import deque
 from pathlib import Path
 
+from sim.common.grid import OccupancyGrid
 from thbridge.app.session.watch_requests import request_line
 from thbridge.files.map_files import MapRoom
 from thbridge.protocols.watching import SessionMessage, WatchStatus, parse_status
@@ -72,6 +73,8 @@ class SessionFeed:
 
     live = True
     refusal = ""
+    numbers = None
+    foreign = False
 
     def __init__(self, connection: WatchConnection, address: str) -> None:
         self._connection = connection
@@ -226,6 +229,9 @@ class SessionFeed:
         """Return the refusals since the last call."""
         notices, self._notices = self._notices, []
         return notices
+
+    def use_map(self, grid: OccupancyGrid) -> None:
+        """Do nothing: a session has its map."""
 
     def play(self, on: bool) -> None:
         """Ask the session to go on, or to stop."""

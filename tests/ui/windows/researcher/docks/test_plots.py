@@ -22,7 +22,7 @@ def plots(qtbot: QtBot) -> Plots:
     made.show()
     times = np.arange(0.0, 100.0, 0.5)
     figures = {panel.name: (times, np.sin(times)) for panel in PANELS} | {"band": (times, np.full_like(times, 0.2))}
-    made.show_curves([RobotCurves(0, figures), RobotCurves(1, figures)], 100.0)
+    made.show_curves([RobotCurves(0, "robot 1", figures), RobotCurves(1, "robot 2", figures)], 100.0)
     return made
 
 
