@@ -461,6 +461,10 @@ PICTURES = {
     "sklar-azhar-2015/pictures/fuzzy_die.jpg": fuzzy_die,
     "sklar-azhar-2015/pictures/candy_box.jpg": candy_box,
     "sklar-azhar-2015/pictures/beer_bottle.jpg": beer_bottle,
+    "everyday-things/pictures/basketball.jpg": basketball,
+    "everyday-things/pictures/fuzzy_die.jpg": fuzzy_die,
+    "everyday-things/pictures/candy_box.jpg": candy_box,
+    "everyday-things/pictures/beer_bottle.jpg": beer_bottle,
     "four-properties/pictures/toy_block.jpg": lambda: wooden(box((0.45,) * 3, (0.0, 0.45, 0.0), 0.05), 0xC8332B, 0.9),
     "four-properties/pictures/paint_tin.jpg": lambda: metallic(lathe(_TIN), 0xC8332B, (0.04, 1.0)),
     "four-properties/pictures/fruit_crate.jpg": lambda: wooden(

@@ -12,7 +12,11 @@ from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, TEXT_SERVER_PO
 from ui.terminal import BAD_INPUT, fail
 
 StudyFile = Annotated[
-    Path | None, typer.Argument(help="Study file (YAML); see `thbridge study init`. Options below win over it.")
+    Path | None,
+    typer.Argument(
+        help="Study file (YAML), see `thbridge study init`; or `standard` or `original-2016`, the built-in studies. "
+        "Options below win over it."
+    ),
 ]
 StudyOption = Annotated[Path | None, typer.Option("--study", help="The same as `study_file` by position.", hidden=True)]
 # The bounds are those of the study file, so that the study in a bag can be read again.

@@ -12,20 +12,21 @@ from thbridge.files.yaml.load import Loaded
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import Address, parse_address, parse_target
+from thbridge.study.built_in import study_at
 from thbridge.study.overrides import StudyChange
-from thbridge.study.study_file import Study, load_study
+from thbridge.study.study_file import Study
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 
 def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:
-    """The study of a file, or the default one, with what options change; None changes nothing."""
-    study = Study()
-    if file is not None:
-        with bad_input():
-            loaded = load_study(file)
-        for notice in loaded.notices:
-            note(notice)
-        study = loaded.value
+    """The study of a file, or a built-in one by its name, with what options change; None changes nothing.
+
+    Without a file every key has its default, those of the game of 2016, which programs of others expect.
+    """
+    with bad_input():
+        study, loaded = study_at(file)
+    for notice in () if loaded is None else loaded.notices:
+        note(notice)
     return with_options(study, changes)
 
 
@@ -86,8 +87,8 @@ def map_of(study: Study, file: Path | None) -> Map:
 
 
 def _written(file: Path | None) -> Loaded[Study] | None:
-    """The study as its file has it, so that faults name lines of it."""
-    return None if file is None else load_study(file)
+    """The study as its file has it, so that faults name lines of it; None without a file."""
+    return study_at(file)[1]
 
 
 def map_folder(name: str) -> Path:

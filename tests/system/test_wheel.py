@@ -66,7 +66,7 @@ def test_the_wheel_carries_maps_templates_and_the_page_of_reports(tmp_path: Path
     installed = install(tmp_path)
     loaded = run(sys.executable, "-c", LOAD, cwd=tmp_path / "elsewhere", PYTHONPATH=str(installed))
     assert loaded.returncode == 0, loaded.stderr
-    sets = "four-properties original-2016 practice sklar-azhar-2015"
+    sets = "everyday-things four-properties original-2016 practice sklar-azhar-2015"
     assert loaded.stdout.splitlines() == [str(installed / "thbridge"), "True", f"8 {sets}"]
 
 

@@ -13,6 +13,8 @@ import pytest
 from click.testing import Result
 from typer.testing import CliRunner
 
+from thbridge.app.compose.setting import StudySetting
+from thbridge.app.consent import ParticipantDeclined
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.digest import digest_of
@@ -256,6 +258,25 @@ def test_the_study_that_is_written_is_without_fault_and_says_the_defaults() -> N
     assert thbridge("study", "check", "study.yaml").stdout == "study.yaml: no faults\n"
     assert load_study(Path("study.yaml")).value.seed == 1
     assert "there is such a file already" in refusal("study", "init", "study.yaml")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "templates"),
+    [((), "everyday-things"), (("original-2016",), "original-2016"), (("--outside", "TabUI"), "original-2016")],
+)
+def test_a_hunt_is_the_standard_study_unless_another_is_named_or_programs_of_others_play(
+    arguments: tuple[str, ...], templates: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    played: list[StudySetting] = []
+
+    async def play(setting: StudySetting, *_: object) -> None:
+        played.append(setting)
+        raise ParticipantDeclined(True)
+
+    monkeypatch.setattr("thbridge.app.play.play", play)
+    assert thbridge("play", *arguments, "--headless", "--rate", "0").exit_code == 3
+    assert [setting.study.templates for setting in played] == [templates]
+    assert played[0].by_position is (templates == "everyday-things")
 
 
 @pytest.mark.parametrize("place", ["none/a.yaml", "file/a.yaml", "/proc/a.yaml"])

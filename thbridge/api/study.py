@@ -9,9 +9,10 @@ from thbridge.api.errors import HuntError, told
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import quoted
+from thbridge.study.built_in import study_at
 from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.robots_from import RobotsFrom
-from thbridge.study.study_file import Study, load_study
+from thbridge.study.study_file import Study
 from thbridge.study.text import as_yaml, resolved
 
 StudyValue: TypeAlias = bool | int | float | str | Path | Sequence["StudyValue"] | Mapping[str, "StudyValue"] | None
@@ -28,7 +29,8 @@ class HuntStudy:
     """A study with all that it names, read and checked; immutable.
 
     Args:
-        file: a study file; None: every key has its default.
+        file: a study file, or the name of a built-in study: `standard`, which `thbridge play` plays, or
+            `original-2016`. None: every key has its default, which is that of `original-2016`.
         changes: other values by dotted key, such as `{"robot.amcl.max_particles": 500}`.
         keys: the same for keys of the first level: `robots=4`, `map="office"`, `game={"energy": 50}`.
 
@@ -45,8 +47,7 @@ class HuntStudy:
     ) -> None:
         path = None if file is None else Path(file)
         with told():
-            written = None if path is None else load_study(path)
-            study = Study() if written is None else written.value
+            study, written = study_at(path)
             beside = Path() if path is None else path.parent
             self._read(_changed(study, {**keys, **(changes or {})}), beside, written)
 

@@ -9,6 +9,7 @@ from sim.common.robot_numbers import number_of
 from thbridge.dialogue.moves import DialogueTopic, Scenario
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.properties import TreasureProperty, value_in_words
+from thbridge.hunt.rooms import RoomNames
 
 UNKNOWN = "unknown"
 """Word for what is not known when a sentence names it all the same."""
@@ -40,6 +41,11 @@ class ReservedWord:
 WORDS = (
     ReservedWord("room", "the number of the room", lambda topic: str(topic.room.people)),
     ReservedWord("name", "the name of the room; its number where it has none", lambda topic: topic.room_name),
+    ReservedWord(
+        "place",
+        "the room with its number and its name, if it has one: room 3 (Kitchen)",
+        lambda topic: RoomNames.of([(topic.room.people, topic.room_name)]).titled(topic.room.people),
+    ),
     ReservedWord("cost", "the energy of what is proposed", lambda topic: energy_text(topic.cost)),
     ReservedWord("energy", "the energy that the robot has left", lambda topic: energy_text(topic.energy)),
     ReservedWord("robot", "the number of the robot", lambda topic: str(number_of(topic.robot))),

@@ -2,19 +2,20 @@
 
 A folder has `treasures` as in 2016 or `treasures.yaml`, `DialogueText` and `pictures/`; perhaps, for the participant's
 machine, which must not know which picture belongs to which treasure, `treasures.participant`. It may have a
-`mapTimes` for maps without one, and a `set.yaml` that names the one map whose moves `mapTimes` prices. All are UTF-8
-text; Windows line ends, a byte order mark and blank lines are accepted.
+`mapTimes` for maps without one, and a `set.yaml` that names the one map whose moves `mapTimes` prices, and the answers
+to questions. All are UTF-8 text; Windows line ends, a byte order mark and blank lines are accepted.
 """
 
 import difflib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import cast
 
 from thbridge.dialogue.moves import Scenario
-from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template
+from thbridge.dialogue.scripted.templates import ANSWERS_OF_2016, ScriptedQuestion, Template
 from thbridge.dialogue.words import word_fault
 from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.regular_files import open_regular
@@ -52,8 +53,27 @@ _BETWEEN_WORDINGS = re.compile(r"(?<!\S)\|(?!\S)")
 
 
 @dataclass(frozen=True, slots=True)
+class _Answers:
+    """Texts of the buttons below a question: the one that agrees, and the one that refuses."""
+
+    room: tuple[str, str] = ANSWERS_OF_2016
+    picture: tuple[str, str] = ANSWERS_OF_2016
+    treasure: tuple[str, str] = ANSWERS_OF_2016
+
+    def by_scenario(self) -> dict[Scenario, tuple[str, str]]:
+        """Return the answers to the questions of each scenario."""
+        return {
+            Scenario.SPECIFIC_ROOM: self.room,
+            Scenario.DONT_KNOW: self.room,
+            Scenario.TAKE_PICTURE: self.picture,
+            Scenario.TAKE_TREASURE: self.treasure,
+        }
+
+
+@dataclass(frozen=True, slots=True)
 class _SetYaml:
-    map: str
+    map: str | None = None
+    answers: _Answers = _Answers()
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +118,7 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
     costs: CostMatrix | None = None
     treasures: TreasureList | None = None
     dialogue: Template | None = None
-    place: str | None = None
+    own = _SetYaml()
     pictures: dict[str, bytes] = {}
     declaring = (folder / TREASURES_YAML).exists()
     path = folder / (TREASURES_YAML if declaring else TREASURES)
@@ -111,7 +131,7 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
         if path.exists():
             treasures = read_treasures_yaml(path) if declaring else _treasures_with_images(path)
     with faults.kept():
-        place = _priced_map(folder / SET)
+        own = _set_yaml(folder / SET)
     if treasures is not None:
         with faults.kept():
             dialogue = read_dialogue_text(folder / DIALOGUE_TEXT, treasures.properties)
@@ -123,7 +143,8 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
                 pictures[image] = _picture(path, kind.name, folder / PICTURES, image, replaced.get(image))
     if faults.found or treasures is None or dialogue is None:
         raise faults.together()
-    return TemplateSet(treasures.rooms, costs, place, treasures.properties, treasures.kinds, dialogue, pictures)
+    dialogue = replace(dialogue, answers=own.answers.by_scenario())
+    return TemplateSet(treasures.rooms, costs, own.map, treasures.properties, treasures.kinds, dialogue, pictures)
 
 
 def _treasures_with_images(path: Path) -> TreasureList:
@@ -157,9 +178,19 @@ def _check_together(folder: Path, path: Path, treasures: TreasureList, costs: Co
         check_copy(copy, treasures)
 
 
-def _priced_map(path: Path) -> str | None:
-    """The map that `set.yaml` names, if there is such a file."""
-    return load(path, _SetYaml).value.map if path.exists() else None
+def _set_yaml(path: Path) -> _SetYaml:
+    """Return the contents of a `set.yaml`, with defaults if there is no such file."""
+    if not path.exists():
+        return _SetYaml()
+    loaded = load(path, _SetYaml)
+    if not loaded.lines:
+        raise BadFile(path, "there is nothing in it", "write `map:` or `answers:`, or delete the file")
+    for field in fields(_Answers):
+        agree, refuse = texts = cast(tuple[str, str], getattr(loaded.value.answers, field.name))
+        if not all(text.strip() for text in texts) or agree.casefold() == refuse.casefold():
+            remedy = "write two different answers, such as [Go, Not there]"
+            raise loaded.fault(f"answers.{field.name}", "people could not tell these answers apart", remedy)
+    return loaded.value
 
 
 def _picture(treasures: Path, name: str, folder: Path, image: str, data: bytes | None) -> bytes:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast, get_args, get_origin, get_type_hints
 
 from thbridge.files.yaml.declarations import allowed, sections_named_in
 from thbridge.files.yaml.tree import quoted
+from thbridge.study.built_in import STANDARD
 from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import Study, StudyFile
 
@@ -15,6 +16,11 @@ if TYPE_CHECKING:
 
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 """Text that needs no quotes, unless YAML gives it another meaning."""
+_HEAD = (
+    "# A study: the one that `thbridge play` takes if none is given. A key left out has the value written here,",
+    f"# except `templates`, which is then {Study().templates}: the game of 2016.",
+    "",
+)
 _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
 
 
@@ -24,9 +30,8 @@ def resolved(study: Study) -> str:
 
 
 def commented_study() -> str:
-    """Return a study file with every key at its default, each under its meaning, unit and range."""
-    head = ["# A study. Every key may be left out; what is written here are the defaults.", ""]
-    return "\n".join(head + list(_lines(StudyFile.of(Study()), "", commented=True))) + "\n"
+    """Return the built-in study `standard` as a file, each key under its meaning, unit and range."""
+    return "\n".join([*_HEAD, *_lines(StudyFile.of(STANDARD), "", commented=True)]) + "\n"
 
 
 def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[str]:

@@ -105,6 +105,8 @@ def play(
 ) -> None:
     """Play a whole hunt, recorded into a bag: in a window where there is a display, else with a simulated participant.
 
+    Without a study file it is the study `standard`; with --outside it is `original-2016`, the game of 2016.
+
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
     from ui.start_bar import START_BAR, announce_start
@@ -118,6 +120,7 @@ def play(
     from thbridge.app.session.session import TickRecord
     from thbridge.protocols.text import legacy
     from thbridge.roles.participant.bot_strategy import BotStrategy
+    from thbridge.study.built_in import STANDARD
     from thbridge.study.overrides import with_changes
     from ui.actions.programs import new_token
     from ui.door_keys import keys_of
@@ -134,7 +137,8 @@ def play(
     from ui.story import print_story
 
     files, assignments = changes_of(changes or [])
-    study = study_of(study_file, {})
+    # Programs of others expect the game of 2016, as ours do when they run apart.
+    study = STANDARD if study_file is None and not outside else study_of(study_file, {})
     with bad_input():
         study = with_changes(study, files, assignments)
     study = with_server(with_options(study, {"robots": robots, "map": map_name, "seed": seed}), None, port)

@@ -31,10 +31,13 @@ PRACTICE = Study(map="practice", templates="practice", robots=1)
 """A hall and two rooms, with treasures that no other set has."""
 
 
-def practice_setting(study: Study) -> StudySetting:
-    """Return the setting of the practice game, with what a study says of chance, server and sound."""
+def practice_setting(game: StudySetting) -> StudySetting:
+    """Return the setting of the practice game before a game, with its random seed, server, sound and answers."""
+    study = game.study
     told = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
-    return setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=told), None)
+    own = setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=told), None)
+    dialogue = dataclasses.replace(own.templates.dialogue, answers=game.templates.dialogue.answers)
+    return dataclasses.replace(own, templates=dataclasses.replace(own.templates, dialogue=dialogue))
 
 
 def offer_of(setting: StudySetting, given: bool) -> Offer:
@@ -101,7 +104,7 @@ class WindowGames:
 
     def practice(self) -> PlayGame:
         """A short game to learn how it goes; it is not recorded."""
-        setting = practice_setting(self.study)
+        setting = practice_setting(self.setting(self.study.robots))
 
         async def play(visit: GameVisit) -> None:
             options = dataclasses.replace(

@@ -37,6 +37,7 @@ from thbridge.roles.view import (
 )
 from thbridge.timing.wall_clock import utc_now
 from ui.model.consent_words import QUESTION, answer_in
+from ui.model.keys import choice_keys
 from ui.model.playing.memory.history import spoken
 from ui.model.playing.popups.dialogues import OVERRIDE
 from ui.model.playing.words import outcome_of, verdict_words
@@ -46,7 +47,7 @@ from ui.story import CONDITIONS
 HELP = """\
   1 4        talk with robot 1 about going to room 4
   1 ?        don't know: ask robot 1 where to go
-  c   s      Continue, or Stop, in the dialogue that waits
+  c   s      the first, or the last, answer in the dialogue that waits; or its letter, where it has one
   2   1:2    the second answer in the dialogue that waits; to robot 1, where several wait
   p 4        take a picture of what is in room 4; a terminal cannot show it
   m 4 WHAT   let the robot sense one more property of what is in room 4, where the game has such
@@ -117,8 +118,8 @@ class TerminalPlayer:
                 self.show(f"  {_listed(view.names)}" if view.names else NO_NAMES)
             case ["end"]:
                 self._wanted = (GiveUp(view.game),)
-            case ["c" | "s" as answer]:
-                self._answer(view, first=answer == "c")
+            case [letter] if letter in (waiting := _letters(view)) or letter in ("c", "s"):
+                self._answer(view, waiting.get(letter, 0 if letter == "c" else -1))
             case [answer] if _is_number(answer):
                 self._answer_by_number(view, None, int(answer))
             case [answer] if all(map(_is_number, parts := answer.split(":"))) and len(parts) == 2:
@@ -157,12 +158,13 @@ class TerminalPlayer:
             case None:
                 self.show(QUESTION)
 
-    def _answer(self, view: View, *, first: bool) -> None:
-        dialogue = next((dialogue for dialogue in view.dialogues if dialogue.choices), None)
+    def _answer(self, view: View, choice: int) -> None:
+        """Answer the first dialogue that waits; -1 is its last answer."""
+        dialogue = _waiting(view)
         if dialogue is None:
             self.show("No robot waits for an answer.")
             return
-        self._wanted = (AnswerDialogue(dialogue.dialogue, dialogue.turn, 0 if first else len(dialogue.choices) - 1),)
+        self._wanted = (AnswerDialogue(dialogue.dialogue, dialogue.turn, choice % len(dialogue.choices)),)
 
     def _answer_by_number(self, view: View, robot: int | None, number: int) -> None:
         waiting = [each for each in view.dialogues if each.choices and robot in (None, each.robot)]
@@ -221,6 +223,23 @@ class TerminalPlayer:
             case "take-treasure":
                 name = consent.name or self._names.get(consent.room, "")
                 return IdentifyTreasure(consent.room, name) if name else None
+
+
+def _waiting(view: View) -> DialogueView | None:
+    """The first dialogue that waits for an answer, or None."""
+    return next((dialogue for dialogue in view.dialogues if dialogue.choices), None)
+
+
+def _letters(view: View) -> dict[str, int]:
+    """The answers of the first dialogue that waits, by the letters in front of them; none where they are numbered."""
+    dialogue = _waiting(view) if view.has_last_word is None else None
+    return {} if dialogue is None else {letter: at for at, (letter, _) in enumerate(_lettered(dialogue))}
+
+
+def _lettered(dialogue: DialogueView) -> list[tuple[str, str]]:
+    """The answers of a dialogue, each after its letter, which is its key in the window."""
+    keys = map(str.lower, choice_keys(dialogue.choices))
+    return list(zip(keys, dialogue.choices, strict=True))
 
 
 def _begun(properties: Sequence[TreasureProperty], words: Sequence[str]) -> TreasureProperty | None:
@@ -325,7 +344,7 @@ def _asked(view: View, dialogue: DialogueView, told: int = 0) -> list[str]:
     if not dialogue.choices:
         return [f"{name} is thinking."]
     if view.has_last_word is None:
-        answers = ", ".join(f"{choice[0].lower()} {choice}" for choice in dialogue.choices)
+        answers = ", ".join(f"{letter} {choice}" for letter, choice in _lettered(dialogue))
         return [f"{name}: {dialogue.said[-1]}   [{answers}]"]
     several = sum(bool(each.choices) for each in view.dialogues) > 1
     to = f"{number_of(dialogue.robot)}:" if several else ""

@@ -15,6 +15,11 @@ def test_keys_win_over_the_file_and_the_rest_of_it_stays(tmp_path: Path) -> None
     assert "  energy: 70.0\n" in text and "  picture_cost: 2.0\n" in text
 
 
+def test_a_built_in_study_is_named_and_what_is_left_out_is_as_in_2016() -> None:
+    assert "\ntemplates: everyday-things\n" in api.HuntStudy("standard", robots=3).yaml()
+    assert api.HuntStudy().yaml() == api.HuntStudy("original-2016").yaml()
+
+
 def test_the_text_of_a_study_is_a_file_of_the_same_study(tmp_path: Path) -> None:
     study = api.HuntStudy(robots=2, things=[{"name": "crate", "shape": "crate", "at": [0.0, 0.0, 0.0]}])
     (tmp_path / "same.yaml").write_text(study.yaml())

@@ -126,6 +126,7 @@ OF_2016, MEASURED = (17.0, 14.0, 17.0), (20.0, 16.0, 19.0)
         ("original-2016", GameSection(cost_model=CostModel.POSITION), MEASURED, True),
         ("original-2016", GameSection(cost_model=CostModel.MATRIX), OF_2016, False),
         ("sklar-azhar-2015", GameSection(), MEASURED, True),
+        ("everyday-things", GameSection(), MEASURED, True),
         ("sklar-azhar-2015", GameSection(cost_model=CostModel.MATRIX), MEASURED, False),
         ("sklar-azhar-2015", GameSection(costs=Path("original-2016")), OF_2016, False),
         ("sklar-azhar-2015", GameSection(costs=Path("my.times"), cost_model=CostModel.POSITION), OF_2016, True),

@@ -267,6 +267,14 @@ def test_the_copy_must_say_the_same_and_no_images(folder):
     assert read_template_set(folder).kinds == read_template_set(ORIGINAL).kinds
 
 
+def test_a_set_words_the_answers_to_its_questions_and_else_they_are_those_of_2016(folder):
+    assert set(read_template_set(folder).dialogue.answers.values()) == {("Continue", "Stop")}
+    (folder / "set.yaml").write_text("answers: {room: [Go, Not there]}\n")
+    answers = read_template_set(folder).dialogue.answers
+    assert answers[Scenario.SPECIFIC_ROOM] == answers[Scenario.DONT_KNOW] == ("Go", "Not there")
+    assert answers[Scenario.TAKE_PICTURE] == ("Continue", "Stop")
+
+
 def test_costs_may_be_left_to_the_maps(folder):
     (folder / "mapTimes").unlink()
     templates = read_template_set(folder)
@@ -281,6 +289,12 @@ def test_costs_may_be_left_to_the_maps(folder):
         ("map: arena8\nmaps: arena8\n", r"set.yaml, line 2, maps: .*map"),
         ("mop: arena8\n", r"set.yaml, line 1, mop: .*map"),
         ("", r"set.yaml.*map"),
+        (
+            "answers: {room: [Go, go]}\n",
+            r"set.yaml, line 1, answers.room: .*tell these answers apart.*\[Go, Not there\]",
+        ),
+        ("answers: {room: [Go, '']}\n", r"set.yaml, line 1, answers.room: .*tell these answers apart"),
+        ("answers: {room: [Go]}\n", r"set.yaml, line 1, answers.room"),
     ],
 )
 def test_a_wrong_set_yaml_is_told_with_its_place_and_its_remedy(folder, text, named):

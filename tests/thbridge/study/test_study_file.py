@@ -14,6 +14,7 @@ from thbridge.files.yaml.load import load_text
 from thbridge.files.yaml.tree import parse
 from thbridge.recording.bag.options import Compression, DefinitionTexts, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.study.built_in import STANDARD
 from thbridge.study.noise import NoisePreset
 from thbridge.study.study_file import (
     GameSection,
@@ -63,9 +64,9 @@ class TestDefaults:
 
 
 class TestRoundTrip:
-    def test_the_commented_file_loads_to_the_defaults_and_names_every_field(self) -> None:
+    def test_the_commented_file_is_the_standard_study_and_names_every_field(self) -> None:
         text = commented_study()
-        assert read_study_text(STUDY, text) == Study()
+        assert read_study_text(STUDY, text) == STANDARD
         assert "  # energy of each robot at the start [0.01 to 1000000]\n  energy: 100.0\n" in text
         assert "    # greatest forward speed [0 to 20 m/s]\n    max_vel_x: 1.0\n" in text
         assert "are the same [amcl, ekf, truth or fake_localization]" in text
@@ -271,7 +272,8 @@ class TestNoise:
 
     def test_the_commented_file_leaves_room_for_a_preset(self) -> None:
         text = commented_study().replace("  preset: none\n", "  preset: bad wheels\n")
-        assert read_study_text(STUDY, text) == read_study_text(STUDY, "noise: {preset: bad wheels}")
+        short = f"templates: {STANDARD.templates}\nnoise: {{preset: bad wheels}}"
+        assert read_study_text(STUDY, text) == read_study_text(STUDY, short)
         assert text.count("odom_alpha1") == 2
 
     @pytest.mark.parametrize("text", ["noise:\n", "noise: {preset: [1]}", "noise: 3", "noise: {preset: worse wheels}"])

@@ -1,5 +1,7 @@
 """A person at the keyboard, on a stage without a simulator."""
 
+import re
+
 import pytest
 
 from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
@@ -12,6 +14,7 @@ from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.notices import FloorPlan, RoomOutline
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
+from thbridge.study.built_in import STANDARD
 from ui.hosting.terminal_player import TerminalPlayer
 from ui.model.consent_words import QUESTION
 from ui.model.rules_sheet import rules_of
@@ -49,6 +52,16 @@ def test_a_person_is_told_how_things_stand(seat):
         "  Robot 2: in the corridor, energy 100",
         "  Rooms not visited: 1 2 3 4 5 6 7 8. Score 0.",
     ]
+
+
+def test_questions_of_the_standard_study_are_whole_sentences_with_answers_that_fit():
+    seat = Seat(set_name=STANDARD.templates)
+    (asked,) = seat.type("1 3")
+    assert re.fullmatch(r"Robot 1: [A-Z].* room 3.*\. Shall I go\?   \[g Go, o Not there\]", asked)
+    assert seat.type("o") == []
+    (asked,) = seat.type("1 4")
+    assert "Shall I go?" in asked
+    assert seat.type("g", 20)[0].startswith("Robot 1 sets out for room 4")
 
 
 def test_a_person_hunts_by_keyboard_alone(seat):

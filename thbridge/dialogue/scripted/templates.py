@@ -1,12 +1,15 @@
 """Scripted questions of a DialogueText file, and the sentences made of them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from sim.numerics import noise
 from thbridge.dialogue.moves import Ask, Continue, DecideAlone, Dialogue, Move, OfferedSentence, Scenario, Speaker, Stop
 from thbridge.dialogue.words import fill, is_filled, words_of
 from thbridge.hunt.costs import energy_text
+
+ANSWERS_OF_2016 = ("Continue", "Stop")
+"""Texts of the buttons by which a person answered any question in 2016."""
 
 _CONFIDENCE = "£confidence£"
 
@@ -25,14 +28,20 @@ class Template:
     Attributes:
         name: first line of the file, a description.
         questions: of each scenario, in order; a scenario without questions is agreed at once.
+        answers: of each scenario, the texts of the buttons that agree and refuse; those of 2016 for all others.
     """
 
     name: str
     questions: Mapping[Scenario, tuple[ScriptedQuestion, ...]]
+    answers: Mapping[Scenario, tuple[str, str]] = field(default_factory=dict)
 
     def of(self, scenario: Scenario) -> tuple[ScriptedQuestion, ...]:
         """Return the questions of a scenario, possibly none."""
         return self.questions.get(scenario, ())
+
+    def answers_in(self, scenario: Scenario) -> tuple[str, str]:
+        """Return the texts of the two buttons below a question of a scenario: the one that agrees comes first."""
+        return self.answers.get(scenario, ANSWERS_OF_2016)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +73,9 @@ class TemplatePhrasing:
                     wording = f"I am {_CONFIDENCE} sure of my suggestion. {wording}"
                 return fill(wording, words)
             case Continue():
-                return "Continue"
+                return self.template.answers_in(dialogue.topic.scenario)[0]
             case Stop():
-                return "Stop"
+                return self.template.answers_in(dialogue.topic.scenario)[1]
             case DecideAlone(waited):
                 room = dialogue.topic.room_name
                 return f"Nobody has told me what to do for {energy_text(waited)} s: I go to {room}."

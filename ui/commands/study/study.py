@@ -21,7 +21,7 @@ study_app = typer.Typer(
 def study_init(
     file: Annotated[Path, typer.Argument(help="The file to write; must not exist. `-` is standard output.")],
 ) -> None:
-    """Write a study file with every key at its default, commented."""
+    """Write the built-in study `standard` as a file with every key, commented."""
     from thbridge.files.disk.whole import write_whole
     from thbridge.study.text import commented_study
 

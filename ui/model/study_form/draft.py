@@ -12,13 +12,17 @@ from thbridge.files.yaml.edit import moved, with_value, without
 from thbridge.files.yaml.places import node_at, path_of, steps_of
 from thbridge.files.yaml.tree import Node, Section, parse
 from thbridge.hunt.refusals import RequestRefused
+from thbridge.study.built_in import STANDARD
 from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import Study, StudyFile, load_study_tree, study_before
 from ui.model.differences import differences
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind, editable_text, form_of, typed_as_yaml
 
-HEADER = "# A study. Every key may be left out; what is not written here is as by default.\n"
-"""First line of a new file."""
+HEADER = f"""\
+# A study. Every key may be left out; what is not written here is as by default.
+templates: {STANDARD.templates}
+"""
+"""Beginning of a new file."""
 
 _NEW_ITEMS: Mapping[str, str] = {
     "things": '{{name: "thing {number}", shape: crate, at: [0, 0, 0]}}',

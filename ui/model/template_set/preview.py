@@ -61,7 +61,7 @@ def contents(templates: TemplateSet) -> Iterator[str]:
 
 
 def sentences(templates: TemplateSet, place: PreviewPlace, kind: TreasureKind | None = None) -> Iterator[str]:
-    """Yield each wording of each question, beside this kind of treasure; by default the first."""
+    """Yield each wording of each question, and the answers, beside this kind of treasure; by default the first."""
     kind = kind or templates.kinds[0]
     for scenario, heading in _HEADINGS.items():
         questions = templates.dialogue.of(scenario)
@@ -80,6 +80,8 @@ def sentences(templates: TemplateSet, place: PreviewPlace, kind: TreasureKind | 
         for number, question in enumerate(questions, start=1):
             for wording in question.wordings:
                 yield f"  {number}. {fill(wording, words_of(topic))}"
+        if questions:
+            yield f"  Answers: {', '.join(templates.dialogue.answers_in(scenario))}"
 
 
 def _teller(told_of: TreasureProperty) -> str:

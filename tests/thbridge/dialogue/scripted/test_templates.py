@@ -19,6 +19,14 @@ def test_reserved_words_become_what_people_read():
     assert fill(wording, words_of(topic)) == "1: orange, round and large in room 4; 5 of 82.5; £5 each"
 
 
+@pytest.mark.parametrize(
+    ("name", "said"), [("Kitchen", "Room 4 (Kitchen)"), ("room 4", "Room 4"), ("Room 4", "Room 4")]
+)
+def test_a_place_is_the_number_of_the_room_with_its_name_if_it_has_one(name, said):
+    topic = DialogueTopic(Scenario.DONT_KNOW, 0, Room(4), 5.0, 82.5, room_name=name)
+    assert fill("£place£ costs £cost£.", words_of(topic)) == f"{said} costs 5."
+
+
 @pytest.mark.parametrize("wording", ["£colour£ it is.", "Look! £colour£ it is.", "A thing. £colour£ it is."])
 def test_a_word_that_begins_a_sentence_has_a_capital(wording):
     assert "Orange it is." in fill(wording, {"colour": "orange"})
