@@ -13,12 +13,14 @@ from scipy import stats
 
 from sim.numerics.float_array import FloatArray
 from sim.numerics.noise_arrays import NoiseStream
-from thbridge.analysis.plot.style import INK, FigureStyle, colour
+from thbridge.analysis.plot.style import INK, FigureStyle
 
 RESAMPLES = 2000
 """Bootstrap samples of a band."""
 CONFIDENCE = 0.95
 _BAND_ALPHA = 0.18
+COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31", "#4D4D4D", "#B2182B")
+"""Colors of lines, different for color-blind people, too (Okabe and Ito's, then darker ones)."""
 MARK_SIZE = 3.5
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -174,7 +176,7 @@ def _draw_curve(
     place: Axes, at: Sequence[float], points: Sequence[MeanBand], index: int, label: str, are_words: bool
 ) -> None:
     means, lows, highs = ([getattr(point, name) for point in points] for name in ("mean", "low", "high"))
-    shade, mark = colour(index), MARKS[index % len(MARKS)]
+    shade, mark = COLORS[index % len(COLORS)], MARKS[index % len(MARKS)]
     if are_words:
         reach = np.array([np.subtract(means, lows), np.subtract(highs, means)])
         place.errorbar(

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import dist
 from typing import Literal
 
+from sim.common.robot_colors import ROBOT_COLORS
 from ui.model.scene import RoomState
 
 
@@ -87,18 +88,7 @@ LIGHT = Palette(
     visited="#dedfe1",
     won="#c6f4db",
     lost="#ffdac3",
-    robots=(
-        "#0070d0",
-        "#b05010",
-        "#601060",
-        "#208050",
-        "#b02030",
-        "#003090",
-        "#905070",
-        "#304000",
-        "#7060a0",
-        "#700030",
-    ),
+    robots=ROBOT_COLORS,
 )
 """Colours by day."""
 

@@ -12,9 +12,10 @@ from PIL import Image
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
+from sim.common.robot_colors import robot_color
 from tests.thbridge.analysis.test_report import session
 from thbridge.analysis.plot.figures import SIGMAS, FigureKind, draw
-from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat, FigureStyle, colour
+from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat, FigureStyle
 from thbridge.analysis.report.gathering import read_report
 from thbridge.analysis.report.values import Report, TimelineEntry, WayMade
 from thbridge.hunt.refusals import RequestRefused
@@ -109,7 +110,7 @@ def test_ways_made_are_thin_bars_in_the_colour_of_the_robot_that_goes_first(repo
     tracks = (replace(first, ways_made=(WayMade(1.0, 3.5, second.name),)), second)
     axes = drawn(FigureKind.TIMELINE, replace(report, tracks=tracks)).axes[0]
     (bar,) = [bar for bar in axes.patches if bar.get_width() == 2.5]
-    assert (bar.get_x(), to_hex(bar.get_facecolor())) == (1.0, colour(1).lower())
+    assert (bar.get_x(), to_hex(bar.get_facecolor())) == (1.0, robot_color(1).lower())
     assert any("makes way" in text.get_text() for text in axes.get_legend().get_texts())
 
 

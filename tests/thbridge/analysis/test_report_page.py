@@ -16,6 +16,7 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
+from ui.model.theme import LIGHT
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +70,18 @@ def test_every_figure_is_there_and_well_formed(page: str) -> None:
     assert len(drawn) == 4
     for svg in drawn:
         ElementTree.fromstring(svg)
+
+
+def test_the_page_begins_with_name_and_seed_and_versions_come_at_its_end(page: str) -> None:
+    header, _, rest = page.partition("</header>")
+    begins, _, _ = rest.rpartition("Versions and processor")
+    for program, version in SESSION.versions.items():
+        assert version not in header
+        assert f"<li>{program}: {version}</li>" in page.removeprefix(header + "</header>" + begins)
+
+
+def test_a_robot_has_its_color_of_the_windows(page: str) -> None:
+    assert re.findall(r'class="dot" style="background: (#\w+)"', page) == list(LIGHT.robots[:2])
 
 
 def test_names_within_the_figures_do_not_clash(page: str) -> None:

@@ -10,9 +10,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
+from sim.common.robot_colors import robot_color
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.plot.paths import paths
-from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, clock, colour, label_above, robot_handles
+from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, clock, label_above, robot_handles
 from thbridge.analysis.plot.thinning import changes, peaks
 from thbridge.analysis.report.values import Report, TimelineEntry, Track
 from thbridge.hunt.refusals import RequestRefused
@@ -54,12 +55,12 @@ def error(report: Report, style: FigureStyle) -> Figure | None:
     for (index, track), panels in zip(shown, rows, strict=True):
         for axes, column, scale, least in zip(panels, (1, 2), (100.0, 180.0 / np.pi), (1.0, 0.5), strict=True):
             curve = peaks(track.errors[:, (0, column)])
-            axes.plot(curve[:, 0], scale * curve[:, 1], color=colour(index))
+            axes.plot(curve[:, 0], scale * curve[:, 1], color=robot_color(index))
             if len(track.deviations):
                 admitted = _until(track.deviations, track.errors[-1, 0])
                 band = SIGMAS * scale * admitted[:, column]
                 axes.fill_between(
-                    admitted[:, 0], band, step="post", color=colour(index), alpha=_BAND_ALPHA, lw=0, zorder=1
+                    admitted[:, 0], band, step="post", color=robot_color(index), alpha=_BAND_ALPHA, lw=0, zorder=1
                 )
             # The axis begins at zero, and is not so fine that rounding looks like an error.
             axes.set_ylim(0.0, max(least, axes.get_ylim()[1]))
@@ -80,7 +81,7 @@ def covariance(report: Report, style: FigureStyle) -> Figure | None:
     for index, track in shown:
         admitted = _until(track.deviations, track.estimate[-1, 0] if len(track.estimate) else report.duration)
         for axes, column, scale in zip(rows[0], (1, 2), (100.0, 180.0 / np.pi), strict=True):
-            axes.step(admitted[:, 0], scale * admitted[:, column], where="post", color=colour(index))
+            axes.step(admitted[:, 0], scale * admitted[:, column], where="post", color=robot_color(index))
     for axes in rows[0]:
         # During global localisation they are metres, during tracking centimetres.
         axes.set_yscale("log", nonpositive="mask")
@@ -100,7 +101,7 @@ def energy(report: Report, style: FigureStyle) -> Figure | None:
     figure, ((axes,),) = style.figure((0.6 if style.narrow else 0.3) * style.width)
     for index in shown:
         left = changes(report.tracks[index].energy)
-        axes.step(left[:, 0], left[:, 1], where="post", color=colour(index), lw=1.5 * style.line)
+        axes.step(left[:, 0], left[:, 1], where="post", color=robot_color(index), lw=1.5 * style.line)
     axes.axhline(0.0, color=FAINT, lw=0.8)
     axes.set_ylabel("energy left")
     _time_below([[axes]], report.duration, style)
@@ -118,7 +119,9 @@ def velocity(report: Report, style: FigureStyle) -> Figure | None:
         for axes, column in zip(panels, (1, 2), strict=True):
             if len(track.speeds):
                 measured = track.speeds
-                axes.plot(measured[:, 0], measured[:, column], color=colour(index), alpha=0.55, lw=0.7 * style.line)
+                axes.plot(
+                    measured[:, 0], measured[:, column], color=robot_color(index), alpha=0.55, lw=0.7 * style.line
+                )
             if len(track.commands):
                 commands = track.commands
                 axes.step(commands[:, 0], commands[:, column], where="post", color=INK, lw=0.7 * style.line)
@@ -157,11 +160,11 @@ def timeline(report: Report, style: FigureStyle) -> Figure | None:
         axes,
         [
             *(
-                [Patch(color=colour(0), lw=0, label="to a room, reached")]
+                [Patch(color=robot_color(0), lw=0, label="to a room, reached")]
                 if any(t.attempts for t in report.tracks)
                 else []
             ),
-            *([Patch(color=colour(0), alpha=0.3, lw=0, label="not reached")] if _failed(report) else []),
+            *([Patch(color=robot_color(0), alpha=0.3, lw=0, label="not reached")] if _failed(report) else []),
             *([Patch(color=FAINT, lw=0, label="makes way for the robot of that colour")] if ways_made else []),
             *([Line2D([], [], color=INK, marker="D", ms=0.45 * style.font, lw=0, label="event")] if events else []),
             *([Line2D([], [], color="#52606d", marker="|", ms=style.font, lw=0, label="said")] if utterances else []),
@@ -232,7 +235,7 @@ def _until(series: FloatArray, end: float) -> FloatArray:
 
 def _draw_ways_made(axes: Axes, row: int, track: Track, tracks: Sequence[Track]) -> None:
     """Draw a thin bar below a robot's drives for each time in which it makes way, in the colour of the other robot."""
-    colours = {other.name: colour(index) for index, other in enumerate(tracks)}
+    colours = {other.name: robot_color(index) for index, other in enumerate(tracks)}
     for made in track.ways_made:
         seconds = made.end - made.start
         axes.barh(row + 0.33, seconds, left=made.start, height=0.14, color=colours.get(made.robot, FAINT), lw=0)
@@ -255,7 +258,7 @@ def _draw_attempts(
             attempt.end - attempt.start,
             left=attempt.start,
             height=0.46,
-            color=colour(row),
+            color=robot_color(row),
             alpha=alpha,
             ec="white",
             lw=0.8,

@@ -11,8 +11,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from sim.common.grid import OCCUPIED, UNKNOWN, OccupancyGrid
+from sim.common.robot_colors import robot_color
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, colour, label_above, robot_handles
+from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, label_above, robot_handles
 from thbridge.analysis.plot.thinning import simplified
 from thbridge.analysis.report.paths import pieces
 from thbridge.analysis.report.values import NEVER, Report
@@ -52,7 +53,7 @@ def paths(report: Report, style: FigureStyle) -> Figure | None:
     )
     mark = 0.75 * style.font
     for index, own_paths in enumerate(robot_paths):
-        tint = colour(index)
+        tint = robot_color(index)
         for path, cuts, (_, width, alpha, line) in zip(own_paths, robot_cuts[index], styles, strict=True):
             for piece in pieces(path, cuts):
                 x, y = simplified(piece[:, 1:3]).T

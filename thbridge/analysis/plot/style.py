@@ -11,10 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from sim.common.robot_colors import robot_color
 from thbridge.analysis.report.values import Track
-
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31", "#4D4D4D", "#B2182B")
-"""One colour a robot, distinguishable for colour-blind people (Okabe and Ito's, then darker ones)."""
 
 INK = "#1f2933"
 FAINT = "#9aa5b1"
@@ -111,11 +109,6 @@ TWO_COLUMNS = FigureStyle(width=7.2, font=8.0, line=0.9)
 """183 mm wide, as two columns of most journals."""
 
 
-def colour(index: int) -> str:
-    """Colour of a robot, by its index among the tracks."""
-    return COLOURS[index % len(COLOURS)]
-
-
 def clock(seconds: float) -> str:
     """Minutes and seconds: 75.3 is 1:15."""
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
@@ -138,7 +131,7 @@ def label_above(axes: Axes, handles: Sequence[object], columns: int = 10) -> Non
 def robot_handles(tracks: Sequence[Track], shown: Sequence[int] | None = None) -> list[object]:
     """Legend handles of the robots."""
     return [
-        Line2D([], [], color=colour(index), lw=2.0, label=track.label)
+        Line2D([], [], color=robot_color(index), lw=2.0, label=track.label)
         for index, track in enumerate(tracks)
         if shown is None or index in shown
     ]

@@ -10,10 +10,11 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from sim.common.grid import OccupancyGrid
+from sim.common.robot_colors import robot_color
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.plot.figures import energy, error, timeline
 from thbridge.analysis.plot.paths import paths
-from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock, colour
+from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock
 from thbridge.analysis.report.dialogues import ENDS, RecordedDialogues, RecordedGame
 from thbridge.analysis.report.gathering import gather_games
 from thbridge.analysis.report.tracks import FOUND_BY_NAME, TrajectoryTopics
@@ -153,7 +154,7 @@ def _robot_row(index: int, track: Track) -> dict[str, str]:
     arrived = sum(attempt.outcome == "arrived" for attempt in track.attempts)
     return {
         "name": track.label,
-        "colour": colour(index),
+        "colour": robot_color(index),
         "distance": f"{track.distance:.1f}",
         "goals": f"{arrived} of {len(track.attempts)}" if track.attempts else unknown,
         "rmse": f"{100 * _rms(errors[:, 1]):.1f}" if len(errors) else unknown,

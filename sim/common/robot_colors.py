@@ -1,0 +1,20 @@
+"""Colors of robots on a light ground: the same in windows, reports and figures."""
+
+ROBOT_COLORS = (
+    "#0070d0",
+    "#b05010",
+    "#601060",
+    "#208050",
+    "#b02030",
+    "#003090",
+    "#905070",
+    "#304000",
+    "#7060a0",
+    "#700030",
+)
+"""One color a robot. They differ for color-blind people, too, and each has a contrast to white."""
+
+
+def robot_color(index: int) -> str:
+    """Return the color of a robot, by its index from 0; after the last color the first comes again."""
+    return ROBOT_COLORS[index % len(ROBOT_COLORS)]
