@@ -12,19 +12,25 @@ class Playback:
         at_ns: the position, nanoseconds of ROS time.
         speed: recorded seconds per second while it plays.
         playing: True while it moves.
+        loop: first and last position between which it plays again and again; None: it plays to the end.
     """
 
     def __init__(self, start_ns: int, end_ns: int) -> None:
         self._start_ns, self._end_ns = start_ns, end_ns
         self.at_ns = start_ns
         self.speed = 1.0
+        self.loop: tuple[int, int] | None = None
         self._since: float | None = None
         self.playing = False
 
     def advance(self, now: float) -> int:
         """Move to the position reached by now, and return it."""
         if self.playing and self._since is not None:
-            self.at_ns = self._within(self.at_ns + round((now - self._since) * self.speed * 1e9))
+            at_ns = self.at_ns + round((now - self._since) * self.speed * 1e9)
+            if self.loop is not None and at_ns >= self.loop[1]:
+                start, end = self.loop
+                at_ns = start + (at_ns - end) % max(end - start, 1)
+            self.at_ns = self._within(at_ns)
             self.playing = self.at_ns < self._end_ns
         self._since = now
         return self.at_ns

@@ -1,6 +1,6 @@
 """Layout of the researcher's window: the map in the middle, all other parts in docks that can be moved and closed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -34,6 +34,7 @@ from PySide6.QtWidgets import (
 )
 
 from ui.model.theme import Palette
+from ui.model.watching.bookmarks import clock
 from ui.model.watching.scene import EntryKind
 from ui.model.watching.tools import Shape
 from ui.windows.controls import ChoiceBox
@@ -86,6 +87,9 @@ class DockedWindow(QMainWindow):
         speed_stepped: faster (1) or slower (-1).
         jumped: to the next mark (1), or the one before (-1).
         jumped_to_end: to the beginning (-1) or the end (1).
+        bookmark_toggled: set a bookmark at the time shown, or remove it.
+        bookmark_chosen: go to this bookmark, seconds since the beginning.
+        loop_toggled: play between two bookmarks again and again, or no more.
         map_chosen: show the map of this `map.yaml`.
         open_wanted: a person wants to open something else.
         dropped: a person dropped the file or folder with this path on the window.
@@ -102,6 +106,9 @@ class DockedWindow(QMainWindow):
     speed_stepped = Signal(int)
     jumped = Signal(int)
     jumped_to_end = Signal(int)
+    bookmark_toggled = Signal()
+    bookmark_chosen = Signal(float)
+    loop_toggled = Signal(bool)
     map_chosen = Signal(object)
     open_wanted = Signal()
     dropped = Signal(str)
@@ -321,6 +328,8 @@ class DockedWindow(QMainWindow):
         spacer = QWidget()
         spacer.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         bar.addWidget(spacer)
+        if not live:
+            bar.addWidget(self._menu_button("Bookmarks", "Moments to come back to", self._bookmark_menu()))
         panes = QMenu(self)
         for dock in self._docks:
             panes.addAction(dock.toggleViewAction())
@@ -338,6 +347,24 @@ class DockedWindow(QMainWindow):
         chosen, _ = QFileDialog.getOpenFileName(self, "Load a map", "", "Maps of map_server (*.yaml *.yml)")
         if chosen:
             self.map_chosen.emit(Path(chosen))
+
+    def _bookmark_menu(self) -> QMenu:
+        self._bookmarks = QMenu(self)
+        self._toggle_bookmark = self._action("Set or remove a bookmark here", "B", self.bookmark_toggled.emit)
+        self.loop = self._action(
+            "Loop between two bookmarks", "L", lambda: self.loop_toggled.emit(self.loop.isChecked())
+        )
+        self.loop.setCheckable(True)
+        self.show_bookmarks(())
+        return self._bookmarks
+
+    def show_bookmarks(self, times: Sequence[float]) -> None:
+        """List these bookmarks, seconds since the beginning."""
+        self._bookmarks.clear()
+        self._bookmarks.addActions([self._toggle_bookmark, self.loop])
+        self._bookmarks.addSeparator()
+        for time in times:
+            self._bookmarks.addAction(clock(time), partial(self.bookmark_chosen.emit, time))
 
     def _menu_button(self, text: str, hint: str, menu: QMenu) -> QToolButton:
         button = QToolButton()
@@ -360,6 +387,7 @@ class DockedWindow(QMainWindow):
             self._action("One step back", ",", lambda: self.playback.stepped.emit(-1))
             self._action("To the beginning", "Home", lambda: self.jumped_to_end.emit(-1))
             self._action("To the end", "End", lambda: self.jumped_to_end.emit(1))
+            self._action("Type a time", "Ctrl+T", self.playback.ask_time)
             self._action("Mark before", "PgUp", lambda: self.jumped.emit(-1))
             self._action("Next mark", "PgDown", lambda: self.jumped.emit(1))
         for display, switch in SWITCHES.items():

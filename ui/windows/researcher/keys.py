@@ -12,7 +12,10 @@ GROUPS: tuple[tuple[str, KeyLines], ...] = (
             (". and ,", "one step forward, one step back"),
             ("] and [", "faster, slower"),
             ("Home, End", "to the beginning, to the end (recordings)"),
-            ("PgUp, PgDown", "to the mark before, to the next mark (recordings)"),
+            ("PgUp, PgDown", "to the mark or bookmark before, to the next one (recordings)"),
+            ("Ctrl+T", "type a time (recordings)"),
+            ("B", "set a bookmark, or remove it (recordings)"),
+            ("L", "play between two bookmarks again and again (recordings)"),
         ),
     ),
     (

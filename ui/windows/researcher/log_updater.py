@@ -1,6 +1,6 @@
 """Updates of the lists and of the timeline's marks from the log of what is watched."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from thbridge.analysis.report.values import index_in, label_of
 from ui.model.watching.scene import Entry, EntryKind
@@ -87,9 +87,9 @@ class LogUpdater:
                 text = f"{label_of(robot)} makes way for {label_of(made.robot)}"
                 yield TimelineBar(made.start - start, made.end - start, text, index_in(robot) or 0)
 
-    def neighbouring_mark(self, direction: int) -> float:
-        """Return the time of the next mark (1) or the one before (-1), seconds; else the end or the beginning."""
-        times = sorted(mark.time for mark in self._marks if not mark.is_utterance)
+    def neighbouring_mark(self, direction: int, bookmarks: Sequence[float]) -> float:
+        """Return the time of the next mark or bookmark (1) or the one before (-1); else the end or the beginning."""
+        times = sorted([*bookmarks, *(mark.time for mark in self._marks if not mark.is_utterance)])
         here = self._feed.time
         if direction > 0:
             return next((time for time in times if time > here + MARK_TOLERANCE), self._feed.span)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent
 
 from sim.common.robot_numbers import number_of, robot_name
@@ -15,6 +15,7 @@ from thbridge.files.map_files import read_grid
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
+from ui.model.watching.bookmarks import Bookmarks, clock
 from ui.model.watching.curves import as_steps, broken
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene, ShownLayers
 from ui.model.watching.series import RobotSeries
@@ -53,7 +54,13 @@ class ResearcherWindow(DockedWindow):
     Attributes:
         scene: the scene on the map; None before there is any.
         sign: the sentence on the map about trouble.
+        bookmarks: moments that a person marked.
+
+    Signals:
+        bookmarked: the bookmarks have changed.
     """
+
+    bookmarked = Signal()
 
     def __init__(self, feed: Feed, title: str, palette: Palette, clock: Callable[[], float]) -> None:
         self._map = MapView(palette)
@@ -63,6 +70,7 @@ class ResearcherWindow(DockedWindow):
         self._selected = 0
         self._generation = feed.generation
         self.scene: Scene | None = None
+        self.bookmarks = Bookmarks()
         self._contents_shown = feed.live
         self._plotted: tuple[int, ...] = ()
         self._bodies: dict[int, FloatArray] = {}
@@ -90,7 +98,11 @@ class ResearcherWindow(DockedWindow):
         bar.speed_chosen.connect(feed.set_speed)
         bar.seek.connect(feed.seek)
         self.speed_stepped.connect(self._change_speed)
-        self.jumped.connect(lambda direction: feed.seek(self._log_updater.neighbouring_mark(direction)))
+        self.jumped.connect(self._jump)
+        bar.refused.connect(self.show_status)
+        self.bookmark_toggled.connect(self._change_bookmark)
+        self.bookmark_chosen.connect(feed.seek)
+        self.loop_toggled.connect(self._loop)
         self.jumped_to_end.connect(lambda direction: feed.seek(0.0 if direction < 0 else feed.span))
         self.plots.seek.connect(feed.seek)
         for log in self.logs.values():
@@ -297,6 +309,37 @@ class ResearcherWindow(DockedWindow):
         self._map.fit()
 
     # Time
+
+    def use_bookmarks(self, times: Sequence[float]) -> None:
+        """Show these bookmarks, seconds since the beginning, in place of others."""
+        self.bookmarks = Bookmarks(times)
+        self._show_bookmarks(None)
+
+    def _change_bookmark(self) -> None:
+        is_set = self.bookmarks.toggle(self._feed.time)
+        self.show_status(f"Bookmark at {clock(self._feed.time)} {'set' if is_set else 'removed'}.")
+        self._show_bookmarks(None)
+        self.bookmarked.emit()
+
+    def _loop(self, on: bool) -> None:
+        span = self.bookmarks.around(self._feed.time) if on else None
+        if on and span is None:
+            self.show_status(
+                "A loop needs two bookmarks. Go to a moment and press B; then to another one, and B again."
+            )
+        self._show_bookmarks(span)
+        if span is not None:
+            self._feed.seek(span[0])
+            self._feed.play(True)
+
+    def _show_bookmarks(self, loop: tuple[float, float] | None) -> None:
+        self._feed.loop(loop)
+        self.loop.setChecked(loop is not None)
+        self.show_bookmarks(self.bookmarks.times)
+        self.playback.timeline.set_bookmarks(self.bookmarks.times, loop)
+
+    def _jump(self, direction: int) -> None:
+        self._feed.seek(self._log_updater.neighbouring_mark(direction, self.bookmarks.times))
 
     def _change_speed(self, step: int) -> None:
         nearest = min(range(len(SPEEDS)), key=lambda number: abs(SPEEDS[number] - self._feed.speed))

@@ -34,3 +34,14 @@ def test_seeking_stays_within_the_recording() -> None:
     assert playback.at_ns == SECOND
     playback.seek(9 * SECOND)
     assert playback.at_ns == 2 * SECOND
+
+
+def test_a_loop_is_played_again_and_again() -> None:
+    playback = Playback(0, 100 * SECOND)
+    playback.loop = (10 * SECOND, 14 * SECOND)
+    playback.seek(13 * SECOND)
+    playback.play(0.0)
+    assert playback.advance(0.5) == round(13.5 * SECOND)
+    assert playback.advance(2.0) == 11 * SECOND
+    assert playback.advance(50.0) == 11 * SECOND
+    assert playback.playing

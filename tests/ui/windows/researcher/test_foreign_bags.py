@@ -87,7 +87,7 @@ def test_a_recording_without_a_map_shows_its_topics_in_place_of_the_map_and_of_e
     assert window.topics.isVisible() and not window.canvas.isVisible()
     assert window.plots.titles == [] and window.plots.nothing.isVisible()
     assert numbers(opened(window, 0)) == ["voltage", "cells[0]", "cells[1]", "gauges[0].reading", "gauges[1].reading"]
-    assert numbers(opened(window, 1)) == ["Its messages hold no numbers."]
+    assert numbers(opened(window, 1)) == ["No numbers can be read in its messages."]
 
 
 def test_ticked_numbers_are_plotted_whole_and_go_when_they_are_not_ticked(
@@ -110,6 +110,16 @@ def test_ticked_numbers_are_plotted_whole_and_go_when_they_are_not_ticked(
         topic.child(row).setCheckState(0, Qt.CheckState.Unchecked)
     assert window.plots.titles == ["/panel cells"]
     assert len(feed.numbers.curve(NumberField("/panel", "", "cells", "", element=1))[0]) == MESSAGES
+
+
+def test_plots_fill_their_pane_however_they_came(window: ResearcherWindow, qtbot: QtBot) -> None:
+    topic = opened(window, 0)
+    for row in range(3):
+        topic.child(row).setCheckState(0, Qt.CheckState.Checked)
+        qtbot.waitUntil(lambda: window._feed.numbers is not None and not window._feed.numbers.work())
+        window.refresh()
+        plots = window.plots.canvas
+        assert plots.ci.geometry().height() == pytest.approx(plots.height(), abs=4.0)
 
 
 def test_a_map_is_loaded_in_addition_to_the_recording(tmp_path: Path, qtbot: QtBot) -> None:

@@ -208,6 +208,29 @@ def test_page_keys_go_from_mark_to_mark(window: ResearcherWindow) -> None:
     assert window.playback.timeline.value() == 0
 
 
+def test_bookmarks_are_set_gone_to_and_looped_between(window: ResearcherWindow, qtbot: QtBot) -> None:
+    QTest.keyClick(window.canvas, "l")
+    assert "needs two bookmarks" in window.statusBar().currentMessage() and not window.loop.isChecked()
+    for seconds in (7.0, 7.4):
+        go_to(window, seconds)
+        QTest.keyClick(window.canvas, "b")
+    assert window.bookmarks.times == (7.0, 7.4)
+    go_to(window, 7.2)
+    QTest.keyClick(window.canvas, Qt.Key.Key_PageUp)
+    window.refresh()
+    assert window.playback.timeline.value() == 7000
+    window.playback.speed_chosen.emit(5.0)
+    QTest.keyClick(window.canvas, "l")
+    seen = set()
+    qtbot.waitUntil(lambda: seen.add(window.playback.timeline.value()) or len(seen) > 12)
+    assert window.playback.timeline.value() != window.playback.timeline.maximum()
+    assert min(seen) >= 7000 and max(seen) <= 7400
+    QTest.keyClick(window.canvas, "l")
+    QTest.keyClick(window.canvas, Qt.Key.Key_Space)
+    window.playback.speed_chosen.emit(1.0)
+    window.use_bookmarks([])
+
+
 def test_of_a_recording_nothing_can_be_asked_and_the_buttons_say_why(window: ResearcherWindow) -> None:
     for action in window.tool_actions:
         assert not action.isEnabled()

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetrics, QMouseEvent, QPaintEvent, QPen
-from PySide6.QtWidgets import QHBoxLayout, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
 
+from ui.model.watching.bookmarks import clock, parse_clock
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import colours, fixed_font, follow_text, font, smooth_painter, spaced
 from ui.windows.words_of_others import PlainLabel
@@ -16,6 +17,8 @@ SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 UTTERANCE_ARM, EVENT_ARM = 3.0, 5.0
 """Half height of an utterance's mark and of an event's on the timeline, pixels."""
 
+LOOP, FLAG = 3.0, 5.0
+"""Half height of a loop, and half width of a bookmark on the timeline, pixels."""
 BAR, BAR_ROWS = 2.0, 2
 """Height of a bar at the timeline's foot, pixels, and rows of bars that have room there."""
 
@@ -62,6 +65,8 @@ class Timeline(QSlider):
         super().__init__(Qt.Orientation.Horizontal)
         self._marks: Sequence[TimelineMark] = ()
         self._bars: Sequence[TimelineBar] = ()
+        self._bookmarks: Sequence[float] = ()
+        self._loop: tuple[float, float] | None = None
         self.setAccessibleName("Time")
         self.setSingleStep(1000)
         self.setPageStep(10_000)
@@ -71,6 +76,11 @@ class Timeline(QSlider):
     def set_marks(self, marks: Sequence[TimelineMark], bars: Sequence[TimelineBar] = ()) -> None:
         """Show these marks and bars."""
         self._marks, self._bars = marks, bars
+        self.update()
+
+    def set_bookmarks(self, times: Sequence[float], loop: tuple[float, float] | None) -> None:
+        """Show these bookmarks, and the loop between two of them."""
+        self._bookmarks, self._loop = times, loop
         self.update()
 
     def sizeHint(self) -> QSize:
@@ -99,6 +109,14 @@ class Timeline(QSlider):
             x, wide = left + (bar.start * 1000.0 - start) * width, max(1.0, (bar.end - bar.start) * 1000.0 * width)
             painter.setBrush(QColor(palette.robot(bar.robot)))
             painter.drawRect(QRectF(x, self.height() - BAR * (1 + bar.robot % BAR_ROWS), wide, BAR))
+        if self._loop is not None:
+            painter.setBrush(QColor(palette.accent))
+            first, last = (left + (time * 1000.0 - start) * width for time in self._loop)
+            painter.drawRect(QRectF(first, middle - LOOP, last - first, 2.0 * LOOP))
+        painter.setBrush(QColor(palette.text))
+        for time in self._bookmarks:
+            x = left + (time * 1000.0 - start) * width
+            painter.drawPolygon([QPointF(x - FLAG, 1.0), QPointF(x + FLAG, 1.0), QPointF(x, middle - 2.0)])
         painter.setBrush(QColor(palette.panel))
         painter.setPen(QPen(QColor(palette.accent), 3.0 if self.hasFocus() else 2.0))
         painter.drawEllipse(QRectF(here - 6.5, middle - 6.5, 13.0, 13.0))
@@ -116,7 +134,8 @@ class Timeline(QSlider):
             return
         x = event.position().x()
         near = [mark for mark in self._marks if abs(self._x(mark.time * 1000.0) - x) <= 3.0]
-        lines = [f"{mark.time:.1f} s  {mark.text}" for mark in near[:8]]
+        lines = [f"{time:.1f} s  bookmark" for time in self._bookmarks if abs(self._x(time * 1000.0) - x) <= FLAG]
+        lines += [f"{mark.time:.1f} s  {mark.text}" for mark in near[:8]]
         under = [bar for bar in self._bars if self._x(bar.start * 1000.0) <= x <= self._x(bar.end * 1000.0) + 1.0]
         lines += [f"{bar.start:.1f} s to {bar.end:.1f} s  {bar.text}" for bar in under[:8]]
         self.setToolTip("\n".join(lines))
@@ -150,19 +169,20 @@ class PlaybackBar(QWidget):
         stepped: so many steps forward, or back when negative.
         speed_chosen: simulated seconds per second.
         seek: to this time, seconds since the beginning.
+        refused: why a typed time is none.
     """
 
     play_toggled = Signal()
     stepped = Signal(int)
     speed_chosen = Signal(float)
     seek = Signal(float)
+    refused = Signal(str)
 
     def __init__(self, live: bool) -> None:
         super().__init__()
-        self._live = live
         self._playing = False
         self.play = _button("▶  Play", "", "Play or pause (Space)", self.play_toggled.emit)
-        follow_text(self.play, lambda it: it.setMinimumWidth(QFontMetrics(font()).averageCharWidth() * 14))
+        follow_text(self.play, lambda it: it.setMinimumWidth(QFontMetrics(font()).averageCharWidth() * 11))
         self.back = _button("◀|", "One step back", "One step back (,)", lambda: self.stepped.emit(-1))
         self.forward = _button("|▶", "One step forward", "One step forward (.)", lambda: self.stepped.emit(1))
         self.speed = ChoiceBox()
@@ -173,9 +193,20 @@ class PlaybackBar(QWidget):
         self.speed.activated.connect(lambda number: self.speed_chosen.emit(SPEEDS[number]))
         self.timeline = Timeline()
         self.timeline.valueChanged.connect(lambda value: self.seek.emit(value / 1000.0))
-        self.time = PlainLabel("0:00.00")
-        self.time.setAccessibleDescription("Time shown")
+        self.time = QLineEdit("0:00.00")
+        self.time.setAccessibleName("Time shown")
+        self.time.setToolTip("Time shown" if live else "Time shown. Type another one and press Enter (Ctrl+T)")
+        self.time.setReadOnly(live)
+        self.time.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.time.returnPressed.connect(self._go_to_typed)
+        self.end = PlainLabel()
+        self.end.setAccessibleDescription("Length of the recording")
+        self.end.setVisible(not live)
         follow_text(self.time, lambda it: it.setFont(fixed_font()))
+        follow_text(self.end, lambda it: it.setFont(fixed_font()))
+        follow_text(
+            self.time, lambda it: it.setFixedWidth(QFontMetrics(fixed_font()).horizontalAdvance("000:00.00") + 16)
+        )
         self.state = PlainLabel()
         self.state.setAccessibleDescription("What is shown, and how it is")
         layout = spaced(QHBoxLayout(self), 8, 12, 6, 12, 6)
@@ -183,6 +214,7 @@ class PlaybackBar(QWidget):
             layout.addWidget(widget)
         layout.addWidget(self.timeline, 1)
         layout.addWidget(self.time)
+        layout.addWidget(self.end)
         layout.addWidget(self.state)
         self.back.setVisible(not live)
         self.timeline.setVisible(not live)
@@ -197,11 +229,25 @@ class PlaybackBar(QWidget):
 
     def show_time(self, now: float) -> None:
         """Show the time, seconds since the beginning."""
-        end = self.timeline.maximum() / 1000.0
-        self.time.setText(clock(now) if self._live else f"{clock(now)} / {clock(end)}")
+        if not self.time.hasFocus() or self.time.isReadOnly():
+            self.time.setText(clock(now))
+        self.end.setText(f"/ {clock(self.timeline.maximum() / 1000.0)}")
         if not self.timeline.isSliderDown():
             with QSignalBlocker(self.timeline):
                 self.timeline.setValue(round(now * 1000.0))
+
+    def ask_time(self) -> None:
+        """Let a person type a time."""
+        self.time.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        self.time.selectAll()
+
+    def _go_to_typed(self) -> None:
+        time = parse_clock(self.time.text())
+        if time is None:
+            self.refused.emit("This is no time. Type seconds, or minutes and seconds: 83.4 or 1:23.4.")
+            return
+        self.time.clearFocus()
+        self.seek.emit(time)
 
     def show_playing(self, playing: bool) -> None:
         """Show that it plays or that it is paused."""
@@ -226,9 +272,3 @@ def _button(text: str, name: str, hint: str, do: Callable[[], None]) -> QToolBut
     button.setToolTip(hint)
     button.clicked.connect(lambda _: do())
     return button
-
-
-def clock(seconds: float) -> str:
-    """Return minutes and seconds, for example "12:03.40"."""
-    minutes, rest = divmod(round(max(0.0, seconds) * 100.0), 6000)
-    return f"{minutes}:{rest / 100.0:05.2f}"

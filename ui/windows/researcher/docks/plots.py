@@ -306,6 +306,9 @@ class Plots(QWidget):
             legend.setColumnCount(max(1, int((self.width() - px(48)) / (letter * longest + px(48)))))
             for curve in named:
                 legend.addItem(curve, curve.name())
+        # Else they stay as small as they were meanwhile.
+        self.canvas.ci.layout.activate()
+        self.canvas.ci.setGeometry(self.canvas.range)
 
     def _fitting_letters(self) -> QFont:
         """Return small letters, or smaller ones where the widest title would not fit."""

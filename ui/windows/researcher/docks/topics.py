@@ -73,7 +73,7 @@ class TopicTree(QWidget):
             child.setData(0, _FIELD, field)
             item.addChild(child)
         if not numbers:
-            none = QTreeWidgetItem(["Its messages hold no numbers."])
+            none = QTreeWidgetItem(["No numbers can be read in its messages."])
             none.setFlags(Qt.ItemFlag.ItemIsEnabled)
             item.addChild(none)
         self.tree.blockSignals(False)

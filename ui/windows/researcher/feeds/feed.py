@@ -101,6 +101,9 @@ class Feed(Protocol):
     def seek(self, time: float) -> None:
         """Go to this time."""
 
+    def loop(self, span: tuple[float, float] | None) -> None:
+        """Play from one time to another again and again, or to the end; no effect on a running session."""
+
     def ask(self, request: FeedRequest) -> str:
         """Send a request; return why that cannot be done, or an empty text."""
 

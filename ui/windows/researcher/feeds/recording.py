@@ -218,6 +218,11 @@ class RecordingFeed:
         """Go to this time, or the nearest one in the recording."""
         self._playback.seek(self.start_ns + round(time * 1e9))
 
+    def loop(self, span: tuple[float, float] | None) -> None:
+        """Play from one time to another again and again; None: to the end."""
+        start, end = (self.start_ns + round(time * 1e9) for time in span or (0.0, 0.0))
+        self._playback.loop = None if span is None else (start, end)
+
     def ask(self, request: FeedRequest) -> str:
         """Refuse: a recording takes no requests."""
         return self.refusal

@@ -249,6 +249,9 @@ class SessionFeed:
     def seek(self, time: float) -> None:
         """Do nothing: only the session's bag can be searched, afterwards."""
 
+    def loop(self, span: tuple[float, float] | None) -> None:
+        """Do nothing: a session goes on."""
+
     def ask(self, request: FeedRequest) -> str:
         """Send a request; a refusal comes later, with the status."""
         sent = self._connection.client.send(request_line(SENDER, request))

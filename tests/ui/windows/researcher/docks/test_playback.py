@@ -5,8 +5,9 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 
+from ui.model.watching.bookmarks import clock
 from ui.windows.look import colours
-from ui.windows.researcher.docks.playback import SPEEDS, PlaybackBar, TimelineBar, TimelineMark, clock
+from ui.windows.researcher.docks.playback import SPEEDS, PlaybackBar, TimelineBar, TimelineMark
 
 
 @pytest.fixture
@@ -47,8 +48,21 @@ def test_arrow_keys_go_a_second(bar: PlaybackBar, qtbot: QtBot) -> None:
 def test_showing_the_time_asks_for_nothing(bar: PlaybackBar, qtbot: QtBot) -> None:
     with qtbot.assertNotEmitted(bar.seek):
         bar.show_time(33.0)
-    assert bar.time.text() == "0:33.00 / 1:40.00"
+    assert (bar.time.text(), bar.end.text()) == ("0:33.00", "/ 1:40.00")
     assert bar.timeline.value() == 33_000
+
+
+def test_a_typed_time_is_gone_to_and_stays_while_it_is_typed(bar: PlaybackBar, qtbot: QtBot) -> None:
+    bar.ask_time()
+    QTest.keyClicks(bar.time, "1:0")
+    bar.show_time(12.0)
+    assert bar.time.text() == "1:0"
+    with qtbot.waitSignal(bar.seek) as asked:
+        QTest.keyClicks(bar.time, "3,5\r")
+    assert asked.args == [63.5]
+    bar.ask_time()
+    with qtbot.assertNotEmitted(bar.seek), qtbot.waitSignal(bar.refused):
+        QTest.keyClicks(bar.time, "soon\r")
 
 
 def test_speed_is_chosen_from_a_list(bar: PlaybackBar, qtbot: QtBot) -> None:
