@@ -120,7 +120,7 @@ async def listeners(
             listening.append(live)
         if options.watch is not None:
             desk = WatchRequestHandler(ask, team, pacer, granted, has_game=has_game)
-            server = WatchServer(desk, options.watch.keys)
+            server = WatchServer(desk, options.watch.keys, bag=options.bag)
             opened.push_async_callback(server.stop)
             callbacks.watched(await server.start(options.watch.host, options.watch.port))
             listening += [desk, server]

@@ -83,6 +83,8 @@ class WatchStatus:
         dropped: messages that this watcher did not get, because it reads too slowly.
         refused: the latest request of this watcher that was not granted; None until there is one.
         refusals: number of such requests.
+        bag: path of the session's bag on its own machine; empty: it records none.
+        ended: the session has ended, and its bag is complete; this is the last status.
     """
 
     paused: bool
@@ -92,6 +94,8 @@ class WatchStatus:
     dropped: int
     refused: WatchRefusal | None = None
     refusals: int = 0
+    bag: str = ""
+    ended: bool = False
 
     def data(self) -> bytes:
         """Return the status as a serialised std_msgs/String."""

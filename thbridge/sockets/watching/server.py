@@ -13,6 +13,7 @@ from asyncio import Transport
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Protocol
 
 from thbridge.files.ros.definitions import Definitions
@@ -90,6 +91,7 @@ class WatchServer:
         session: carries out requests.
         keys: keys of which watchers must show one, in TLS from other machines; None admits every program of this one.
         definitions: message definitions; None takes them from an installed ROS, where there is one.
+        bag: path of the session's bag; None: it records none.
     """
 
     def __init__(
@@ -97,7 +99,10 @@ class WatchServer:
         session: WatchedSession,
         keys: KeyVerifier | None = None,
         definitions: Definitions | None = None,
+        bag: Path | None = None,
     ) -> None:
+        self._bag = "" if bag is None else str(bag.absolute())
+        self._ended = False
         self.complaints = WarnOnce(_log)
         """What clients do wrong."""
         self._session = session
@@ -120,15 +125,18 @@ class WatchServer:
             address = await self._door.listen(self._watcher, host, port, tls)
         except (OSError, UnicodeError) as error:
             return CannotListen.because(error, host, port)
+        self._ended = False
         self._heart = asyncio.get_running_loop().create_task(self._beat())
         return address
 
     async def stop(self) -> None:
-        """Close the port; watchers have a moment to read the last messages."""
+        """Report the end of the session, and close the port; watchers have a moment to read the last messages."""
         if self._heart is None:
             return
         self._door.close()
         self._heart.cancel()
+        self._ended = True
+        self.tell_status()
         for watcher in tuple(self._open):
             watcher.close()
         while self._open:
@@ -232,6 +240,8 @@ class WatchServer:
             lag=pace.lag,
             watchers=len(self._watchers),
             dropped=watcher.backlog.dropped,
+            bag=self._bag,
+            ended=self._ended,
         )
         self._send([watcher], [RosMessage(_STATUS, self._stamp_ns, status.data())])
 

@@ -92,7 +92,7 @@ class DockedWindow(QMainWindow):
         loop_toggled: play between two bookmarks again and again, or no more.
         map_chosen: show the map of this `map.yaml`.
         open_wanted: a person wants to open something else.
-        dropped: a person dropped the file or folder with this path on the window.
+        source_chosen: a person wants to open this path: they dropped it here, or the session has ended.
         closed: the window is closed.
     """
 
@@ -111,7 +111,7 @@ class DockedWindow(QMainWindow):
     loop_toggled = Signal(bool)
     map_chosen = Signal(object)
     open_wanted = Signal()
-    dropped = Signal(str)
+    source_chosen = Signal(str)
     closed = Signal()
 
     def __init__(self, title: str, palette: Palette, live: bool, canvas: QWidget) -> None:
@@ -413,7 +413,7 @@ class DockedWindow(QMainWindow):
         event.acceptProposedAction()
         for url in event.mimeData().urls():
             if url.isLocalFile():
-                self.dropped.emit(url.toLocalFile())
+                self.source_chosen.emit(url.toLocalFile())
 
     # Keys
 

@@ -45,7 +45,7 @@ class WatchProgram(QObject):
         self._appearance.changed.connect(window.set_palette)
         self._text_size.add_keys(window)
         window.open_wanted.connect(lambda: self.ask(window))
-        window.dropped.connect(lambda path: self._drop(window, path))
+        window.source_chosen.connect(lambda path: self._open_from(window, path))
         window.closed.connect(lambda: self.windows.remove(window))
         window.use_bookmarks(self._memory.bookmarks(opened.source))
         window.bookmarked.connect(lambda: self._memory.keep_bookmarks(opened.source, window.bookmarks.times))
@@ -66,7 +66,7 @@ class WatchProgram(QObject):
         self.dialog = OpenDialog(self._memory.recent(), self.open, parent)
         self.dialog.open()
 
-    def _drop(self, window: ResearcherWindow, path: str) -> None:
+    def _open_from(self, window: ResearcherWindow, path: str) -> None:
         problem = self.open(path)
         if problem:
             window.show_status(problem)

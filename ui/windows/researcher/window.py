@@ -12,6 +12,7 @@ from sim.common.robot_numbers import number_of, robot_name
 from sim.numerics.float_array import FloatArray
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import read_grid
+from thbridge.recording.recordings import parts_of
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
@@ -71,6 +72,7 @@ class ResearcherWindow(DockedWindow):
         self._generation = feed.generation
         self.scene: Scene | None = None
         self.bookmarks = Bookmarks()
+        self._ended_bag: str | None = None
         self._contents_shown = feed.live
         self._plotted: tuple[int, ...] = ()
         self._bodies: dict[int, FloatArray] = {}
@@ -99,6 +101,7 @@ class ResearcherWindow(DockedWindow):
         bar.seek.connect(feed.seek)
         self.speed_stepped.connect(self._change_speed)
         self.jumped.connect(self._jump)
+        bar.recording_wanted.connect(lambda: self.source_chosen.emit(feed.ended_bag or ""))
         bar.refused.connect(self.show_status)
         self.bookmark_toggled.connect(self._change_bookmark)
         self.bookmark_chosen.connect(feed.seek)
@@ -132,6 +135,8 @@ class ResearcherWindow(DockedWindow):
         self.sign.show_sentence(feed.trouble())
         for notice in feed.take_notices():
             self.show_status(notice)
+        if feed.ended_bag != self._ended_bag:
+            self._show_end(feed.ended_bag)
         time = feed.time
         self.playback.show_time(time)
         self.playback.show_playing(feed.playing)
@@ -225,6 +230,15 @@ class ResearcherWindow(DockedWindow):
             self.plots.show_curves(curves, self._feed.span)
             self.plots.show_joined(self._feed.known_since)
         self.plots.show_time(self._feed.time)
+
+    def _show_end(self, bag: str | None) -> None:
+        """Tell that the session has ended, and offer its recording; None: another one has begun."""
+        self._ended_bag = bag
+        here = bool(bag) and any(part.exists() for part in parts_of(Path(bag or "")))
+        self.playback.show_recording((bag or "") if here else "")
+        if bag is not None:
+            recorded = f" Its recording: {bag}" if bag else " It was not recorded."
+            self.show_status(f"The session has ended.{recorded}", 3600.0)
 
     # Contents of recordings
 

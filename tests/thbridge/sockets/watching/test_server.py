@@ -7,6 +7,7 @@ import socket
 import struct
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import pytest
 
@@ -64,7 +65,8 @@ class Door:
 
     def __init__(self, key: str | None) -> None:
         self.house = House()
-        self.server = WatchServer(self.house, None if key is None else SingleKey(key), Definitions(()))
+        keys = None if key is None else SingleKey(key)
+        self.server = WatchServer(self.house, keys, Definitions(()), Path("hunt.bag"))
         self.where = ListeningAddress("", 0)
         self.tick = 0
         self.clients: list[asyncio.Task[None]] = []
@@ -374,6 +376,16 @@ async def test_a_client_comes_back_by_itself() -> None:
         assert not visitor.client.send(b"{}\n")
         assert isinstance(await door.server.start(door.where.host, door.where.port), ListeningAddress)
         await visitor.until(lambda: sum(isinstance(event, WatchConnected) for event in visitor.events) == 2)
+
+
+@run
+async def test_the_end_of_a_session_is_told_with_its_bag() -> None:
+    async with serving() as door:
+        visitor = door.enter()
+        await visitor.until_status(lambda status: status.bag == str(Path("hunt.bag").absolute()) and not status.ended)
+        await door.server.stop()
+        await visitor.until_heard(ConnectionLost)
+        assert visitor.statuses[-1].ended
 
 
 @run

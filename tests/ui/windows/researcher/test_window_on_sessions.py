@@ -12,7 +12,9 @@ from pytestqt.qtbot import QtBot
 
 from sim.common.geometry import Pose2
 from tests.ui.windows.researcher.hunts import watched_hunt
-from thbridge.sockets.watching.client import WatchClient
+from thbridge.protocols.watching import STATUS, SessionMessage, WatchStatus
+from thbridge.sockets.reconnecting import ConnectionLost, LossReason
+from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
 from ui.model.theme import LIGHT
 from ui.model.watching.scene import RobotScene
 from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
@@ -222,9 +224,16 @@ def test_the_wizard_speaks_in_a_robots_place(tmp_path: Path, qtbot: QtBot) -> No
                 room.click()
             qtbot.wait(200)
         turn = window.scene.wizard.turns[0]
-        waits(qtbot, lambda: any(button.text() == turn.sentences[0] for button in wizard.findChildren(QPushButton)))
+
+        def reply() -> QPushButton | None:
+            sentences = {" ".join(button.text().split()): button for button in wizard.findChildren(QPushButton)}
+            return sentences.get(turn.sentences[0])
+
+        waits(qtbot, lambda: reply() is not None)
         next(edit for edit in wizard.findChildren(QLineEdit) if edit.isEnabled()).setText("By the way, hello.")
-        next(button for button in wizard.findChildren(QPushButton) if button.text() == turn.sentences[0]).click()
+        button = reply()
+        assert button is not None
+        button.click()
         rows = window.logs["said"].model
         waits(qtbot, lambda: any("By the way, hello." in rows.row(n).cells for n in range(rows.rowCount())))
         said = next(row for n in range(rows.rowCount()) if "By the way, hello." in (row := rows.row(n)).cells)
@@ -242,6 +251,40 @@ def test_where_nobody_answers_it_says_so_and_waits(qtbot: QtBot) -> None:
     window.deleteLater()
 
 
+class Ended(WatchClient):
+    """A client of a session that has ended, with this bag."""
+
+    def __init__(self, bag: Path) -> None:
+        super().__init__("127.0.0.1", 1)
+        status = WatchStatus(paused=False, rate=1.0, lag=0.0, watchers=1, dropped=0, bag=str(bag), ended=True)
+        last = SessionMessage(STATUS, "std_msgs/String", 0, status.data())
+        self._events: list[WatchEvent] = [WatchConnected(), last, ConnectionLost(LossReason.BROKEN)]
+
+    def take(self) -> list[WatchEvent]:
+        events, self._events = self._events, []
+        return events
+
+
+def test_the_end_of_a_session_is_no_trouble_and_offers_its_recording(tmp_path: Path, qtbot: QtBot) -> None:
+    bag = tmp_path / "hunt.bag"
+    for is_here in (False, True):
+        if is_here:
+            bag.write_bytes(b"")
+        window = ResearcherWindow(SessionFeed(WatchConnection(Ended(bag)), "here"), "here", LIGHT, time.monotonic)
+        qtbot.addWidget(window)
+        window.show()
+        window.refresh()
+        assert window.playback.state.text() == "session ended"
+        assert window.sign.text() == "" and not window.sign.isVisible()
+        assert str(bag) in window.statusBar().currentMessage()
+        assert window.playback.recording.isVisible() is is_here
+        if is_here:
+            with qtbot.waitSignal(window.source_chosen) as wanted:
+                QTest.mouseClick(window.playback.recording, Qt.MouseButton.LeftButton)
+            assert wanted.args == [str(bag)]
+        window.close()
+
+
 @pytest.mark.slow
 def test_a_session_that_ends_is_told_and_the_next_one_is_shown(tmp_path: Path, qtbot: QtBot) -> None:
     with watched_hunt(tmp_path / "one.bag") as port:
@@ -249,9 +292,11 @@ def test_a_session_that_ends_is_told_and_the_next_one_is_shown(tmp_path: Path, q
         qtbot.addWidget(window)
         window.show()
         waits(qtbot, lambda: window.scene is not None and bool(window.scene.robots))
-    waits(qtbot, lambda: "Trying again" in window.sign.text())
+    waits(qtbot, lambda: window.playback.state.text() == "session ended")
+    assert window.playback.recording.isVisible() and window.sign.text() == ""
     assert window.scene is not None
     with watched_hunt(tmp_path / "two.bag", "--watch", str(port)):
-        waits(qtbot, lambda: window.sign.text() == "")
+        waits(qtbot, lambda: window.playback.state.text().startswith("live"))
+        waits(qtbot, lambda: not window.playback.recording.isVisible())
     window.close()
     window.deleteLater()

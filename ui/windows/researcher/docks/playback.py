@@ -169,6 +169,7 @@ class PlaybackBar(QWidget):
         stepped: so many steps forward, or back when negative.
         speed_chosen: simulated seconds per second.
         seek: to this time, seconds since the beginning.
+        recording_wanted: open the recording of the session that has ended.
         refused: why a typed time is none.
     """
 
@@ -176,6 +177,7 @@ class PlaybackBar(QWidget):
     stepped = Signal(int)
     speed_chosen = Signal(float)
     seek = Signal(float)
+    recording_wanted = Signal()
     refused = Signal(str)
 
     def __init__(self, live: bool) -> None:
@@ -209,6 +211,8 @@ class PlaybackBar(QWidget):
         )
         self.state = PlainLabel()
         self.state.setAccessibleDescription("What is shown, and how it is")
+        self.recording = _button("Open recording", "", "", self.recording_wanted.emit)
+        self.recording.hide()
         layout = spaced(QHBoxLayout(self), 8, 12, 6, 12, 6)
         for widget in (self.play, self.back, self.forward, self.speed):
             layout.addWidget(widget)
@@ -216,6 +220,7 @@ class PlaybackBar(QWidget):
         layout.addWidget(self.time)
         layout.addWidget(self.end)
         layout.addWidget(self.state)
+        layout.addWidget(self.recording)
         self.back.setVisible(not live)
         self.timeline.setVisible(not live)
         if live:
@@ -259,6 +264,11 @@ class PlaybackBar(QWidget):
         """Show the nearest of `SPEEDS`."""
         nearest = min(range(len(SPEEDS)), key=lambda number: abs(SPEEDS[number] - speed))
         self.speed.setCurrentIndex(nearest)
+
+    def show_recording(self, path: str) -> None:
+        """Offer to open this recording; an empty path offers none."""
+        self.recording.setVisible(bool(path))
+        self.recording.setToolTip(path)
 
     def show_state(self, text: str) -> None:
         """Show in words the source and its state."""

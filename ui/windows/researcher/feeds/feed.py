@@ -49,6 +49,10 @@ class Feed(Protocol):
         """True for a recording that is not one of our sessions."""
 
     @property
+    def ended_bag(self) -> str | None:
+        """Path of the bag of a session that has ended; empty where it has none, None while it goes on."""
+
+    @property
     def time(self) -> float:
         """Time shown."""
 

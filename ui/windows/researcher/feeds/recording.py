@@ -82,6 +82,7 @@ class RecordingFeed:
     live = False
     refusal = RECORDED.sentence
     known_since = 0.0
+    ended_bag = None
 
     def __init__(self, opener: BagOpener) -> None:
         self._opener = opener

@@ -91,6 +91,11 @@ class SessionFeed:
         self._asked_for_rooms = -1
 
     @property
+    def ended_bag(self) -> str | None:
+        """Path of the session's bag, on its own machine, once the session has ended."""
+        return self._status.bag if self._status is not None and self._status.ended else None
+
+    @property
     def generation(self) -> int:
         """Number of the session on this connection."""
         return self._source.sessions
@@ -126,7 +131,7 @@ class SessionFeed:
     @property
     def playing(self) -> bool:
         """True while it goes on, by the watch server's status."""
-        return self._status is None or not self._status.paused
+        return self._status is None or not (self._status.paused or self._status.ended)
 
     @property
     def speed(self) -> float:
@@ -140,6 +145,7 @@ class SessionFeed:
             match event:
                 case WatchConnected():
                     self._connected, self._lost = True, None
+                    self._status = None  # of the session before, which may have ended
                 case ConnectionLost():
                     self._connected, self._lost = False, event
                 case SessionMessage():
@@ -196,6 +202,8 @@ class SessionFeed:
 
     def state(self, now: float) -> str:
         """Return live or not, and how far behind."""
+        if self.ended_bag is not None:
+            return "session ended"
         if not self._connected:
             return "not connected"
         if self._status is not None and self._status.paused:
@@ -213,7 +221,9 @@ class SessionFeed:
         return state
 
     def trouble(self) -> str:
-        """Return why there is no connection."""
+        """Return why there is no connection; the end of a session is no trouble."""
+        if self.ended_bag is not None:
+            return ""
         if self._lost is None:
             return "" if self._connected else f"Connecting to {self._address}."
         detail = f" ({self._lost.detail})" if self._lost.detail else ""
@@ -254,6 +264,8 @@ class SessionFeed:
 
     def ask(self, request: FeedRequest) -> str:
         """Send a request; a refusal comes later, with the status."""
+        if self.ended_bag is not None:
+            return "The session has ended: nothing can be asked of its robots."
         sent = self._connection.client.send(request_line(SENDER, request))
         return "" if sent else f"There is no connection to {self._address}: nothing can be asked."
 
