@@ -15,6 +15,7 @@ from PySide6.QtGui import (
     QDropEvent,
     QKeyEvent,
     QKeySequence,
+    QResizeEvent,
 )
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -226,6 +227,7 @@ class DockedWindow(QMainWindow):
         if not live:
             bottom.append(self._dock("Topics", self.topics, BOTTOM))
         bottom.append(self._dock("Wizard", self.wizard, BOTTOM))
+        self.wizard.hide()  # until its tab is in front: it is high, and the window must not grow for it
         for group in (bottom, figures):
             for before, after in pairwise(group):
                 self.tabifyDockWidget(before, after)
@@ -400,6 +402,11 @@ class DockedWindow(QMainWindow):
         action.triggered.connect(lambda _: do())
         self.addAction(action)
         return action
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Let the wizard's list have another height in a low window."""
+        super().resizeEvent(event)
+        self.wizard.fit_window()
 
     # Files dropped on the window
 

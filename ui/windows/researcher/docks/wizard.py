@@ -3,7 +3,7 @@
 from functools import partial
 from textwrap import fill
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QFontMetrics, QResizeEvent
 from PySide6.QtWidgets import (
     QFrame,
@@ -22,7 +22,7 @@ from thbridge.hunt.rooms import RoomNames
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import CheckBox
 from ui.windows.flow import FlowLayout
-from ui.windows.look import follow_text, font
+from ui.windows.look import follow_text, font, px
 from ui.windows.words_of_others import PlainLabel, button_text
 
 NO_NAMES = RoomNames()
@@ -33,8 +33,8 @@ PUPPETS_PER_ROW = 5
 WIDEST = 480
 """Widest line of a sentence on a button, logical pixels; beyond it goes on in the next line."""
 
-MAX_SHARE = 0.45
-"""Share of the window's height that the list of what waits takes at most by itself; what is beyond is scrolled to."""
+HEIGHT, REST = 248, 190
+"""Height of the list of what waits, and of the rest of a low window, which it leaves, `px`."""
 
 
 class WizardDock(QWidget):
@@ -70,7 +70,7 @@ class WizardDock(QWidget):
         rows.addLayout(self._boxes)
         rows.addLayout(self._cards)
         rows.addStretch(1)
-        area = _GrowingArea()
+        self._area = area = _SteadyArea()
         area.setWidget(inside)
         area.setAccessibleName("What waits for you")
         layout = QVBoxLayout(self)
@@ -81,9 +81,14 @@ class WizardDock(QWidget):
     def refuse(self, reason: str) -> None:
         """Disable all, and show this reason."""
         self._reason = reason
+        self._area.steady = False
         self._note.setText(reason)
         for box in self._puppets:
             box.setEnabled(False)
+
+    def fit_window(self) -> None:
+        """Follow the height of the window."""
+        self._area.updateGeometry()
 
     def show_wizard(self, wizard: Wizard, robots: int, rooms: RoomNames = NO_NAMES) -> None:
         """Show the puppets and the waiting turns; typed words stay while the turns are the same.
@@ -164,31 +169,30 @@ class WizardDock(QWidget):
         return card
 
 
-class _GrowingArea(QScrollArea):
-    """A scroll area that is as high as its contents, up to a share of the window; its widget grows with it."""
+class _SteadyArea(QScrollArea):
+    """A scroll area that is as high for nothing that waits as for much: what comes and goes must not move the map.
+
+    Attributes:
+        steady: False: it is as high as its contents, which stay as they are.
+    """
+
+    steady = True
 
     def __init__(self) -> None:
         super().__init__()
         self.setWidgetResizable(True)
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size of the contents within that share."""
-        hint, contents = super().minimumSizeHint(), self.widget()
-        if contents is None:
-            return hint
-        high = contents.heightForWidth(self.viewport().width()) + 2 * self.frameWidth()
-        return QSize(hint.width(), min(high, round(MAX_SHARE * self.window().height())))
+        """Return that height, as far as the window has it."""
+        hint, contents, high = super().minimumSizeHint(), self.widget(), px(HEIGHT)
+        if not self.steady and contents is not None:
+            high = contents.heightForWidth(self.viewport().width()) + 2 * self.frameWidth()
+        return QSize(hint.width(), min(high, self.window().height() - px(REST)))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Follow the width with the height."""
         super().resizeEvent(event)
         self.updateGeometry()
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Follow the contents."""
-        if event.type() == QEvent.Type.LayoutRequest:
-            self.updateGeometry()
-        return super().eventFilter(watched, event)
 
 
 def _show_sentence(sentence: str, button: QPushButton) -> None:

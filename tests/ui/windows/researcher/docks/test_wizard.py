@@ -39,16 +39,19 @@ def hidden(window: DockedWindow) -> list[str]:
     return [each.text() for each in buttons if each.visibleRegion().boundingRect() != each.rect()]
 
 
-@pytest.mark.parametrize("size", [QSize(1024, 600), QSize(1200, 800)])
+@pytest.mark.parametrize("size", [QSize(1024, 600), QSize(1200, 800), QSize(1366, 768)])
 @pytest.mark.parametrize(("turns", "advice"), [((TURN,), ()), ((), (ADVICE,)), ((TURN,), (ADVICE,))])
 def test_every_reply_is_in_sight_and_the_window_as_large_as_before(
     qtbot: QtBot, size: QSize, turns: tuple[PendingTurn, ...], advice: tuple[PendingAdvice, ...]
 ) -> None:
     window = opened(qtbot, size)
     window.wizard.show_wizard(Wizard((0, 1)), 3)
+    settle()
+    before = window.canvas.geometry()
     window.wizard.show_wizard(Wizard((0, 1), turns, advice), 3)
     qtbot.waitUntil(lambda: hidden(window) == [])
     assert window.size() == size
+    assert window.canvas.geometry() == before, "what waits does not move the map"
 
 
 def test_the_name_of_a_room_stands_beside_its_number(qtbot: QtBot) -> None:
