@@ -279,6 +279,11 @@ def test_a_hunt_is_the_standard_study_unless_another_is_named_or_programs_of_oth
     assert played[0].by_position is (templates == "everyday-things")
 
 
+@pytest.mark.parametrize("option", [("play", "--rate", "0,2"), ("plan", "--map", "m.yaml", "--start", "0,2", "0")])
+def test_a_decimal_comma_is_refused_with_its_remedy(option: tuple[str, ...]) -> None:
+    assert "'0,2' is not a number. Write a point: 0.2." in " ".join(refusal(*option).replace("│", "").split())
+
+
 @pytest.mark.parametrize("place", ["none/a.yaml", "file/a.yaml", "/proc/a.yaml"])
 def test_a_study_that_cannot_be_written_says_so(place: str) -> None:
     Path("file").touch()

@@ -1,8 +1,10 @@
 """Groups of commands."""
 
+import re
 from typing import TYPE_CHECKING
 
 from typer._click.core import ParameterSource  # typer's own copy of click
+from typer._click.exceptions import BadParameter
 from typer._coercion import RuntimeParam, build_runtime_param
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
@@ -11,6 +13,10 @@ from ui.terminal import faults_of_files
 if TYPE_CHECKING:
     from typer._click.core import Command, Context
     from typer.core import _TyperParameter
+
+
+_COMMA = re.compile(r"[-+]?\d*,\d+")
+"""Decimal number with a comma."""
 
 
 class ConversionIfGiven(RuntimeParam):
@@ -22,7 +28,14 @@ class ConversionIfGiven(RuntimeParam):
     def _coerce_value(self, value: object, param: "_TyperParameter", ctx: "Context") -> object:
         if ctx.resilient_parsing or ctx.get_parameter_source(param.name) is ParameterSource.DEFAULT:
             return value
-        return build_runtime_param(param.type_descriptor).coerce(value, param, ctx)
+        try:
+            return build_runtime_param(param.type_descriptor).coerce(value, param, ctx)
+        except BadParameter:
+            words = [str(word) for word in (value if isinstance(value, list | tuple) else [value])]
+            if (word := next(filter(_COMMA.fullmatch, words), None)) is None:
+                raise
+            remedy = f"Write a point: {word.replace(',', '.')}."
+            raise BadParameter(f"{word!r} is not a number. {remedy}", ctx, param) from None
 
 
 class CommandGroup(TyperGroup):

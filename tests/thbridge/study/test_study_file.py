@@ -149,6 +149,15 @@ BROKEN = {
     "far too large": ("seed: 99999999999999999999", "line 1, seed: 99999999999999999999 is out of range."),
     "not whole": ("robots: 2.5", "study.yaml, line 1, robots: '2.5' is not a whole number."),
     "words for a number": ("robots: two", "study.yaml, line 1, robots: 'two' is not a number."),
+    "a comma for a point": (
+        "game:\n  wrong_share: 0,2\n",
+        "study.yaml, line 2, game.wrong_share: '0,2' is not a number. Write a point: 0.2.",
+    ),
+    "a comma within braces": (
+        "game: {wrong_share: 0,2}",
+        "study.yaml, line 1, game.2: unknown key. Write a decimal number with a point, such as 0.2.",
+    ),
+    "a comma for thousands": ("seed: 1,000", "seed: '1,000' is not a number. Write it without a comma."),
     "truth for a number": ("robots: true", "study.yaml, line 1, robots: 'true' is not a number."),
     "quotes": ("robots: '2'", "robots: '2' in quotes is text, not a number. Take the quotes away."),
     "infinite": ("game: {energy: .inf}", "game.energy: .inf is not a finite number."),

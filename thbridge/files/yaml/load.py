@@ -102,6 +102,7 @@ class _Wrong:
 _WRONG = _Wrong()
 _WHOLE = re.compile(r"[-+]?\d{1,4000}")
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,4})?")
+_COMMA = re.compile(r"[-+]?\d*,\d+")
 _LEADING_ZERO = re.compile(r"[-+]?0\d+")
 _COUNTED = re.compile(r"[1-9]\d{0,8}")
 _NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
@@ -176,6 +177,9 @@ class _Reader:
             return self.wrong(
                 node.line, key, f"{text} begins with 0 and reads as octal to some", "Take the leading 0 away"
             )
+        if _COMMA.fullmatch(text):
+            remedy = f"Write a point: {text.replace(',', '.')}" if kind is float else "Write it without a comma"
+            return self.wrong(node.line, key, f"{text!r} is not a number", remedy)
         if kind is int and not _WHOLE.fullmatch(text):
             what = "not a whole number" if _NUMBER.fullmatch(text) else "not a number"
             return self.wrong(node.line, key, f"{text!r} is {what}", remedy)
@@ -262,7 +266,7 @@ class _Reader:
                 self.lines[place] = name.line
                 continue
             if name.text not in known:
-                self.unknown(name, place, into)
+                self.unknown(name, child, place, into)
                 continue
             self.lines[place] = name.line
             field, hint = known[name.text], hints[name.text]
@@ -347,11 +351,14 @@ class _Reader:
                 values[name.text] = self.value(child, str, {}, place)
         return _WRONG if _WRONG in values.values() else values
 
-    def unknown(self, name: Scalar, place: str, into: type) -> None:
+    def unknown(self, name: Scalar, child: Node, place: str, into: type) -> None:
         names = [field.name for field in dataclasses.fields(into)]
         nearest = difflib.get_close_matches(name.text, names, n=1)
         elsewhere = [path for path in paths(self.root) if path.rpartition(".")[2] == name.text]
-        if nearest:
+        if name.text.isdecimal() and isinstance(child, Scalar) and child.absent:
+            # What `{share: 0,2}` holds after the comma.
+            remedy = "Write a decimal number with a point, such as 0.2"
+        elif nearest:
             remedy = f"The nearest right name is {nearest[0]}"
         elif elsewhere:
             remedy = f"It belongs at {' or '.join(elsewhere)}"
