@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import ClassVar, Literal, TypeVar, cast
 from weakref import WeakKeyDictionary
 
-from PySide6.QtCore import QEvent, QFileSystemWatcher, QObject, QSettings, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QFileSystemWatcher, QObject, QSettings, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QFont,
@@ -343,8 +343,6 @@ class FoldingRow(QWidget):
         if fits == self.folded:
             self.parts.setDirection(QBoxLayout.Direction.LeftToRight if fits else QBoxLayout.Direction.TopToBottom)
             self.parts.setSpacing(self._spacing if fits else min(self._spacing, GAP // 2))
-            # While the layout around it is at work, Qt takes no notice of the other height.
-            QTimer.singleShot(0, self, self.updateGeometry)
 
 
 def smooth_painter(device: QPaintDevice) -> QPainter:
