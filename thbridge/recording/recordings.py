@@ -21,6 +21,12 @@ def active_of(bag: Path) -> Path:
     return bag.with_name(bag.name + ACTIVE)
 
 
+def unfinished_of(bag: Path) -> Path | None:
+    """The file, or the first part, of a bag that is being written or whose writer was killed; None without one."""
+    parts = (path for _, path in _numbered(bag, bag.suffix + ACTIVE))
+    return active_of(bag) if active_of(bag).exists() else next(parts, None)
+
+
 def part_of(bag: Path, number: int) -> Path:
     """Path of one part of a split recording, counted from 0; `NAME_0.bag`, as with rosbag."""
     return bag.with_name(f"{bag.stem}_{number}{bag.suffix}")

@@ -10,7 +10,7 @@ from rosbags.serde.errors import SerdeError
 
 from thbridge.files.disk.regular_files import open_regular
 from thbridge.files.errors import BadFile
-from thbridge.recording.recordings import ACTIVE
+from thbridge.recording.recordings import ACTIVE, unfinished_of
 
 MAGIC = b"#ROSBAG V"
 VERSION = b"2.0\n"
@@ -38,11 +38,15 @@ def check_is_bag(path: Path) -> None:
     """Raise BadFile unless a file begins like a ROS 1 bag.
 
     Raises:
-        BadFile: it does not, or cannot be read.
+        BadFile: it does not, cannot be read, or is still being written under its name with `.active`.
     """
     try:
         with open_regular(path) as file:
             head = file.read(len(MAGIC) + len(VERSION))
+    except FileNotFoundError as error:
+        if (active := unfinished_of(path)) is not None:
+            raise unfinished(active) from error
+        raise BadFile(path, "no such file or directory", "name a bag that can be read") from error
     except OSError as error:
         raise BadFile(path, (error.strerror or str(error)).lower(), "name a bag that can be read") from error
     if not head.startswith(MAGIC):

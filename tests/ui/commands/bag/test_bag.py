@@ -122,3 +122,12 @@ def test_to_mcap(bag: Path) -> None:
     done = RUN.invoke(app, ["bag", "to-mcap", str(bag), "--compression", "none", "--json"])
     assert json.loads(done.stdout)["messages"] == 92
     assert bag.with_suffix(".mcap").read_bytes().startswith(b"\x89MCAP")
+
+
+@pytest.mark.parametrize("active", ["a.bag.active", "a_0.bag.active"])
+def test_where_only_an_unfinished_file_is_the_way_to_save_it_is_named(bag: Path, active: str) -> None:
+    bag.rename(bag.with_name(active))
+    for command in (["bag", "info"], ["report"], ["replay"]):
+        done = RUN.invoke(app, [*command, str(bag)])
+        assert done.exit_code == 2
+        assert f"thbridge bag reindex {bag.with_name(active)}" in done.stderr

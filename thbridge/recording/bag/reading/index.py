@@ -15,12 +15,12 @@ from typing import BinaryIO, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from thbridge.recording.bag.damage import check_is_bag, damage_as_bad_file, unfinished
+from thbridge.recording.bag.damage import check_is_bag, damage_as_bad_file
 from thbridge.recording.bag.reading.chunk_reader import ChunkInfo, ChunkReader, entries_in
 from thbridge.recording.bag.reading.file_end import FileEnd, read_end
 from thbridge.recording.bag.reading.reader import RawMessage
 from thbridge.recording.bag.ros2 import as_ros1
-from thbridge.recording.recordings import active_of, parts_of
+from thbridge.recording.recordings import parts_of
 
 CHUNKS_KEPT = 2048
 """Number of chunks whose index is cached."""
@@ -283,8 +283,6 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
         BadFile: there is no such file, it is not a ROS 1 bag, it has not been closed by its writer, or it is damaged.
     """
     parts = parts_of(path)
-    if parts == (path,) and not path.exists() and active_of(path).exists():
-        raise unfinished(active_of(path))
     files: list[BinaryIO] = []
     publishers: list[IndexedConnection] = []
     chunks: list[ChunkInfo] = []
