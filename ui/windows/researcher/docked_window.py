@@ -51,6 +51,7 @@ from ui.windows.researcher.docks.topics import TopicTree
 from ui.windows.researcher.docks.wizard import WizardDock
 from ui.windows.researcher.keys import GROUPS
 from ui.windows.researcher.map.tools import TOOLS, MapTool
+from ui.windows.researcher.pictures import copy_picture, save_picture
 from ui.windows.words_of_others import PlainLabel, title_text
 
 LEFT, RIGHT, BOTTOM = (
@@ -91,6 +92,8 @@ class DockedWindow(QMainWindow):
         bookmark_toggled: set a bookmark at the time shown, or remove it.
         bookmark_chosen: go to this bookmark, seconds since the beginning.
         loop_toggled: play between two bookmarks again and again, or no more.
+        video_wanted: save a section of the recording as a video.
+        section_wanted: save a section of the recording as a bag.
         map_chosen: show the map of this `map.yaml`.
         open_wanted: a person wants to open something else.
         source_chosen: a person wants to open this path: they dropped it here, or the session has ended.
@@ -110,6 +113,8 @@ class DockedWindow(QMainWindow):
     bookmark_toggled = Signal()
     bookmark_chosen = Signal(float)
     loop_toggled = Signal(bool)
+    video_wanted = Signal()
+    section_wanted = Signal()
     map_chosen = Signal(object)
     open_wanted = Signal()
     source_chosen = Signal(str)
@@ -343,7 +348,30 @@ class DockedWindow(QMainWindow):
         menu.addAction(self._action("Open…", "Ctrl+O", self.open_wanted.emit))
         if not live:
             menu.addAction(self._action("Load a map…", "", self._choose_map))
+        for name, part in (("map", self.canvas), ("plots", self.plots.canvas)):
+            menu.addSeparator()
+            menu.addAction(self._action(f"Copy the {name}", "", partial(self._copy, name, part)))
+            menu.addAction(self._action(f"Save the {name}…", "", partial(self._save, name, part)))
+        if not live:
+            menu.addSeparator()
+            menu.addAction(self._action("Save a section as a video…", "", self.video_wanted.emit))
+            menu.addAction(self._action("Save a section as a bag…", "", self.section_wanted.emit))
         return menu
+
+    def _copy(self, name: str, part: QWidget) -> None:
+        copy_picture(part)
+        self.show_status(f"The {name} as shown: copied.")
+
+    def _save(self, name: str, part: QWidget) -> None:
+        path = self.ask_target(f"Save the {name}", f"{name}.png", "Pictures (*.png *.svg)")
+        if path is not None:
+            self.show_status(save_picture(part, path) or f"Saved: {path}")
+
+    def ask_target(self, title: str, suggested: str, kinds: str) -> Path | None:
+        """Ask for the file to write; None when nobody wants one. A name without a suffix gets the suggested one."""
+        chosen, _ = QFileDialog.getSaveFileName(self, title, suggested, kinds)
+        path = Path(chosen)
+        return None if not chosen else path if path.suffix else path.with_suffix(Path(suggested).suffix)
 
     def _choose_map(self) -> None:
         chosen, _ = QFileDialog.getOpenFileName(self, "Load a map", "", "Maps of map_server (*.yaml *.yml)")

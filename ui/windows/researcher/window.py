@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtGui import QCloseEvent
+from PySide6.QtGui import QCloseEvent, QImage
+from PySide6.QtWidgets import QProgressDialog
 
 from sim.common.robot_numbers import number_of, robot_name
 from sim.numerics.float_array import FloatArray
@@ -31,6 +32,7 @@ from ui.windows.researcher.feeds.feed import Feed
 from ui.windows.researcher.log_updater import LogUpdater
 from ui.windows.researcher.map.overlays import Overlays
 from ui.windows.researcher.map.sign import TroubleSign
+from ui.windows.researcher.pictures import NO_FFMPEG, VideoWriter, ffmpeg, image_of
 from ui.windows.researcher.tool_controller import ToolController
 
 FRAME = 33
@@ -119,6 +121,8 @@ class ResearcherWindow(DockedWindow):
         self.topics.opened.connect(self._list_numbers)
         self.topics.chosen.connect(self._choose_numbers)
         self.map_chosen.connect(self._load_map)
+        self.video_wanted.connect(self._ask_video)
+        self.section_wanted.connect(self._ask_section)
 
     # Each frame
 
@@ -287,6 +291,50 @@ class ResearcherWindow(DockedWindow):
             return
         self.show_contents(drawable=True)
         self.show_status(f"{path.name} is shown; robots are where the recording has them in the frame of its map.")
+
+    # Sections of recordings
+
+    def _section(self) -> tuple[float, float]:
+        """Return the section to save: between the bookmarks around the time shown, or all."""
+        return self.bookmarks.around(self._feed.time) or (0.0, self._feed.span)
+
+    def _ask_section(self) -> None:
+        start, end = self._section()
+        path = self.ask_target(f"Save {clock(start)} to {clock(end)} as a bag", "section.bag", "Bags (*.bag)")
+        if path is not None:
+            self.show_status(self._feed.save_section(path, start, end) or f"Saving {path}")
+
+    def _ask_video(self) -> None:
+        program, (start, end) = ffmpeg(), self._section()
+        if program is None:
+            self.show_status(NO_FFMPEG)
+            return
+        title = f"Save {clock(start)} to {clock(end)} as a video"
+        path = self.ask_target(title, "section.mp4", "Videos (*.mp4 *.gif)")
+        if path is not None:
+            self.save_video(path, (start, end), program)
+
+    def save_video(self, path: Path, span: tuple[float, float], program: str) -> VideoWriter:
+        """Save what is shown in the middle of the window, from one time to another, by ffmpeg."""
+        before, part = self._feed.time, self.canvas if self.canvas.isVisible() else self.plots.canvas
+        self._feed.play(False)
+
+        def frame(time: float) -> QImage:
+            self._feed.seek(time)
+            self.refresh()
+            return image_of(part)
+
+        writer = VideoWriter(path, span, frame, program, self)
+        box = QProgressDialog(f"Saving {path.name}", "Cancel", 0, 1000, self)
+        box.setWindowModality(Qt.WindowModality.WindowModal)
+        writer.progressed.connect(lambda share: box.setValue(min(999, round(1000 * share))))
+        box.canceled.connect(writer.cancel)
+        writer.ended.connect(lambda problem: self.show_status(problem or f"Saved: {path}"))
+        writer.ended.connect(lambda _: box.reset())
+        for over in (writer.ended, box.canceled):
+            over.connect(lambda *_: self._feed.seek(before))
+        box.setValue(0)
+        return writer
 
     # Robots
 

@@ -1,5 +1,6 @@
 """Interface of all that the researcher's window can show: a running session and a recording are driven alike."""
 
+from pathlib import Path
 from typing import Protocol
 
 from sim.common.grid import OccupancyGrid
@@ -107,6 +108,9 @@ class Feed(Protocol):
 
     def loop(self, span: tuple[float, float] | None) -> None:
         """Play from one time to another again and again, or to the end; no effect on a running session."""
+
+    def save_section(self, path: Path, start: float, end: float) -> str:
+        """Save a section of a recording as a bag; return why that cannot be done, or an empty text."""
 
     def ask(self, request: FeedRequest) -> str:
         """Send a request; return why that cannot be done, or an empty text."""

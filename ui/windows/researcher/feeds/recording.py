@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from sim.common.grid import OccupancyGrid
+from thbridge.analysis.cut import CutRange, cut
 from thbridge.files.errors import BadFile
 from ui.model.watching.playback import Playback
 from ui.model.watching.scene import Scene, ShownLayers
@@ -94,6 +95,7 @@ class RecordingFeed:
         self._now = 0.0
         self._fault = ""
         self._noticed = 0
+        self._notices: list[str] = []
         self.log, self.series = SessionLog(), Series(0)
         self.start_ns = 0
         self.span = 0.0
@@ -180,11 +182,12 @@ class RecordingFeed:
         return "" if self._source is not None else f"Opening {self._opener.path} ({self._opener.share:.0%})"
 
     def take_notices(self) -> list[str]:
-        """Return the topics that cannot be read, once it is open."""
-        if self._source is None or self._noticed == self.generation:
-            return []
-        self._noticed = self.generation
-        return list(self._source.unreadable)
+        """Return the topics that cannot be read, once it is open, and results of saving."""
+        notices, self._notices = self._notices, []
+        if self._source is not None and self._noticed != self.generation:
+            self._noticed = self.generation
+            notices += self._source.unreadable
+        return notices
 
     @property
     def playing(self) -> bool:
@@ -223,6 +226,20 @@ class RecordingFeed:
         """Play from one time to another again and again; None: to the end."""
         start, end = (self.start_ns + round(time * 1e9) for time in span or (0.0, 0.0))
         self._playback.loop = None if span is None else (start, end)
+
+    def save_section(self, path: Path, start: float, end: float) -> str:
+        """Save a section as a bag, in a thread; a notice reports the result."""
+        if path.absolute() == self._opener.path.absolute():
+            return "A section cannot replace its own recording. Choose another name."
+        threading.Thread(target=self._cut, args=(path, CutRange(start, end)), daemon=True).start()
+        return ""
+
+    def _cut(self, path: Path, piece: CutRange) -> None:
+        try:
+            done = cut(self._opener.path, piece, path, overwrite=True)
+            self._notices.append(f"Saved: {path}, {done.messages} messages")
+        except BadFile as fault:
+            self._notices.append(str(fault))
 
     def ask(self, request: FeedRequest) -> str:
         """Refuse: a recording takes no requests."""

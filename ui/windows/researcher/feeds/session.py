@@ -262,6 +262,10 @@ class SessionFeed:
     def loop(self, span: tuple[float, float] | None) -> None:
         """Do nothing: a session goes on."""
 
+    def save_section(self, path: Path, start: float, end: float) -> str:
+        """Refuse: only a recording has sections."""
+        return "Sections are saved of recordings. Open the session's bag when it has ended."
+
     def ask(self, request: FeedRequest) -> str:
         """Send a request; a refusal comes later, with the status."""
         if self.ended_bag is not None:
