@@ -63,7 +63,7 @@ def observe_window(path: Path) -> None:
 
     def painted(self, event):
         paint(self, event)
-        write(file, (mark.pose for mark in self._robots))
+        write(file, (mark.pose for mark in self._robots.marks))
 
     def shown(self):
         show(self)

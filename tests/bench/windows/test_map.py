@@ -17,7 +17,8 @@ from ui.model.motion import MotionPlayback
 from ui.model.scene import RobotMark
 from ui.model.theme import LIGHT
 from ui.windows.map import MapView
-from ui.windows.map.layers import PointLayer
+from ui.windows.map.item import Z_FLAT
+from ui.windows.researcher.map.overlays import Dots
 
 pytestmark = pytest.mark.bench
 
@@ -73,7 +74,7 @@ def test_frames_of_robots(qtbot: QtBot, office: Map, budgets: Budgets, size: tup
 
         def frame(number: int, view: MapView = view, robots: list[RobotMark] = robots) -> None:
             view.show_robots(moved(robots, number))
-            view.repaint()
+            view.viewport().repaint()
 
         judge(budgets, f"{count} robots, {size[0]} x {size[1]}", frame)
 
@@ -81,16 +82,15 @@ def test_frames_of_robots(qtbot: QtBot, office: Map, budgets: Budgets, size: tup
 @pytest.mark.parametrize("size", SIZES)
 def test_frames_with_clouds(qtbot: QtBot, office: Map, budgets: Budgets, size: tuple[int, int]) -> None:
     view, robots = opened(qtbot, office, *size), busy_robots(office, 10)
-    clouds = [PointLayer(mark.robot, -1, 2.0) for mark in robots]
-    for cloud in clouds:
-        view.add_layer(cloud)
+    clouds = Dots(view.box, Z_FLAT, 2.0)
     scattered = RNG.normal(scale=0.3, size=(PARTICLES, 2))
 
     def frame(number: int) -> None:
-        for cloud, mark in zip(clouds, robots, strict=True):
-            cloud.show(scattered + np.array([mark.pose.x + 0.01 * number, mark.pose.y]))
+        clouds.show_rows(
+            {mark.robot: scattered + np.array([mark.pose.x + 0.01 * number, mark.pose.y]) for mark in robots}
+        )
         view.show_robots(moved(robots, number))
-        view.repaint()
+        view.viewport().repaint()
 
     judge(budgets, f"10 robots with {PARTICLES} particles each, {size[0]} x {size[1]}", frame)
 
@@ -102,11 +102,11 @@ def test_frames_while_following_and_zooming(qtbot: QtBot, office: Map, budgets: 
     def follow(number: int) -> None:
         view.follow(0)
         view.show_robots(moved(robots, number))
-        view.repaint()
+        view.viewport().repaint()
 
     def choose(number: int) -> None:
         view.show_rooms([replace(mark, considered=mark.room == 1 + number % 8) for mark in rooms_of(office)])
-        view.repaint()
+        view.viewport().repaint()
 
     judge(budgets, f"following one of 10 robots, {size[0]} x {size[1]}", follow)
     judge(budgets, f"another room looked at with every frame, {size[0]} x {size[1]}", choose)

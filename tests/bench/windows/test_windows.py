@@ -110,7 +110,7 @@ def test_frames_flat_out(qtbot: QtBot, budgets: Budgets, robots: int, size: tupl
         QApplication.sendPostedEvents()
     walls: list[float] = []
     used = []
-    paints = Paints(window.map)
+    paints = Paints(window.map.viewport())
     for _ in range(FRAMES):
         clock.fixed += 1.0 / RATE
         began, begun = time.perf_counter(), time.process_time()
@@ -133,7 +133,7 @@ def test_frames_flat_out(qtbot: QtBot, budgets: Budgets, robots: int, size: tupl
 def test_frames_at_its_own_pace(qtbot: QtBot, budgets: Budgets, robots: int, size: tuple[int, int]) -> None:
     window = opened(qtbot, robots, size, Clock())
     qtbot.wait(3000)
-    paints = Paints(window.map)
+    paints = Paints(window.map.viewport())
     began, begun = time.perf_counter(), time.process_time()
     qtbot.wait(int(1e3 * PLAYED))
     share = (time.process_time() - begun) / (time.perf_counter() - began)
@@ -239,10 +239,10 @@ def test_from_a_press_to_the_screen(qtbot: QtBot, budgets: Budgets, what: str) -
         return f"{at(shown[number % 2].mapToGlobal(shown[0].rect().center() / 2))} click 1"
 
     def room(number: int) -> str:
-        places = [
-            QPoint(*map(int, window.map.camera.pixel(*mark.region.mean(axis=0)))) for mark in window._model.rooms(0.0)
+        places = [window.map.pixel(*mark.region.mean(axis=0)).toPoint() for mark in window._model.rooms(0.0)]
+        free = [
+            window.map.mapToGlobal(place) for place in places if window.map_area.childAt(place) is window.map.viewport()
         ]
-        free = [window.map.mapToGlobal(place) for place in places if window.map_area.childAt(place) is window.map]
         return at(free[number % len(free)])
 
     command, state = {

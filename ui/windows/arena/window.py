@@ -27,7 +27,7 @@ from thbridge.offline.arena import Arena
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from ui.model.arena_draft import ArenaDraft, ArenaPointer, ArenaTool
 from ui.model.scene import RobotMark, RoomMark
-from ui.windows.arena.layer import ArenaLayer
+from ui.windows.arena.marks import ArenaMarks
 from ui.windows.look import GAP, FoldingRow, colours, label, open_within_screen, px, spaced
 from ui.windows.map import MapView
 from ui.windows.words_of_others import title_text
@@ -81,9 +81,9 @@ class ArenaWindow(QMainWindow):
         self.pointer = ArenaPointer(self.draft)
         self._write = write
         self._name = name
-        self.map = MapView(colours())
+        self.map = MapView(colours(), axes=True)
         self.map.show_floor_plan(floor_plan_of(name, grid, (), FOOTPRINT))
-        self.map.add_layer(ArenaLayer(self.pointer))
+        self._marks = ArenaMarks(self.map.box, self.pointer)
         self.list = QListWidget()
         self.list.setAccessibleName("Rooms and start poses")
         self.list.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
@@ -128,7 +128,7 @@ class ArenaWindow(QMainWindow):
                 for index, start in enumerate(arena.starts)
             ]
         )
-        self.map.update()
+        self._marks.update()
         self._show_list()
         faults = self.draft.faults()
         self.told.setText(pointer.refusal or (faults[0] if faults else ""))
@@ -281,7 +281,7 @@ class ArenaWindow(QMainWindow):
 
     @Slot(float, float)
     def _pressed(self, x: float, y: float) -> None:
-        self.pointer.press(x, y, REACH / self.map.camera.scale)
+        self.pointer.press(x, y, self.map.metres(REACH))
         self.show_all()
 
     @Slot(float, float)

@@ -1,5 +1,5 @@
-"""The map of both windows."""
+"""The map of all windows, on pyqtgraph."""
 
-from ui.windows.map.view import MapLayer, MapView
+from ui.windows.map.view import MapView
 
-__all__ = ["MapLayer", "MapView"]
+__all__ = ["MapView"]

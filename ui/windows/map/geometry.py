@@ -1,4 +1,4 @@
-"""Floor plan as the map draws it: boxes of equal cells, its extent, and a test for places without walls."""
+"""Floor plan as the map draws it: its cells, its extent, and a test for places without walls."""
 
 import base64
 import binascii
@@ -16,9 +16,6 @@ from thbridge.roles.notices import FloorPlan
 
 FREE, WALL, UNKNOWN = 0, 1, 2
 
-Boxes = NDArray[np.int64]
-"""(n, 4) boxes: first column, first row, columns, rows; in cells."""
-
 Box = tuple[float, float, float, float]
 """Least x, least y, most x, most y; metres."""
 
@@ -30,8 +27,7 @@ class MapGeometry:
     Attributes:
         origin: of the cells, map frame.
         resolution: metres a cell.
-        floor: boxes of free cells.
-        walls: boxes of walls.
+        cells: (rows, cols) FREE, WALL, UNKNOWN or another value without a meaning; row 0 lies at the origin.
         bounds: box around all that is known, map frame.
         walls_below: (rows + 1, cols + 1) number of wall cells below and left of each corner of cells: a summed-area
             table (Crow 1984), by which the walls in any box are counted with four look-ups.
@@ -39,8 +35,7 @@ class MapGeometry:
 
     origin: Pose2
     resolution: float
-    floor: Boxes
-    walls: Boxes
+    cells: NDArray[np.uint8]
     bounds: Box
     walls_below: NDArray[np.int64]
 
@@ -72,8 +67,7 @@ def unpack(floor_plan: FloorPlan) -> MapGeometry:
     return MapGeometry(
         origin=origin,
         resolution=floor_plan.resolution,
-        floor=boxes(cells == FREE),
-        walls=boxes(walls),
+        cells=cells,
         bounds=(least_x, least_y, most_x, most_y),
         walls_below=np.pad(np.cumsum(np.cumsum(walls, axis=0, dtype=np.int64), axis=1), ((1, 0), (1, 0))),
     )
@@ -92,25 +86,6 @@ def _cells(floor_plan: FloorPlan) -> NDArray[np.uint8]:
     if len(cells) != size:
         cells = np.full(size, UNKNOWN, dtype=np.uint8)
     return cells.reshape(rows, cols)
-
-
-def boxes(mask: NDArray[np.bool_]) -> Boxes:
-    """Return boxes that cover the true cells of a (rows, cols) mask once each.
-
-    Runs of true cells in a row are merged with equal runs of the rows above: a few hundred boxes are painted instead of
-    tens of thousands of cells."""
-    found: list[tuple[int, int, int, int]] = []
-    growing: dict[tuple[int, int], int] = {}
-    padded = np.pad(mask, ((0, 1), (1, 1))).astype(np.int8)
-    for row in range(len(padded)):
-        edges = np.flatnonzero(np.diff(padded[row])).tolist()
-        runs = set(zip(edges[::2], edges[1::2], strict=True))
-        for run in [run for run in growing if run not in runs]:
-            start = growing.pop(run)
-            found.append((run[0], start, run[1] - run[0], row - start))
-        for run in runs:
-            growing.setdefault(run, row)
-    return np.array(sorted(found), dtype=np.int64).reshape(-1, 4)
 
 
 def contains(region: FloatArray, points: FloatArray) -> NDArray[np.bool_]:

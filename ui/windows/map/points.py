@@ -1,32 +1,48 @@
-"""Conversion of arrays to Qt's polygons and lines, without a Python object for every point of a polygon."""
+"""Conversion of arrays to Qt's polygons and lines, without a Python object for every point."""
 
-import ctypes
+from typing import cast
 
 import numpy as np
-from PySide6.QtCore import QLineF
-from PySide6.QtGui import QPolygonF
+from pyqtgraph.functions import arrayToQPolygonF
+from PySide6.QtCore import QLineF, QPointF
+from PySide6.QtGui import QPainter, QPolygonF, QTransform
 from shiboken6 import Shiboken
 
 from sim.numerics.float_array import FloatArray
 
 
+def mapped(transform: QTransform, points: FloatArray) -> FloatArray:
+    """Return (n, 2) points mapped by a transform that scales and shifts only; further columns are left out."""
+    moved: FloatArray = points[:, :2] * (transform.m11(), transform.m22()) + (transform.dx(), transform.dy())
+    return moved
+
+
+def pixel(transform: QTransform, x: float, y: float) -> QPointF:
+    """Return the pixel of a map point."""
+    return transform.map(QPointF(x, y))
+
+
 def polygon(points: FloatArray) -> QPolygonF:
-    """A Qt polygon of (n, 2) points."""
-    made = QPolygonF()
-    made.resize(len(points))
-    if len(points):
-        (address,) = Shiboken.getCppPointer(made.data())
-        memory = (ctypes.c_double * (2 * len(points))).from_address(address)
-        np.ctypeslib.as_array(memory).reshape(-1, 2)[:] = points
+    """Return a Qt polygon of (n, 2) points."""
+    made: QPolygonF = arrayToQPolygonF(points[:, 0], points[:, 1])
     return made
 
 
 def pieces(points: FloatArray) -> list[FloatArray]:
-    """Parts of a line of (n, 2) points between rows of NaN."""
+    """Return the parts of a line of (n, 2) points between rows of NaN."""
     gaps = np.flatnonzero(np.isnan(points[:, 0]))
     return [part for part in np.split(points, np.sort(np.concatenate((gaps, gaps + 1)))) if not np.isnan(part).any()]
 
 
-def lines(starts: FloatArray, ends: FloatArray) -> list[QLineF]:
-    """Lines from each of (n, 2) points to the one of the same index in another (n, 2)."""
-    return [QLineF(*ends_of) for ends_of in np.concatenate((starts, ends), axis=1).tolist()]
+def steps(points: FloatArray) -> FloatArray:
+    """Return (m, 4) lines between neighbors among (n, 2) points; none from or to a row of NaN."""
+    lines: FloatArray = np.concatenate((points[:-1], points[1:]), axis=1)
+    return lines[~np.isnan(lines).any(axis=1)]
+
+
+def draw_lines(painter: QPainter, lines: FloatArray) -> None:
+    """Draw (n, 4) lines: x, y of one end and of the other."""
+    if len(lines):
+        memory = np.ascontiguousarray(lines)
+        first = cast(QLineF, Shiboken.wrapInstance(memory.ctypes.data, QLineF))
+        painter.drawLines(first, len(memory))

@@ -21,10 +21,9 @@ from PySide6.QtGui import (
 from sim.numerics.float_array import FloatArray
 from ui.model.scene import RoomMark, RoomState
 from ui.model.theme import Palette
-from ui.windows.map.camera import Camera
 from ui.windows.map.geometry import MapGeometry, contains
 from ui.windows.map.lettering import sized, text_scale
-from ui.windows.map.points import polygon
+from ui.windows.map.points import mapped, polygon
 
 HATCH_SPACING = 11.0
 """Pixels between two stripes of the pattern of a reserved room."""
@@ -54,12 +53,12 @@ NAME_HEIGHT = 13.0
 """Height of a room's name, pixels at the usual size of text."""
 
 
-def paint_floors(painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], palette: Palette) -> None:
+def paint_floors(painter: QPainter, to_pixels: QTransform, rooms: Sequence[RoomMark], palette: Palette) -> None:
     """Paint the floors of the rooms and their patterns; walls are painted over their edges."""
     ratio = painter.device().devicePixelRatio()
     stripes, dots = _pattern("reserved", palette, ratio), _pattern("visited", palette, ratio)
     for mark in rooms:
-        outline = polygon(camera.to_screen(mark.region))
+        outline = polygon(mapped(to_pixels, mark.region))
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(palette.room(mark.state)))
         painter.drawPolygon(outline)
@@ -74,7 +73,7 @@ def paint_floors(painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], p
 
 def paint_signs(
     painter: QPainter,
-    camera: Camera,
+    to_pixels: QTransform,
     rooms: Sequence[RoomMark],
     palette: Palette,
     font: QFont,
@@ -89,23 +88,23 @@ def paint_signs(
     painter.save()
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for mark in rooms:
-        _paint_edge(painter, camera, mark, palette)
-        space = _Space(camera, mark.region, geometry)
+        _paint_edge(painter, to_pixels, mark, palette)
+        space = _Space(to_pixels, mark.region, geometry)
         _paint_words(painter, space, mark, palette, font)
         written += [(box.left(), box.top(), box.right(), box.bottom()) for box in space.taken]
     painter.restore()
     return np.array(written).reshape(-1, 4)
 
 
-def _paint_edge(painter: QPainter, camera: Camera, mark: RoomMark, palette: Palette) -> None:
+def _paint_edge(painter: QPainter, to_pixels: QTransform, mark: RoomMark, palette: Palette) -> None:
     """Paint a frame inside the walls of a room that can be chosen, a stronger one while it is considered."""
     if not mark.choosable and not mark.considered:
         return
     path = QPainterPath()
-    path.addPolygon(polygon(camera.to_screen(mark.region)))
+    path.addPolygon(polygon(mapped(to_pixels, mark.region)))
     path.closeSubpath()
     border = QPainterPathStroker()
-    border.setWidth(2.0 * (FRAME_INSET + HALF_WALL * camera.scale))
+    border.setWidth(2.0 * (FRAME_INSET + HALF_WALL * to_pixels.m11()))
     pen = QPen(QColor(palette.accent), 4.0 if mark.considered else 2.0)
     pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
     if not mark.choosable:
@@ -132,12 +131,14 @@ class _Space:
         taken: boxes in which something lies already.
     """
 
-    def __init__(self, camera: Camera, region: FloatArray, geometry: MapGeometry | None) -> None:
-        corners = camera.to_screen(region)
+    def __init__(self, to_pixels: QTransform, region: FloatArray, geometry: MapGeometry | None) -> None:
+        corners = mapped(to_pixels, region)
         (self._left, self._top), (right, bottom) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
         self.width, self.height = right - self._left, bottom - self._top
-        self.inset = FRAME_INSET + HALF_WALL * camera.scale + min(max(0.04 * min(self.width, self.height), 4.0), 14.0)
-        self._camera = camera
+        self.inset = (
+            FRAME_INSET + HALF_WALL * to_pixels.m11() + min(max(0.04 * min(self.width, self.height), 4.0), 14.0)
+        )
+        self._to_map, _ = to_pixels.inverted()
         self._region = region
         self._geometry = geometry
         self.taken: list[QRectF] = []
@@ -163,7 +164,7 @@ class _Space:
         x, y = width + self.inset / 2.0, height + self.inset / 2.0
         least = -self.inset / 2.0
         around = np.array([[least, least], [x, least], [x, y], [least, y]])
-        corners = self._camera.to_map((places[:, None] + around).reshape(-1, 2))
+        corners = mapped(self._to_map, (places[:, None] + around).reshape(-1, 2))
         free: NDArray[np.bool_] = np.all(contains(self._region, corners).reshape(-1, 4), axis=1)
         return free if self._geometry is None else free & self._geometry.is_clear(corners.reshape(-1, 4, 2))
 

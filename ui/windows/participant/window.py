@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QAccessible,
     QAccessibleAnnouncementEvent,
@@ -325,7 +325,7 @@ class ParticipantWindow(QWidget):
             (mark.pose.x, mark.pose.y) for mark in self._model.robots(now) if mark.robot == pop.robot and mark.pose
         ]
         places += [tuple(mark.region.mean(axis=0)) for mark in self._model.rooms(now) if mark.room == pop.room]
-        return [QPointF(*self.map.camera.pixel(x, y)).toPoint() for x, y in places]
+        return [self.map.pixel(x, y).toPoint() for x, y in places]
 
     # Keys and focus ---------------------------------------------------------------------------------------------------
 

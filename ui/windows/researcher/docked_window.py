@@ -204,9 +204,6 @@ class DockedWindow(QMainWindow):
         for dock in self._docks:
             dock.setVisible(drawable or dock is plots)
         self.topics.show()
-        # Qt keeps the tabs of hidden docks far out of sight, where Tab would go.
-        for tabs in self.findChildren(QTabBar):
-            tabs.setFocusPolicy(Qt.FocusPolicy.TabFocus if drawable else Qt.FocusPolicy.NoFocus)
         self.resizeDocks([plots], [self.width() // (4 if drawable else 2)], Qt.Orientation.Horizontal)
 
     def dock(self, title: str) -> QDockWidget:

@@ -60,8 +60,7 @@ class ToolController:
         self._bodies = bodies
         self._select = select
         self._tools = Tools()
-        self._preview = ToolPreview()
-        view.add_layer(self._preview)
+        self._preview = ToolPreview(view.box)
         window.kill.connect(self._ask_to_kill)
         window.revive.connect(partial(self._ask, Tools.revive, "{robot} is to go on."))
         window.clear_costmaps.connect(partial(self._ask, Tools.clear_costmaps, "{robot} is to clear its costmaps."))
@@ -121,7 +120,7 @@ class ToolController:
         self._preview.gesture = None
         self._view.set_tool(None if tool is MapTool.LOOK else Qt.CursorShape.CrossCursor)
         self._window.tool_help.setText(TOOLS[tool].how.format(robot=robot_name(self.selected)))
-        self._view.update()
+        self._preview.update()
 
     def _press(self, x: float, y: float) -> None:
         if self._window.tool is MapTool.CARRY:
@@ -131,16 +130,16 @@ class ToolController:
                 return
             self._select(robot)
             self._preview.body = self._bodies.get(robot)
-        self._preview.shape = self._window.shape
+        self._preview.thing_shape = self._window.shape
         self._preview.heading = self._heading()
         self._preview.gesture = Gesture(self._window.tool, x, y, x, y)
-        self._view.update()
+        self._preview.update()
 
     def _drag(self, x: float, y: float) -> None:
         begun = self._preview.gesture
         if begun is not None:
             self._preview.gesture = Gesture(begun.tool, begun.x, begun.y, x, y)
-            self._view.update()
+            self._preview.update()
 
     def _release(self, x: float, y: float) -> None:
         self._drag(x, y)
@@ -184,4 +183,4 @@ class ToolController:
             (pose.distance(here), robot.robot) for robot in robots for pose in (robot.truth, robot.estimate) if pose
         ]
         distance, robot = min(near, default=(math.inf, -1))
-        return robot if distance <= max(GRAB_RADIUS, GRAB_PIXELS / self._view.camera.scale) else None
+        return robot if distance <= max(GRAB_RADIUS, self._view.metres(GRAB_PIXELS)) else None

@@ -66,7 +66,7 @@ class ResearcherWindow(DockedWindow):
     bookmarked = Signal()
 
     def __init__(self, feed: Feed, title: str, palette: Palette, clock: Callable[[], float]) -> None:
-        self._map = MapView(palette)
+        self._map = MapView(palette, axes=True)
         super().__init__(title, palette, feed.live, self._map)
         self._feed = feed
         self._clock = clock
@@ -79,7 +79,7 @@ class ResearcherWindow(DockedWindow):
         self._plotted: tuple[int, ...] = ()
         self._bodies: dict[int, FloatArray] = {}
         self._frames = 0
-        self._overlays = Overlays(self._map)
+        self._overlays = Overlays(self._map.box)
         self._tool_controller = ToolController(feed, self, self._map, self._bodies, self.select)
         self._log_updater = LogUpdater(feed, self)
         self.sign = TroubleSign(self._map)

@@ -59,14 +59,13 @@ def answering(words: str) -> Iterator[list[str]]:
 
 
 def pixel(window: ArenaWindow, x: float, y: float) -> QPoint:
-    px, py = window.map.camera.pixel(x, y)
-    return QPoint(round(px), round(py))
+    return window.map.pixel(x, y).toPoint()
 
 
 def stroke(qtbot: QtBot, window: ArenaWindow, one: tuple[float, float], other: tuple[float, float]) -> None:
-    qtbot.mousePress(window.map, Qt.MouseButton.LeftButton, pos=pixel(window, *one))
-    qtbot.mouseMove(window.map, pixel(window, *other))
-    qtbot.mouseRelease(window.map, Qt.MouseButton.LeftButton, pos=pixel(window, *other))
+    qtbot.mousePress(window.map.viewport(), Qt.MouseButton.LeftButton, pos=pixel(window, *one))
+    qtbot.mouseMove(window.map.viewport(), pixel(window, *other))
+    qtbot.mouseRelease(window.map.viewport(), Qt.MouseButton.LeftButton, pos=pixel(window, *other))
 
 
 def lines(window: ArenaWindow) -> list[str]:
@@ -98,11 +97,11 @@ def test_where_no_robot_can_stand_is_told_and_nothing_moves(qtbot: QtBot, window
     start = FOUND.starts[0]
     stroke(qtbot, window, (start.x, start.y), (start.x, 0.1))
     assert window.draft.arena == FOUND
-    qtbot.mousePress(window.map, Qt.MouseButton.LeftButton, pos=pixel(window, start.x, start.y))
-    qtbot.mouseMove(window.map, pixel(window, start.x, 0.1))
+    qtbot.mousePress(window.map.viewport(), Qt.MouseButton.LeftButton, pos=pixel(window, start.x, start.y))
+    qtbot.mouseMove(window.map.viewport(), pixel(window, start.x, 0.1))
     assert "No robot can turn there" in window.told.text()
     assert window.told.isVisible()
-    qtbot.mouseRelease(window.map, Qt.MouseButton.LeftButton, pos=pixel(window, start.x, 0.1))
+    qtbot.mouseRelease(window.map.viewport(), Qt.MouseButton.LeftButton, pos=pixel(window, start.x, 0.1))
 
 
 def test_everything_is_done_by_keys(qtbot: QtBot, window: ArenaWindow) -> None:
@@ -165,4 +164,4 @@ def test_names_for_screen_readers_and_the_order_of_tab(window: ArenaWindow, qapp
     assert against_the_eye(stops(window), window) == []
     apply_palette(qapp, DARK)
     window.repaint_all()
-    assert window.map.colours is DARK
+    assert window.map.box.colors is DARK

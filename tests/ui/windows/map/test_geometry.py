@@ -7,20 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from hypothesis.extra.numpy import array_shapes, arrays
 from msgspec import structs
 
 from tests.ui.windows.map.houses import house_of, shipped_map
 from thbridge.roles.notices import FloorPlan
-from ui.windows.map.geometry import boxes, contains, unpack
-
-
-@given(arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=12)))
-def test_boxes_cover_each_true_cell_once(mask: np.ndarray) -> None:
-    painted = np.zeros(mask.shape, dtype=int)
-    for col, row, cols, rows in boxes(mask).tolist():
-        painted[row : row + rows, col : col + cols] += 1
-    assert np.array_equal(painted, mask.astype(int))
+from ui.windows.map.geometry import FREE, UNKNOWN, WALL, contains, unpack
 
 
 def test_the_bounds_hold_all_that_is_known() -> None:
@@ -51,19 +42,19 @@ def house() -> FloorPlan:
 @given(noise=st.binary(max_size=40))
 def test_cells_that_cannot_be_read_leave_the_rooms(house: FloorPlan, noise: bytes) -> None:
     plan = unpack(structs.replace(house, cells=base64.b64encode(noise).decode()))
-    assert len(plan.walls) == 0
+    assert not (plan.cells == WALL).any()
     assert plan.bounds[0] < plan.bounds[2]
 
 
 def test_more_cells_than_announced_are_not_unpacked(house: FloorPlan) -> None:
     bomb = base64.b64encode(zlib.compress(bytes(1_000_000))).decode()
-    assert len(unpack(structs.replace(house, cells=bomb, width=4, height=4)).floor) == 1
+    assert (unpack(structs.replace(house, cells=bomb, width=4, height=4)).cells == np.full((4, 4), FREE)).all()
 
 
 @pytest.mark.parametrize(("width", "height"), [(10**6, 10**6), (-4, -4), (0, 5)])
 def test_no_memory_is_taken_for_a_map_that_no_keeper_has(house: FloorPlan, width: int, height: int) -> None:
     plan = unpack(structs.replace(house, width=width, height=height))
-    assert len(plan.walls) == len(plan.floor) == 0
+    assert plan.cells.tolist() == [[UNKNOWN]]
 
 
 def test_a_region_holds_what_lies_in_it() -> None:

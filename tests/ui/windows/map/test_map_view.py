@@ -5,8 +5,8 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
-from PySide6.QtGui import QColor, QNativeGestureEvent, QPainter, QPointingDevice, QWheelEvent
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QNativeGestureEvent, QPainter, QPointingDevice, QTransform, QWheelEvent
 from PySide6.QtTest import QSignalSpy
 from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
@@ -16,7 +16,9 @@ from thbridge.files.map_files import Map
 from ui.model.scene import RoomState
 from ui.model.theme import DARK, LIGHT
 from ui.windows.map import MapView
-from ui.windows.map.layers import CostmapImageLayer, LineLayer, PointLayer, PoseLayer
+from ui.windows.map.item import Z_ABOVE, Z_FLAT, CellImage, MapItem
+from ui.windows.map.points import mapped
+from ui.windows.researcher.map.overlays import COST_COLORS, Arrows, Dots, Lines
 
 MAPS = ("arena8", "office", "warehouse12")
 
@@ -42,18 +44,24 @@ def shown(qtbot: QtBot, house: Map) -> MapView:
 
 
 def spot(view: MapView, x: float, y: float) -> QPoint:
-    return QPointF(*view.camera.pixel(x, y)).toPoint()
+    return view.pixel(x, y).toPoint()
 
 
 def click(qtbot: QtBot, view: MapView, at: QPoint) -> None:
-    qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=at)
+    qtbot.mouseClick(view.viewport(), Qt.MouseButton.LeftButton, pos=at)
 
 
 def drag(qtbot: QtBot, view: MapView, start: QPoint, end: QPoint, button: Qt.MouseButton) -> None:
-    qtbot.mousePress(view, button, pos=start)
-    qtbot.mouseMove(view, (start + end) / 2)
-    qtbot.mouseMove(view, end)
-    qtbot.mouseRelease(view, button, pos=end)
+    qtbot.mousePress(view.viewport(), button, pos=start)
+    qtbot.mouseMove(view.viewport(), (start + end) / 2)
+    qtbot.mouseMove(view.viewport(), end)
+    qtbot.mouseRelease(view.viewport(), button, pos=end)
+
+
+def double_click(qtbot: QtBot, view: MapView, at: QPoint) -> None:
+    click(qtbot, view, at)
+    qtbot.mouseDClick(view.viewport(), Qt.MouseButton.LeftButton, pos=at)
+    qtbot.mouseRelease(view.viewport(), Qt.MouseButton.LeftButton, pos=at)
 
 
 def wheel(view: MapView, at: QPoint, turns: int) -> None:
@@ -67,7 +75,7 @@ def wheel(view: MapView, at: QPoint, turns: int) -> None:
         Qt.ScrollPhase.NoScrollPhase,
         False,
     )
-    QApplication.sendEvent(view, event)
+    QApplication.sendEvent(view.viewport(), event)
 
 
 @pytest.mark.parametrize("name", MAPS)
@@ -90,9 +98,8 @@ def test_a_click_near_a_robot_names_the_nearest(qtbot: QtBot, view: MapView) -> 
 
 def test_a_robot_is_hit_within_reach_and_not_beyond(view: MapView) -> None:
     view.show_robots([robot_at(0, 0.0, 0.0)])
-    x, y = view.camera.pixel(0.0, 0.0)
-    assert view.robot_at(QPointF(x + 23.0, y)) == 0
-    assert view.robot_at(QPointF(x + 25.0, y)) is None
+    assert view.robot_at(view.pixel(0.0, 0.0) + QPointF(23.0, 0.0)) == 0
+    assert view.robot_at(view.pixel(0.0, 0.0) + QPointF(25.0, 0.0)) is None
 
 
 def test_a_robot_in_a_room_is_clicked_and_not_the_room(qtbot: QtBot, view: MapView, arena: Map) -> None:
@@ -107,33 +114,32 @@ def test_a_robot_in_a_room_is_clicked_and_not_the_room(qtbot: QtBot, view: MapVi
 def test_hovering_tells_a_room_once_and_leaving_it(qtbot: QtBot, view: MapView, arena: Map) -> None:
     hovers = QSignalSpy(view.room_hovered)
     goal = arena.rooms[0].goal
-    qtbot.mouseMove(view, spot(view, goal.x, goal.y))
-    qtbot.mouseMove(view, spot(view, goal.x + 0.2, goal.y))
-    qtbot.mouseMove(view, spot(view, 0.0, 0.0))
+    qtbot.mouseMove(view.viewport(), spot(view, goal.x, goal.y))
+    qtbot.mouseMove(view.viewport(), spot(view, goal.x + 0.2, goal.y))
+    qtbot.mouseMove(view.viewport(), spot(view, 0.0, 0.0))
     assert [hovers.at(k)[0] for k in range(hovers.count())] == [1, None]
 
 
 def test_dragging_moves_the_map_and_chooses_nothing(qtbot: QtBot, view: MapView, arena: Map) -> None:
     clicks = QSignalSpy(view.room_clicked)
-    before = view.camera
     goal = arena.rooms[0].goal
     start = spot(view, goal.x, goal.y)
     drag(qtbot, view, start, start + QPoint(60, 40), Qt.MouseButton.LeftButton)
     assert clicks.count() == 0
-    assert view.camera.x == pytest.approx(before.x - 60 / before.scale, abs=2 / before.scale)
-    assert view.camera.y == pytest.approx(before.y + 40 / before.scale, abs=2 / before.scale)
+    assert spot(view, goal.x, goal.y) == start + QPoint(60, 40)
 
 
 def test_the_wheel_zooms_about_the_pointer(view: MapView) -> None:
     at = spot(view, 2.0, 3.0)
-    before = view.camera
+    before, under = view.metres(1.0), view.point(QPointF(at))
     wheel(view, at, 3)
-    assert view.camera.scale > 1.3 * before.scale
-    assert view.camera.point(at.x(), at.y()) == pytest.approx(before.point(at.x(), at.y()), abs=1e-6)
+    assert view.metres(1.0) < before / 1.3
+    assert view.point(QPointF(at)) == pytest.approx(under, abs=view.metres(1.0))
 
 
 def test_two_fingers_zoom_about_their_middle(view: MapView) -> None:
-    at, before = QPointF(spot(view, 2.0, 3.0)), view.camera
+    at, before = QPointF(spot(view, 2.0, 3.0)), view.metres(1.0)
+    under = view.point(at)
     pinch = QNativeGestureEvent(
         Qt.NativeGestureType.ZoomNativeGesture,
         QPointingDevice.primaryPointingDevice(),
@@ -144,47 +150,44 @@ def test_two_fingers_zoom_about_their_middle(view: MapView) -> None:
         0.25,
         QPointF(),
     )
-    QApplication.sendEvent(view, pinch)
-    assert view.camera.scale == pytest.approx(1.25 * before.scale)
-    assert view.camera.point(at.x(), at.y()) == pytest.approx(before.point(at.x(), at.y()), abs=1e-6)
+    QApplication.sendEvent(view.viewport(), pinch)
+    assert view.metres(1.0) == pytest.approx(before / 1.25)
+    assert view.point(at) == pytest.approx(under, abs=view.metres(1.0))
 
 
 def test_a_double_click_beside_rooms_fits_again(qtbot: QtBot, view: MapView) -> None:
-    fitted = view.camera.scale
-    wheel(view, spot(view, 0.0, 0.0), 4)
-    assert view.camera.scale != fitted
-    qtbot.mouseDClick(view, Qt.MouseButton.LeftButton, pos=spot(view, 0.0, 0.0))
-    assert view.camera.scale == fitted
+    fitted, at = view.metres(1.0), spot(view, 0.0, 0.0)
+    wheel(view, at, 4)
+    assert view.metres(1.0) != fitted
+    double_click(qtbot, view, at)
+    assert view.metres(1.0) == pytest.approx(fitted)
 
 
 def test_a_double_click_on_a_room_chooses_once(qtbot: QtBot, view: MapView, arena: Map) -> None:
     clicks, at = QSignalSpy(view.room_clicked), spot(view, arena.rooms[0].goal.x, arena.rooms[0].goal.y)
-    click(qtbot, view, at)
-    qtbot.mouseDClick(view, Qt.MouseButton.LeftButton, pos=at)
+    double_click(qtbot, view, at)
     assert clicks.count() == 1
 
 
 def test_the_whole_house_stays_in_view_when_the_size_changes(view: MapView, qtbot: QtBot) -> None:
     view.resize(500, 400)
-    qtbot.waitUntil(lambda: view.camera.width == 500.0)
+    qtbot.waitUntil(lambda: view.box.width() == 500.0)
     for x, y in ((-5.0, -5.0), (11.0, 7.0)):
-        px, py = view.camera.pixel(x, y)
-        assert 0.0 < px < 500.0
-        assert 0.0 < py < 400.0
+        assert view.rect().contains(spot(view, x, y))
 
 
 def test_following_keeps_a_robot_in_the_middle_until_the_map_is_dragged(qtbot: QtBot, view: MapView) -> None:
     view.follow(1)
     for step in range(200):
         view.show_robots([robot_at(0, 0.0, 0.0), robot_at(1, 0.008 * step, 1.0)])
-    assert (view.camera.x, view.camera.y) == pytest.approx((1.6, 1.0), abs=0.1)
+    assert view.box.middle == pytest.approx((1.6, 1.0), abs=0.1)
     drag(qtbot, view, QPoint(200, 200), QPoint(300, 300), Qt.MouseButton.LeftButton)
     assert view.followed is None
 
 
 def test_a_tool_has_the_left_button_in_metres(qtbot: QtBot, view: MapView, arena: Map) -> None:
     view.set_tool(Qt.CursorShape.CrossCursor)
-    clicks, before = QSignalSpy(view.room_clicked), view.camera
+    clicks, before = QSignalSpy(view.room_clicked), view.box.viewRect()
     pressed, released = QSignalSpy(view.point_pressed), QSignalSpy(view.point_released)
     dragged = QSignalSpy(view.point_dragged)
     goal = arena.rooms[0].goal
@@ -193,17 +196,17 @@ def test_a_tool_has_the_left_button_in_metres(qtbot: QtBot, view: MapView, arena
     assert released.at(0) == pytest.approx([0.0, 0.0], abs=0.03)
     assert dragged.count() >= 1
     assert clicks.count() == 0
-    assert view.camera == before
+    assert view.box.viewRect() == before
     assert view.cursor().shape() == Qt.CursorShape.CrossCursor
     drag(qtbot, view, QPoint(300, 300), QPoint(360, 300), Qt.MouseButton.MiddleButton)
-    assert view.camera.x != before.x
+    assert view.box.viewRect() != before
 
 
 def test_the_pointer_tells_what_can_be_chosen(qtbot: QtBot, view: MapView, arena: Map) -> None:
     view.show_rooms([replace(mark, choosable=mark.room == 1) for mark in rooms_of(arena)])
     shapes = []
     for room in arena.rooms[:2]:
-        qtbot.mouseMove(view, spot(view, room.goal.x, room.goal.y))
+        qtbot.mouseMove(view.viewport(), spot(view, room.goal.x, room.goal.y))
         shapes.append(view.cursor().shape())
     assert shapes == [Qt.CursorShape.PointingHandCursor, Qt.CursorShape.ArrowCursor]
 
@@ -212,17 +215,15 @@ def test_a_robot_is_drawn_in_its_colour_and_its_nose_points_ahead(qtbot: QtBot, 
     wheel(view, spot(view, 0.0, 0.0), 10)
     view.show_robots([robot_at(0, 0.0, 0.0, theta=np.pi / 2)])
     picture = view.grab().toImage()
-    x, y = view.camera.pixel(0.0, -0.2)
-    assert picture.pixelColor(round(x), round(y)) == QColor(LIGHT.robot(0))
-    nose = view.camera.pixel(0.0, 0.15)
-    assert picture.pixelColor(round(nose[0]), round(nose[1])) == QColor(LIGHT.panel)
+    assert picture.pixelColor(spot(view, 0.0, -0.2)) == QColor(LIGHT.robot(0))
+    assert picture.pixelColor(spot(view, 0.0, 0.15)) == QColor(LIGHT.panel)
 
 
 def test_colours_change_by_night(view: MapView, arena: Map) -> None:
-    x, y = view.camera.pixel(0.0, 0.0)
-    assert view.grab().toImage().pixelColor(round(x), round(y)) == QColor(LIGHT.floor)
+    at = spot(view, 0.0, 0.0)
+    assert view.grab().toImage().pixelColor(at) == QColor(LIGHT.floor)
     view.set_palette(DARK)
-    assert view.grab().toImage().pixelColor(round(x), round(y)) == QColor(DARK.floor)
+    assert view.grab().toImage().pixelColor(at) == QColor(DARK.floor)
 
 
 @pytest.mark.parametrize("name", MAPS)
@@ -249,7 +250,7 @@ def test_what_was_named_stands_in_its_room_also_on_a_small_map(qtbot: QtBot, are
     for number, mark in enumerate(hidden):
         view.show_rooms([*hidden[:number], replace(mark, answer="−20 for Pink can"), *hidden[number + 1 :]])
         named = view.grab().toImage()
-        inside = view.camera.to_screen(mark.region)
+        inside = mapped(view.box.to_pixels(), mark.region)
         changed = [
             (x, y)
             for x in range(0, size[0], 2)
@@ -275,7 +276,7 @@ class Paintings(QObject):
 
 
 def test_nothing_is_painted_while_nothing_moves(qtbot: QtBot, view: MapView) -> None:
-    paintings = Paintings(view)
+    paintings = Paintings(view.viewport())
 
     def painted(x: float) -> bool:
         before = paintings.count
@@ -290,52 +291,45 @@ def test_nothing_is_painted_while_nothing_moves(qtbot: QtBot, view: MapView) -> 
     assert any(painted(0.021 + 0.0002 * step) for step in range(20))
 
 
-def test_layers_are_painted_below_and_above_robots(view: MapView) -> None:
-    class Stamp:
-        def __init__(self, z: int, colour: str) -> None:
-            self.z, self.colour = z, colour
+def test_items_are_painted_below_and_above_robots(view: MapView) -> None:
+    class Stamp(MapItem):
+        def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
+            at = QRectF(-3.0, -3.0, 6.0, 6.0).translated(to_pixels.map(QPointF(0.0, 0.0)))
+            painter.fillRect(at, QColor("#ff0000" if self.zValue() == Z_FLAT else "#00ff00"))
 
-        def paint(self, painter: QPainter, on: MapView) -> None:
-            x, y = on.camera.pixel(0.0, 0.0)
-            painter.fillRect(round(x) - 3, round(y) - 3, 6, 6, QColor(self.colour))
-
-    below, above = Stamp(-1, "#ff0000"), Stamp(1, "#00ff00")
     view.show_robots([robot_at(0, -0.1, 0.0)])
-    x, y = (round(part) for part in view.camera.pixel(0.0, 0.0))
-    view.add_layer(below)
-    assert view.grab().toImage().pixelColor(x, y) != QColor("#ff0000")
-    view.add_layer(above)
-    assert view.grab().toImage().pixelColor(x, y) == QColor("#00ff00")
+    at = spot(view, 0.0, 0.0)
+    below = Stamp(view.box, Z_FLAT)
+    assert view.grab().toImage().pixelColor(at) != QColor("#ff0000")
+    above = Stamp(view.box, Z_ABOVE)
+    assert view.grab().toImage().pixelColor(at) == QColor("#00ff00")
+    assert below.scene() is above.scene() is view.scene()
 
 
 def test_points_lines_and_arrows_lie_where_they_belong(view: MapView) -> None:
-    points, lines, arrows = PointLayer(2, -1, 4.0), LineLayer(2, -1, 4.0), PoseLayer(2, -1, 4.0)
-    points.show(np.array([[0.0, 0.0]]))
-    lines.show([np.array([[-0.4, 0.5], [0.4, 0.5]])])
-    arrows.show(np.array([[0.0, 1.0, 0.0]]))
-    for layer in (points, lines, arrows):
-        view.add_layer(layer)
+    points, lines, arrows = Dots(view.box, Z_FLAT, 4.0), Lines(view.box, Z_FLAT, 4.0), Arrows(view.box, Z_FLAT, 4.0)
+    points.show_rows({2: np.array([[0.0, 0.0]])})
+    lines.show_rows({2: np.array([[-0.4, 0.5], [0.4, 0.5]])})
+    arrows.show_rows({2: np.array([[0.0, 1.0, 0.0]])})
     image = view.grab().toImage()
     for x, y in ((0.0, 0.0), (0.0, 0.5), (0.15, 1.0)):
-        px, py = view.camera.pixel(x, y)
-        assert image.pixelColor(round(px), round(py)) == QColor(LIGHT.robot(2)), (x, y)
+        assert image.pixelColor(spot(view, x, y)) == QColor(LIGHT.robot(2)), (x, y)
 
 
 def test_costs_lie_the_right_way_up(view: MapView, arena: Map) -> None:
-    costs = np.zeros((20, 20), dtype=np.int8)
+    costs = np.zeros((20, 20), dtype=np.uint8)
     costs[0:5, :] = 100
-    layer = CostmapImageLayer(-1)
-    layer.show(costs, arena.starts[0], 0.05)
-    view.add_layer(layer)
-    image = view.grab().toImage()
     start = arena.starts[0]
+    item = CellImage()
+    item.show_cells(costs, COST_COLORS, start, 0.05)
+    view.box.addItem(item, ignoreBounds=True)
+    image = view.grab().toImage()
 
-    def colour(x: float, y: float) -> QColor:
-        px, py = view.camera.pixel(start.x + x, start.y + y)
-        return image.pixelColor(round(px), round(py))
+    def color(x: float, y: float) -> QColor:
+        return image.pixelColor(spot(view, start.x + x, start.y + y))
 
-    assert colour(0.5, 0.1).red() > colour(0.5, 0.1).green() + 60
-    assert colour(0.5, 0.8) == QColor(LIGHT.floor)
+    assert color(0.5, 0.1).red() > color(0.5, 0.1).green() + 60
+    assert color(0.5, 0.8) == QColor(LIGHT.floor)
 
 
 def test_the_map_is_told_in_words(view: MapView, qtbot: QtBot, arena: Map) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QMessageBox, QPushButton
 from pytestqt.qtbot import QtBot
@@ -68,10 +68,10 @@ def truth(window: ResearcherWindow, number: int) -> Pose2:
 
 def stroke(window: ResearcherWindow, start: tuple[float, float], end: tuple[float, float]) -> None:
     """Press, drag and let go, in map metres."""
-    pixels = [QPoint(*(round(pixel) for pixel in window.canvas.camera.pixel(*point))) for point in (start, end)]
-    QTest.mousePress(window.canvas, Qt.MouseButton.LeftButton, pos=pixels[0])
-    QTest.mouseMove(window.canvas, pixels[1])
-    QTest.mouseRelease(window.canvas, Qt.MouseButton.LeftButton, pos=pixels[1])
+    pixels = [window.canvas.pixel(*point).toPoint() for point in (start, end)]
+    QTest.mousePress(window.canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixels[0])
+    QTest.mouseMove(window.canvas.viewport(), pixels[1])
+    QTest.mouseRelease(window.canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixels[1])
 
 
 def asked(window: ResearcherWindow) -> list[str]:

@@ -1,145 +1,197 @@
-"""Layers of the researcher's map: particles, scans, costmaps, plans, paths, goals, obstacles."""
+"""Items of the researcher's map: particles, scans, costmaps, plans, paths, goals, obstacles."""
+
+import math
+from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QTransform
 
 from sim.numerics.float_array import FloatArray
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene
-from ui.windows.map import MapView
-from ui.windows.map.layers import CostmapImageLayer, LineLayer, PointLayer, PoseLayer
-from ui.windows.map.points import pieces, polygon
+from ui.windows.map.box import MapBox
+from ui.windows.map.item import Z_ABOVE, Z_FLAT, CellImage, MapItem
+from ui.windows.map.points import draw_lines, mapped, pieces, polygon, steps
 from ui.windows.researcher.docks.displays import DisplaysPanel, MapDisplay
 
-Z_COSTS, Z_FLOOR, Z_FLAT, Z_ABOVE = -30, -20, -10, 10
-"""Order of painting: below the robots when negative, above them otherwise."""
+ARROW = 0.5
+"""Length of an arrow, meters."""
 
 
-class ThingLayer:
-    """A layer of obstacles, standing or moving."""
+class _RobotItem(MapItem):
+    """Something of each robot, in the robot's color.
 
-    z = Z_FLAT
+    Args:
+        box: the view on the map.
+        z: order of painting.
+        width: of dots and lines, pixels.
+        opacity: 0 to 1.
+        style: of lines.
+    """
+
+    def __init__(
+        self, box: MapBox, z: int, width: float, opacity: float = 1.0, style: Qt.PenStyle = Qt.PenStyle.SolidLine
+    ) -> None:
+        super().__init__(box, z)
+        self._width = width
+        self._opacity = opacity
+        self._style = style
+        self._rows: Mapping[int | None, FloatArray] = {}
+
+    def show_rows(self, rows: Mapping[int | None, FloatArray]) -> None:
+        """Show (n, 2) or (n, 3) rows by robot; None stands for the color of text."""
+        self._rows = rows
+        self.update()
+
+    def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
+        """Draw what each robot has."""
+        for robot, rows in self._rows.items():
+            if len(rows):
+                colors = self.box.colors
+                color = QColor(colors.text if robot is None else colors.robot(robot))
+                color.setAlphaF(self._opacity)
+                painter.setPen(QPen(color, self._width, self._style))
+                self.draw_rows(painter, to_pixels, rows)
+
+    def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
+        """Draw the rows of one robot."""
+        raise NotImplementedError
+
+
+class Dots(_RobotItem):
+    """Thousands of dots: particles, or the ends of a scan's beams."""
+
+    def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
+        """Draw squares without smooth edges, which are painted several times faster than discs."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        painter.drawPoints(polygon(mapped(to_pixels, rows)))
+
+
+class Lines(_RobotItem):
+    """Lines through points, for example plans. A row of NaN separates two pieces."""
+
+    def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
+        """Draw the pieces; single lines are painted several times faster than polylines."""
+        pixels = mapped(to_pixels, rows)
+        if self._style == Qt.PenStyle.SolidLine:
+            draw_lines(painter, steps(pixels))
+        else:
+            for piece in pieces(pixels):
+                painter.drawPolyline(polygon(piece))
+
+
+class Arrows(_RobotItem):
+    """Poses (x, y, theta), drawn as arrows that start there."""
+
+    def draw_rows(self, painter: QPainter, to_pixels: QTransform, rows: FloatArray) -> None:
+        """Draw the arrows."""
+        tails, theta = rows[:, :2], rows[:, 2]
+        heads = tails + ARROW * np.stack((np.cos(theta), np.sin(theta)), axis=1)
+        strokes = [(tails, heads)]
+        for side in (math.radians(150.0), -math.radians(150.0)):
+            barb = np.stack((np.cos(theta + side), np.sin(theta + side)), axis=1)
+            strokes.append((heads, heads + 0.35 * ARROW * barb))
+        for one, other in strokes:
+            draw_lines(painter, np.concatenate((mapped(to_pixels, one), mapped(to_pixels, other)), axis=1))
+
+
+class Things(MapItem):
+    """Obstacles, standing or moving."""
+
     _outlines: tuple[tuple[str, FloatArray], ...] = ()
 
-    def show(self, outlines: tuple[tuple[str, FloatArray], ...]) -> None:
+    def show_outlines(self, outlines: tuple[tuple[str, FloatArray], ...]) -> None:
         """Show obstacles: their names and (n, 2) corners."""
         self._outlines = outlines
+        self.update()
 
-    def paint(self, painter: QPainter, view: MapView) -> None:
+    def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
         """Draw hatched outlines with their names."""
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for name, corners in self._outlines:
-            body = polygon(view.camera.to_screen(corners))
-            painter.setPen(QPen(QColor(view.colours.bad), 2.0))
-            painter.setBrush(QBrush(QColor(view.colours.bad), Qt.BrushStyle.BDiagPattern))
+            body = polygon(mapped(to_pixels, corners))
+            painter.setPen(QPen(QColor(self.box.colors.bad), 2.0))
+            painter.setBrush(QBrush(QColor(self.box.colors.bad), Qt.BrushStyle.BDiagPattern))
             painter.drawPolygon(body)
-            painter.setPen(QColor(view.colours.text))
+            painter.setPen(QColor(self.box.colors.text))
             painter.drawText(QPointF(body.boundingRect().right() + 4.0, body.boundingRect().center().y()), name)
 
 
-class PathLayer:
-    """A layer with a path of one robot, in dashes or dots.
+def _cost_colors() -> NDArray[np.uint8]:
+    """Return (256, 4) red, green, blue, opacity of each cost as published in ROS, read as an unsigned byte.
 
-    Args:
-        robot: drawn in this robot's colour.
-        style: of the line.
+    Source: rviz's costmap colors: blue to red from 1 to 98, cyan (99) for inscribed, magenta (100) for lethal,
+    gray-green (255) for unknown, green and yellow for values without a meaning. Differs: half transparent.
     """
-
-    z = Z_FLAT
-    _points = NO_POINTS
-
-    def __init__(self, robot: int, style: Qt.PenStyle) -> None:
-        self._robot = robot
-        self._style = style
-
-    def show(self, points: FloatArray) -> None:
-        """Show a path of (n, 2) points; a row of NaN stands between two pieces."""
-        self._points = points
-
-    def paint(self, painter: QPainter, view: MapView) -> None:
-        """Draw a line through the points of each piece."""
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(QColor(view.colours.robot(self._robot)), 1.2, self._style))
-        for piece in pieces(self._points):
-            painter.drawPolyline(QPolygonF(polygon(view.camera.to_screen(piece))))
+    colors = np.zeros((256, 4), dtype=np.uint8)
+    ramp = np.arange(1, 99) * 255 // 100
+    colors[1:99, 0], colors[1:99, 2] = ramp, 255 - ramp
+    colors[99, :3] = (0, 255, 255)
+    colors[100, :3] = (255, 0, 255)
+    colors[101:128, :3] = (0, 255, 0)
+    colors[128:255, :3] = (255, 255, 0)
+    colors[255, :3] = (0x70, 0x89, 0x86)
+    colors[1:, 3] = 150
+    return colors
 
 
-class ParticleLayer:
-    """A layer of the selected robot's particles, above its body, which is often wider than they are spread."""
-
-    z = Z_ABOVE
-    _points = NO_POINTS
-
-    def show(self, points: FloatArray) -> None:
-        """Show (n, 2) particles."""
-        self._points = points
-
-    def paint(self, painter: QPainter, view: MapView) -> None:
-        """Draw dots that are seen on every body."""
-        colour = QColor(view.colours.text)
-        colour.setAlphaF(0.6)
-        painter.setPen(QPen(colour, 2.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.SquareCap))
-        painter.drawPoints(polygon(view.camera.to_screen(self._points)))
-
-
-class _RobotLayers:
-    """The layers of one robot."""
-
-    def __init__(self, robot: int, view: MapView) -> None:
-        self.cloud = PointLayer(robot, Z_FLOOR, 2.0, 0.7)
-        self.scan = PointLayer(robot, Z_FLAT, 3.0)
-        self.plan = LineLayer(robot, Z_FLAT, 3.0)
-        self.true_path = PathLayer(robot, Qt.PenStyle.DotLine)
-        self.odometry = PathLayer(robot, Qt.PenStyle.DashDotLine)
-        self.goal = PoseLayer(robot, Z_ABOVE, 3.0)
-        self.footprint = LineLayer(robot, Z_ABOVE, 1.5)
-        for layer in (self.cloud, self.scan, self.plan, self.true_path, self.odometry, self.goal, self.footprint):
-            view.add_layer(layer)
-
-    def show(self, robot: RobotScene, selected: bool, on: DisplaysPanel) -> None:
-        self.cloud.show(NO_POINTS if selected else robot.cloud[:, :2])
-        self.scan.show(robot.scan)
-        self.plan.show((robot.local_plan,) if on.shows(MapDisplay.LOCAL_PLANS) else ())
-        self.true_path.show(robot.truth_path if on.shows(MapDisplay.TRUE_PATHS) else NO_POINTS)
-        self.odometry.show(robot.odometry_path if on.shows(MapDisplay.ODOMETRY) else NO_POINTS)
-        goal = robot.goal if on.shows(MapDisplay.GOALS) else None
-        self.goal.show(np.empty((0, 3)) if goal is None else goal.array()[np.newaxis])
-        closed = np.concatenate((robot.footprint, robot.footprint[:1]))
-        self.footprint.show((closed,) if on.shows(MapDisplay.FOOTPRINTS) else ())
+COST_COLORS = _cost_colors()
 
 
 class Overlays:
-    """The layers of a map, kept up to date with the scene.
+    """The items of a map, kept up to date with the scene. Few items are drawn fast, so each holds all robots.
 
     Args:
-        view: the map.
+        box: the view on the map.
     """
 
-    def __init__(self, view: MapView) -> None:
-        self._view = view
-        self._robots: dict[int, _RobotLayers] = {}
-        self._costs = (CostmapImageLayer(Z_COSTS), CostmapImageLayer(Z_COSTS + 1))
+    def __init__(self, box: MapBox) -> None:
+        self._costs = (CellImage(), CellImage())
+        for image in self._costs:
+            box.addItem(image, ignoreBounds=True)
         self._shown: list[object] = [None, None]
-        self._things = ThingLayer()
-        self._cloud = ParticleLayer()
-        for layer in (*self._costs, self._things, self._cloud):
-            view.add_layer(layer)
+        self._clouds = Dots(box, Z_FLAT, 2.0, 0.7)
+        self._things = Things(box, Z_FLAT)
+        self._scans = Dots(box, Z_FLAT, 3.0)
+        self._plans = Lines(box, Z_FLAT, 3.0)
+        self._true_paths = Lines(box, Z_FLAT, 1.2, style=Qt.PenStyle.DotLine)
+        self._odometry = Lines(box, Z_FLAT, 1.2, style=Qt.PenStyle.DashDotLine)
+        # A body is often wider than its particles are spread.
+        self._particles = Dots(box, Z_ABOVE, 2.0, 0.6)
+        self._goals = Arrows(box, Z_ABOVE, 3.0)
+        self._footprints = Lines(box, Z_ABOVE, 1.5)
 
     def show(self, scene: Scene, selected: int, on: DisplaysPanel) -> None:
-        """Show a scene; the map is repainted when its robots are shown next."""
-        self._things.show(tuple((t.name, t.outline) for t in scene.things) if on.shows(MapDisplay.THINGS) else ())
-        for robot in scene.robots:
-            if robot.robot not in self._robots:
-                self._robots[robot.robot] = _RobotLayers(robot.robot, self._view)
-            self._robots[robot.robot].show(robot, robot.robot == selected, on)
+        """Show a scene."""
+        self._things.show_outlines(
+            tuple((t.name, t.outline) for t in scene.things) if on.shows(MapDisplay.THINGS) else ()
+        )
         chosen = next((robot for robot in scene.robots if robot.robot == selected), None)
-        self._cloud.show(NO_POINTS if chosen is None else chosen.cloud[:, :2])
+        self._clouds.show_rows({robot.robot: robot.cloud for robot in scene.robots if robot is not chosen})
+        self._particles.show_rows({} if chosen is None else {None: chosen.cloud})
+        self._scans.show_rows({robot.robot: robot.scan for robot in scene.robots})
+        lines: tuple[tuple[_RobotItem, MapDisplay, Mapping[int | None, FloatArray]], ...] = (
+            (self._plans, MapDisplay.LOCAL_PLANS, {robot.robot: robot.local_plan for robot in scene.robots}),
+            (self._true_paths, MapDisplay.TRUE_PATHS, {robot.robot: robot.truth_path for robot in scene.robots}),
+            (self._odometry, MapDisplay.ODOMETRY, {robot.robot: robot.odometry_path for robot in scene.robots}),
+            (self._goals, MapDisplay.GOALS, {robot.robot: _goal(robot) for robot in scene.robots}),
+            (self._footprints, MapDisplay.FOOTPRINTS, {robot.robot: _closed(robot) for robot in scene.robots}),
+        )
+        for item, display, rows in lines:
+            item.show_rows(rows if on.shows(display) else {})
         maps = (None, None) if chosen is None else (chosen.global_costmap, chosen.local_costmap)
-        for place, (layer, costmap) in enumerate(zip(self._costs, maps, strict=True)):
-            if costmap is self._shown[place]:
-                continue
-            self._shown[place] = costmap
-            if costmap is None:
-                layer.clear()
-            else:
-                layer.show(costmap.cells, costmap.origin, costmap.resolution)
+        for place, (image, costmap) in enumerate(zip(self._costs, maps, strict=True)):
+            if costmap is not self._shown[place]:
+                self._shown[place] = costmap
+                image.setVisible(costmap is not None)
+                if costmap is not None:
+                    image.show_cells(costmap.cells.astype(np.uint8), COST_COLORS, costmap.origin, costmap.resolution)
+
+
+def _goal(robot: RobotScene) -> FloatArray:
+    return NO_POINTS if robot.goal is None else robot.goal.array()[np.newaxis]
+
+
+def _closed(robot: RobotScene) -> FloatArray:
+    """Return the corners of a footprint, the first one again at the end."""
+    return np.concatenate((robot.footprint, robot.footprint[:1]))

@@ -1,0 +1,136 @@
+"""The view on the map: pyqtgraph's ViewBox, which shows the whole map until somebody zooms or drags it."""
+
+import math
+
+import pyqtgraph as pg
+from PySide6.QtCore import QRect, QRectF
+from PySide6.QtGui import QFont, QTransform
+from PySide6.QtWidgets import QGraphicsSceneResizeEvent, QMenu
+
+from ui.model.theme import Palette
+from ui.windows.map.export import repair_export
+
+MAX_SCALE = 400.0
+"""Largest scale, pixels per metre."""
+
+FIT_MARGIN = 30.0
+"""Pixels around the floor plan when all of it is shown; half of them when a part of the box is for it."""
+
+LEAST_FIT = 0.5
+"""Least scale, as a share of the one at which the whole map is shown."""
+
+
+class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
+    """View straight down with north (+y) up, in metres of the map frame.
+
+    The middle of the view never leaves the map, so that the map cannot be lost.
+
+    Args:
+        palette: the colors.
+        letters: the font.
+        menu: True for a menu of the right button, to which pyqtgraph adds its export.
+
+    Attributes:
+        colors: the palette that items are drawn in.
+        letters: the font that items are drawn in.
+        fitted: True while the whole map is shown, since nobody has moved it.
+        bounds: box around the map, metres.
+        free: part of the box in which the whole map is shown, pixels; None for all of it.
+    """
+
+    def __init__(self, palette: Palette, letters: QFont, *, menu: bool) -> None:
+        super().__init__(lockAspect=True, enableMenu=False, defaultPadding=0.0)
+        self.colors = palette
+        self.letters = letters
+        self.fitted = True
+        self.bounds = QRectF(-1.0, -1.0, 2.0, 2.0)
+        self.free: QRect | None = None
+        self._menu = QMenu() if menu else None
+        if self._menu is not None:
+            self._menu.addAction("Show all").triggered.connect(self.fit)
+            repair_export()
+        self.sigRangeChangedManually.connect(self._moved)
+        self.sigRangeChanged.connect(lambda: self._limit(self.viewRect()))
+
+    def fit(self) -> None:
+        """Show the whole map, also after changes of size."""
+        self.fitted = True
+        self._show_scale(self.fit_scale(self.free), QRectF(self.free or self.rect()))
+
+    def fit_scale(self, free: QRect | None) -> float:
+        """Return the scale of the whole map in a part of the box, or in all of it, pixels per metre."""
+        part, margin = (self.rect(), 2.0 * FIT_MARGIN) if free is None else (QRectF(free), FIT_MARGIN)
+        across = max(part.width() - margin, 1.0) / self.bounds.width()
+        return min(across, max(part.height() - margin, 1.0) / self.bounds.height(), MAX_SCALE)
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Map point in the middle of the view."""
+        middle = self.viewRect().center()
+        return middle.x(), middle.y()
+
+    def zoom(self, factor: float, x: float, y: float) -> None:
+        """Show the map at a larger scale, by a factor; a map point stays where it is."""
+        self.fitted = False
+        self.scaleBy((1.0 / factor, 1.0 / factor), (x, y))
+
+    def to_pixels(self) -> QTransform:
+        """Return the transform from map meters to logical pixels of this box."""
+        to_pixels: QTransform = self.childTransform()
+        return to_pixels
+
+    def updateMatrix(self, changed: object = None) -> None:
+        """Put the map's origin on a whole device pixel, so that cached pictures shift without blur."""
+        if self._matrixNeedsUpdate:
+            super().updateMatrix(changed)
+            exact, ratio = self.childGroup.transform(), self.getViewWidget().devicePixelRatioF()
+            x, y = (math.floor(at * ratio + 0.5) / ratio for at in (exact.dx(), exact.dy()))
+            self.childGroup.setTransform(QTransform(exact.m11(), 0.0, 0.0, -exact.m11(), x, y))
+
+    def resizeEvent(self, event: QGraphicsSceneResizeEvent) -> None:
+        """Keep the scale and the middle, or the whole map."""
+        middle, scale = self.middle, event.oldSize().width() / self.viewRect().width()
+        super().resizeEvent(event)
+        if self.fitted:
+            self.fit()
+        else:
+            self._show_scale(scale, self.rect(), *middle)
+
+    def menuEnabled(self) -> bool:
+        """Return True where the right button opens a menu."""
+        return self._menu is not None
+
+    def getMenu(self, _event: object) -> QMenu | None:
+        """Return the menu of the right button."""
+        return self._menu
+
+    def _moved(self) -> None:
+        self.fitted = False
+        self._limit(self.viewRect())
+
+    def _show_scale(self, scale: float, part: QRectF, x: float | None = None, y: float | None = None) -> None:
+        """Show a map point, or the middle of the map, in the middle of a part of the box."""
+        x, y = (self.bounds.center().x() if x is None else x), (self.bounds.center().y() if y is None else y)
+        left, bottom = x - part.center().x() / scale, y - (self.rect().height() - part.center().y()) / scale
+        view = QRectF(left, bottom, max(self.rect().width(), 1.0) / scale, max(self.rect().height(), 1.0) / scale)
+        self._limit(view)
+        self.setRange(view, padding=0.0)
+
+    def _limit(self, view: QRectF) -> None:
+        """Keep the middle of the view on the map, and its scale within bounds."""
+        width, height = self.rect().width(), self.rect().height()
+        widest = min(self.fit_scale(None) * LEAST_FIT, self.fit_scale(self.free))
+        x, y = view.width() / 2.0, view.height() / 2.0
+        shown = self.bounds.adjusted(-x, -y, x, y)
+        if self.fitted:  # A map in a part of the box is beside the middle.
+            shown = shown.united(view)
+        self.setLimits(
+            xMin=shown.left(),
+            xMax=shown.right(),
+            yMin=shown.top(),
+            yMax=shown.bottom(),
+            minXRange=width / MAX_SCALE,
+            maxXRange=width / widest,
+            minYRange=height / MAX_SCALE,
+            maxYRange=height / widest,
+        )

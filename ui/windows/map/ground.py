@@ -1,0 +1,135 @@
+"""Ground of the map: floor, walls and rooms, painted once into a picture that is shifted with the view."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QColor, QPainter, QPixmap, QTransform
+
+from sim.numerics.float_array import FloatArray
+from ui.model.scene import RoomMark
+from ui.windows.map.box import MapBox
+from ui.windows.map.geometry import FREE, WALL, MapGeometry
+from ui.windows.map.item import Z_GROUND, CellImage, MapItem
+from ui.windows.map.rooms import paint_floors, paint_signs
+
+MARGIN = 0.25
+"""Share of the view by which the picture of a moving view reaches beyond it on each side."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Picture:
+    """A painted piece of the map.
+
+    Attributes:
+        pixmap: the picture.
+        to_pixels: transform from map metres to its logical pixels.
+        words: (m, 4) boxes of text in it: left, top, right and bottom, logical pixels.
+    """
+
+    pixmap: QPixmap
+    to_pixels: QTransform
+    words: FloatArray
+
+    def corner(self, to_pixels: QTransform) -> QPointF:
+        """Return where its upper left corner lies in a view."""
+        return QPointF(to_pixels.dx() - self.to_pixels.dx(), to_pixels.dy() - self.to_pixels.dy())
+
+
+class Ground(MapItem):
+    """The part of the map that stands still. It is painted again only if it changes or the view leaves the picture."""
+
+    def __init__(self, box: MapBox) -> None:
+        super().__init__(box, Z_GROUND)
+        self._geometry: MapGeometry | None = None
+        self._rooms: tuple[RoomMark, ...] = ()
+        self._floor, self._walls = CellImage(), CellImage()
+        self._picture: _Picture | None = None
+
+    def show_geometry(self, geometry: MapGeometry) -> None:
+        """Show another floor plan."""
+        self._geometry = geometry
+        self.change_colors()
+
+    def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
+        """Show the rooms as they are now."""
+        self._rooms = tuple(rooms)
+        self.invalidate()
+
+    def change_colors(self) -> None:
+        """Take the colors of the box."""
+        geometry = self._geometry
+        if geometry is not None:
+            colors = self.box.colors
+            for image, cell, color in ((self._floor, FREE, colors.floor), (self._walls, WALL, colors.wall)):
+                table = np.zeros((256, 4), dtype=np.uint8)
+                table[cell] = pg.mkColor(color).getRgb()
+                image.show_cells(geometry.cells, table, geometry.origin, geometry.resolution)
+        self.invalidate()
+
+    def invalidate(self) -> None:
+        """Paint again with the next frame."""
+        self._picture = None
+        self.update()
+
+    def words(self, to_pixels: QTransform) -> FloatArray:
+        """Return (m, 4) boxes of the text in the last picture: left, top, right and bottom, pixels of the view."""
+        if self._picture is None:
+            return np.empty((0, 4))
+        corner = self._picture.corner(to_pixels)
+        moved: FloatArray = self._picture.words + np.array([corner.x(), corner.y(), corner.x(), corner.y()])
+        return moved
+
+    def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
+        """Draw the picture; into a file, what it is made of."""
+        if self.exported:
+            self._paint_all(painter, to_pixels, self.box.rect())
+            return
+        picture, ratio = self._picture, self.box.getViewWidget().devicePixelRatioF()
+        moving = picture is not None and picture.to_pixels.m11() == to_pixels.m11()
+        if not moving or picture is None or not self._covered(picture, to_pixels, ratio):
+            picture = self._picture = self._painted(to_pixels, ratio, MARGIN if moving else 0.0)
+        painter.drawPixmap(picture.corner(to_pixels), picture.pixmap)
+
+    def _covered(self, picture: _Picture, to_pixels: QTransform, ratio: float) -> bool:
+        """Return True if a picture holds all of the view."""
+        place = QRectF(picture.corner(to_pixels), picture.pixmap.deviceIndependentSize())
+        slack = 0.5 / ratio
+        return picture.pixmap.devicePixelRatio() == ratio and place.adjusted(-slack, -slack, slack, slack).contains(
+            self.box.rect()
+        )
+
+    def _painted(self, to_pixels: QTransform, ratio: float, margin: float) -> _Picture:
+        view = self.box.rect()
+        # A multiple of four pixels is whole in device pixels at every scaling by quarters.
+        x, y = (4 * math.ceil(side * margin / 4.0) for side in (view.width(), view.height()))
+        place = QRectF(0.0, 0.0, view.width() + 2 * x, view.height() + 2 * y)
+        pixmap = QPixmap(math.ceil(place.width() * ratio), math.ceil(place.height() * ratio))
+        pixmap.setDevicePixelRatio(ratio)
+        moved = to_pixels * QTransform.fromTranslate(x, y)
+        painter = QPainter(pixmap)
+        words = self._paint_all(painter, moved, place)
+        painter.end()
+        return _Picture(pixmap, moved, words)
+
+    def _paint_all(self, painter: QPainter, to_pixels: QTransform, place: QRectF) -> FloatArray:
+        """Paint floor, rooms, walls and signs, and return the boxes of text."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        painter.fillRect(place, QColor(self.box.colors.unknown))
+        self._paint_cells(painter, to_pixels, self._floor)
+        paint_floors(painter, to_pixels, self._rooms, self.box.colors)
+        self._paint_cells(painter, to_pixels, self._walls)
+        return paint_signs(painter, to_pixels, self._rooms, self.box.colors, self.box.letters, self._geometry)
+
+    def _paint_cells(self, painter: QPainter, to_pixels: QTransform, image: CellImage) -> None:
+        if self._geometry is not None:
+            turned = self._geometry.origin.theta % (math.pi / 2.0) != 0.0
+            painter.save()
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing, turned)
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, turned)
+            painter.setTransform(image.transform() * to_pixels, True)
+            image.paint(painter)
+            painter.restore()
