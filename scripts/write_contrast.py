@@ -134,6 +134,8 @@ PAIRS = (
     Pair("researcher/map/overlays.py", "particles of the selected robot", "text", f"floor {FLOORS}", "sign", 0.6),
     Pair("researcher/docks/playback.py", "time to come, time past", "line accent", "window panel", "sign"),
     Pair("researcher/docks/playback.py", "marks", "muted robots", "window panel", "sign"),
+    Pair("researcher/docks/playback.py", "bookmarks", "text", "window panel", "sign"),
+    Pair("researcher/docks/topics.py", "boxes", "text accent", "panel", "sign"),
     Pair("researcher/docks/log.py", "who", "robots", "panel"),
     Pair("researcher/docks/log.py", "rows still to come, times", "muted", "panel"),
     Pair("tables.py", "times", "muted", "panel"),

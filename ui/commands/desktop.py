@@ -1,9 +1,11 @@
 """`thbridge desktop`: the researcher's window in the desktop's menu, and as the program for bags."""
 
+import sys
+
 import typer
 
 from ui.commands.group import CommandGroup
-from ui.terminal import bad_input, note, say
+from ui.terminal import BAD_INPUT, bad_input, fail, note, say
 
 desktop_app = typer.Typer(
     cls=CommandGroup,
@@ -17,6 +19,8 @@ def desktop_install() -> None:
     """Install the menu entry, the file types of bags and the icon, for this user alone."""
     from ui.actions.desktop_files import data_home, install, installed_program
 
+    if sys.platform in {"darwin", "win32"}:
+        fail(BAD_INPUT, "Menu entries and file types are installed on Linux desktops alone. Open bags by *Open…*.")
     with bad_input():
         for path in install(data_home(), installed_program()):
             say(str(path))

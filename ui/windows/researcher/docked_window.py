@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDockWidget,
     QFileDialog,
+    QGraphicsView,
     QMainWindow,
     QMenu,
     QSizePolicy,
@@ -153,6 +154,10 @@ class DockedWindow(QMainWindow):
         canvas.installEventFilter(self)
         canvas.setFocus()
         self._order_focus()
+        for view in self.findChildren(QGraphicsView):
+            # Else files dropped on its scene never reach the window.
+            view.setAcceptDrops(False)
+            view.viewport().setAcceptDrops(False)
 
     # Contents
 

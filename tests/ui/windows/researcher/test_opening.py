@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, QSettings, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.researcher.hunts import record
@@ -69,6 +69,11 @@ def test_the_dialog_stays_and_says_what_is_wrong(program: WatchProgram, tmp_path
 def test_a_bag_dropped_on_the_map_opens_beside(program: WatchProgram, bag: Path, qtbot: QtBot) -> None:
     assert program.open(str(bag)) == ""
     window = program.windows[0]
+    for under in (window.canvas, window.plots.canvas.viewport(), window.team.table.viewport()):
+        takes: QWidget | None = under
+        while takes is not None and not takes.acceptDrops():
+            takes = takes.parentWidget()
+        assert takes is window
     files = QMimeData()
     files.setUrls([QUrl.fromLocalFile(str(bag))])
     copy, left, none = Qt.DropAction.CopyAction, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
