@@ -23,6 +23,7 @@ from ui.model.screen import (
     DeclineToTakePart,
     DialoguePopup,
     EndGame,
+    EnlargePicture,
     FinishNumber,
     FitMap,
     FollowRobot,
@@ -67,6 +68,7 @@ PLAYING = (
     KeyBinding(("X",), StopRobot(), "Stop the robot"),
     KeyBinding(("B",), AskForRobot(), "Ask for the robot back, if somebody else commands it"),
     KeyBinding(("Ctrl+P",), TakeThePicture(), "Take a picture of what was found"),
+    KeyBinding(("Ctrl+I",), EnlargePicture(), "Show the picture large, or small again"),
     KeyBinding(("Enter", "Ctrl+N"), SubmitName(), "Name what was found, as picked from the list"),
     KeyBinding(("Ctrl+K",), AskWhatItIs(), "Ask the robot what it is, where robots argue"),
     KeyBinding(("Ctrl+L",), LeaveTreasure(), "Leave what was found"),
@@ -153,6 +155,8 @@ def act_for(key: str, screen: Screen) -> Act | None:
         return None
     if screen.confirmation is not None:
         return _bound(key, QUESTION)
+    if screen.enlarged is not None:
+        return EnlargePicture() if key in ("Esc", "Enter", "Space", key_of(EnlargePicture())) else None
     match screen.phase:
         case Phase.CONSENT:
             return _bound(key, CONSENT)
@@ -168,9 +172,14 @@ def act_for(key: str, screen: Screen) -> Act | None:
 def is_for_list(key: str, screen: Screen) -> bool:
     """Return True when a key is a letter of a name in the list shown, or a blank within one."""
     pop = screen.popup
-    if not isinstance(pop, TreasurePopup) or not pop.asks_for_name or screen.confirmation is not None or screen.help:
+    if not isinstance(pop, TreasurePopup) or not pop.asks_for_name or _is_covered(screen):
         return False
     return is_letter(key) or (key == "Space" and bool(pop.typed))
+
+
+def _is_covered(screen: Screen) -> bool:
+    """Return True while something lies above the pop-up."""
+    return screen.confirmation is not None or bool(screen.help) or screen.enlarged is not None
 
 
 def is_letter(key: str) -> bool:

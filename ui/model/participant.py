@@ -14,7 +14,7 @@ from ui.model.playing.marks import MapMarks
 from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.memory.state import DrawnState, ParticipantMemory
 from ui.model.playing.offers import offer
-from ui.model.playing.view_update import open_requests, receive_view
+from ui.model.playing.view_update import open_requests, receive_tick, receive_view
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import Act, RoomTile, Screen
 
@@ -85,7 +85,8 @@ class Participant:
                 memory.pictures.receive(level)
             case PoseTelemetry():
                 self._playback.receive(level, now)
-                if not self._receive_motions(level.motions, now):
+                ticked = memory.hunt is not None and receive_tick(memory.hunt, level.tick)
+                if not self._receive_motions(level.motions, now) and not ticked:
                     return
             case PlannedPaths():
                 self._playback.receive(level, now)

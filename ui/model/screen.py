@@ -237,6 +237,11 @@ class FitMap(Act):
 
 
 @dataclass(frozen=True, slots=True)
+class EnlargePicture(Act):
+    """Show the picture of the treasure in the pop-up large, or small again."""
+
+
+@dataclass(frozen=True, slots=True)
 class SwitchSound(Act):
     """Switch sound off, or on again."""
 
@@ -383,6 +388,7 @@ class DialoguePopup:
         picture: bytes of the treasure's image file; None without one.
         note: a quiet remark: who decides in the end, or what there is to do when the robot has nothing to say.
         numbered: digits are keys of the choices, in their order.
+        enlarge: shows its picture large; None without one.
         ended: nothing more is said.
         outcome: what came of it, where the robot has not said so itself; empty while it goes on.
     """
@@ -400,6 +406,7 @@ class DialoguePopup:
     numbered: bool = False
     ended: bool = False
     outcome: str = ""
+    enlarge: Action | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -425,6 +432,8 @@ class TreasurePopup:
         typed: the letters of a name typed so far.
         talk: how a dialogue about it has ended, in words, unless that is done; empty where none has.
         unsure: asks the robot what it is; None where robots do not argue.
+        enlarge: shows the picture large; None before there is one.
+        longest_name_it: `name_it` for the name that needs most space, which is kept for it.
     """
 
     robot: int
@@ -445,6 +454,8 @@ class TreasurePopup:
     worth: tuple[int | None, ...] = ()
     talk: str = ""
     unsure: Action | None = None
+    enlarge: Action | None = None
+    longest_name_it: Action | None = None
 
     @property
     def acts(self) -> tuple[Action, ...]:
@@ -532,12 +543,14 @@ class Screen:
         banner: line across the top.
         game: number of the game; 0: none to show.
         score: score so far.
+        progress: time played and rooms left, in words; empty before there is a game.
         cards: one per robot.
         tiles: one per room.
         ask_advice: asks the selected robot for advice.
         end: ends the game.
         tools: follow, fit, help.
-        popup: below the rooms, or in a corner of the map; at most one.
+        popup: in a corner of the map; at most one.
+        enlarged: picture shown large above everything else, bytes of the image file; None without one.
         confirmation: question drawn above everything else.
         waiting: pop-ups that wait behind the one shown, oldest first.
         nothing_waits: the sentence in place of them while there are none, such as "Robot 2 is ready to be sent".
@@ -576,5 +589,7 @@ class Screen:
     announcement_number: int
     rules: tuple[str, ...] = ()
     nothing_waits: str = ""
+    progress: str = ""
+    enlarged: bytes | None = None
     sound: GameSound | None = None
     sound_number: int = 0

@@ -1,5 +1,6 @@
 """Games played by what the screen offers, against the real keeper, Hider and router."""
 
+from base64 import b64encode
 from dataclasses import replace
 
 import pytest
@@ -17,6 +18,7 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.keeper.disclosed.briefing import Briefing
+from thbridge.roles.notices import PicturePiece, PoseTelemetry
 from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove
 from ui.model.participant import Participant
 from ui.model.screen import (
@@ -29,6 +31,7 @@ from ui.model.screen import (
     Confirm,
     DialoguePopup,
     EndGame,
+    EnlargePicture,
     FinishNumber,
     GiveAnswer,
     LeaveTreasure,
@@ -210,6 +213,27 @@ def test_a_wrong_name_costs_and_is_said_so():
     assert pop.verdict == f"{name_in_words(wrong)} is wrong, {treasure.points} points lost."
     assert seat.screen.tiles[2].found == f"{wrong}, −{treasure.points}"
     assert seat.screen.tiles[2].state == "lost"
+
+
+def test_time_and_rooms_left_are_shown():
+    seat = Seat()
+    assert seat.screen.progress == "Time 0:00 · 8 of 8 rooms left"
+    go(seat, 3)
+    seat.model.receive(PoseTelemetry(tick=50 * 65, poses=()), seat.now)
+    assert seat.screen.progress == "Time 1:05 · 7 of 8 rooms left"
+
+
+def test_a_picture_is_enlarged_until_it_is_pressed_again_or_its_pop_up_goes():
+    seat = Seat()
+    go(seat, 3)
+    seat.do(TakeThePicture())
+    agree(seat)
+    seat.model.receive(PicturePiece(1, 3, 0, 1, b64encode(b"image").decode()), seat.now)
+    assert seat.screen.popup.picture == b"image" and seat.screen.enlarged is None
+    assert seat.do(EnlargePicture(), 0).enlarged == b"image"
+    assert seat.do(EnlargePicture(), 0).enlarged is None
+    seat.do(EnlargePicture(), 0)
+    assert seat.do(LeaveTreasure()).enlarged is None
 
 
 def test_who_may_be_sent_is_said_where_nothing_waits():

@@ -31,6 +31,7 @@ from ui.model.screen import (
     DeclineToTakePart,
     DialoguePopup,
     EndGame,
+    EnlargePicture,
     FitMap,
     FollowRobot,
     GameOverPage,
@@ -178,6 +179,7 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> S
         banner=None,
         game=1,
         score=120,
+        progress="Time 12:05 · 5 of 8 rooms left",
         cards=cards,
         tiles=tuple(tile(number, rooms, considered=number == considered) for number in range(1, rooms + 1)),
         ask_advice=Action(AskAdvice(), "Don't know", "D", hint="Ask robot 1 where to go."),
@@ -253,6 +255,7 @@ def treasure(
         verdict=verdict,
         points=points,
         aside=LATER if verdict is None else Action(ShowNext(), "Close", "Esc"),
+        enlarge=Action(EnlargePicture(), "Enlarge", "Ctrl+I") if picture else None,
     )
 
 
@@ -308,7 +311,7 @@ def naming() -> DialoguePopup:
     """The robot asks whether what it found shall be named, with its picture beside the talk."""
     find = treasure(picture=True)
     talk = replace(dialogue(), robot=find.robot, room=find.room, warning="")
-    return replace(talk, facts=find.facts or (), picture=find.picture)
+    return replace(talk, facts=find.facts or (), picture=find.picture, enlarge=find.enlarge)
 
 
 def waiting(number: int) -> tuple[WaitingItem, ...]:

@@ -62,6 +62,7 @@ from ui.model.screen import (
     Confirm,
     ConsiderRoom,
     EndGame,
+    EnlargePicture,
     FinishNumber,
     FitMap,
     FollowRobot,
@@ -162,6 +163,8 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
             _put_aside(memory, hunt)
         case ShowWaiting(robot, room):
             _show(hunt, robot, room)
+        case EnlargePicture():
+            hunt.enlarged = None if hunt.enlarged is not None else hunt.popups.shown
         case EndGame():
             if not _refused(memory, why_not_end(hunt.known), now):
                 hunt.pending_step = EndGameEarly()

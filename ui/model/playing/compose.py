@@ -15,7 +15,7 @@ from ui.model.playing.popups.game_over import game_over_page
 from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.tiles import dont_know, end, tiles
-from ui.model.playing.words import outcome_of, titled, verdict_words
+from ui.model.playing.words import outcome_of, progress_of, titled, verdict_words
 from ui.model.rules_sheet import rules_of
 from ui.model.screen import (
     Action,
@@ -52,6 +52,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         banner=_banner(memory, now),
         game=0 if hunt is None or memory.once else hunt.view.game,
         score=0 if hunt is None else hunt.view.score,
+        progress="" if hunt is None else _progress(hunt),
         cards=team,
         tiles=() if hunt is None else tiles(memory, hunt),
         ask_advice=_not_now(AskAdvice(), "Don't know") if playing is None else dont_know(memory, playing),
@@ -69,6 +70,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         rules=rules_of(hunt.view) if hunt is not None and memory.help_open else (),
         nothing_waits="" if playing is None else nothing_waits(team, answering=playing.popups.shown is not None),
     )
+    screen = replace(screen, enlarged=_enlarged(hunt, screen))
     match screen.popup:
         case TreasurePopup(asks_for_name=True):
             return _without_letters(screen)
@@ -76,6 +78,18 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
             return _without_digits(screen)
         case _:
             return screen
+
+
+def _progress(hunt: HuntMemory) -> str:
+    left = sum(room.state != "visited" for room in hunt.view.rooms)
+    return progress_of(hunt.seconds, left, len(hunt.view.rooms))
+
+
+def _enlarged(hunt: HuntMemory | None, screen: Screen) -> bytes | None:
+    """The picture of the pop-up, if it is to be shown large and nothing else lies above it."""
+    if hunt is None or hunt.enlarged is None or screen.popup is None or screen.confirmation is not None or screen.help:
+        return None
+    return screen.popup.picture
 
 
 def _without_digits(screen: Screen) -> Screen:
@@ -179,13 +193,11 @@ def _sound(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[Action, ...]:
 
 
 def _tools(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[Action, ...]:
-    sheet = Action(
-        ShowHelp(), "Close help" if memory.help_open else "Help", HELP.keys[0], hint="Rules and keys on one sheet."
-    )
+    sheet = Action(ShowHelp(), "Help", HELP.keys[0], hint="Rules and keys on one sheet.")
     if hunt is None:
         return (sheet,)
     robot = robot_name(memory.selected)
-    follow = "Follow" if memory.followed is None else "Stop following"
+    follow = "Follow" if memory.followed is None else "Unfollow"
     return (
         keyed(FollowRobot(), follow, hint=f"Keeps {robot} in the middle of the map."),
         keyed(FitMap(), "Whole map", hint="Shows all of the map."),

@@ -68,10 +68,14 @@ def _playing(screen: Screen) -> Iterator[Action]:
     match screen.popup:
         case DialoguePopup() as dialogue:
             yield from dialogue.choices
+            if dialogue.enlarge is not None:
+                yield dialogue.enlarge
             yield dialogue.aside
         case TreasurePopup() as treasure:
             if treasure.take_picture is not None:
                 yield treasure.take_picture
+            if treasure.enlarge is not None:
+                yield treasure.enlarge
             yield from treasure.acts
             if treasure.asks_for_name:
                 yield from (treasure.name_it, treasure.leave)

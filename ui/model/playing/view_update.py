@@ -78,6 +78,20 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
     settle(memory, hunt)
 
 
+def receive_tick(hunt: HuntMemory, tick: int) -> bool:
+    """Take the newest tick of the simulation; return True when another second has been played.
+
+    The clock stands still once the game is over. A window that joins a later game on its way counts from then.
+    """
+    if hunt.view.over is not None:
+        return False
+    before = hunt.seconds
+    joined_first = hunt.view.game == 1 and any(room.state != "unvisited" for room in hunt.view.rooms)
+    began = hunt.ticks[0] if hunt.ticks is not None else 0 if joined_first else tick
+    hunt.ticks = min(began, tick), tick
+    return hunt.seconds != before
+
+
 def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     """Bring up to date everything that follows from the view and from pending requests.
 
@@ -96,6 +110,8 @@ def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     at_hand = memory.selected if memory.turned and why_not_ask(hunt.known, memory.selected) is None else None
     hunt.popups.update(tuple(_items(hunt)) if view.over is None else (), only_of=at_hand)
     hunt.note_reading()
+    if hunt.enlarged != hunt.popups.shown:
+        hunt.enlarged = None
     if hunt.popups.shown is not None:
         memory.turned = False
         if hunt.popups.shown.robot != memory.selected:

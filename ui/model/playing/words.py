@@ -34,6 +34,11 @@ def listed(things: Sequence[str]) -> str:
     return things[-1] if len(things) < 2 else f"{', '.join(things[:-1])} and {things[-1]}"
 
 
+def progress_of(seconds: int, left: int, rooms: int) -> str:
+    """Time played and rooms left: `Time 3:05 · 5 of 8 rooms left`."""
+    return f"Time {seconds // 60}:{seconds % 60:02d} · {left} of {counted(rooms, 'room')} left"
+
+
 def scored(score: int) -> str:
     """A score with the typographer's minus: `20`, `−20`."""
     return f"{score}".replace("-", "−")

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.rooms import Room
 from thbridge.roles.notices import FloorPlan, RobotMotion
 from thbridge.roles.participant_rules import Situation, revealed
@@ -69,6 +70,8 @@ class HuntMemory:
         reroutes: by robot that is called back, the room where it is to go then.
         choice: the name picked in the pop-up shown, not confirmed yet.
         submitted_names: by room, the name that the participant has chosen to submit, while it is discussed.
+        enlarged: the pop-up whose picture is shown large.
+        ticks: of the simulation, at the beginning of the game and in the newest telemetry.
         named: rooms whose treasure the participant has asked to be named here.
         verdicts: rooms whose verdict is not closed yet, and the robot that stands there.
         popups: the pop-up shown, and those that wait.
@@ -86,6 +89,8 @@ class HuntMemory:
     reroutes: dict[int, int] = field(default_factory=dict)
     choice: NameChoice | None = None
     submitted_names: dict[int, str] = field(default_factory=dict)
+    enlarged: PopupItem | None = None
+    ticks: tuple[int, int] | None = None
     named: set[int] = field(default_factory=set)
     verdicts: dict[int, int] = field(default_factory=dict)
     popups: PopupQueue = field(default_factory=PopupQueue)
@@ -101,6 +106,11 @@ class HuntMemory:
     def receive(self, view: View) -> None:
         """Take a new view of this game."""
         self.view, self.known = view, revealed(view)
+
+    @property
+    def seconds(self) -> int:
+        """Whole seconds that the game has gone on, in simulated time."""
+        return 0 if self.ticks is None else (self.ticks[1] - self.ticks[0]) // TICKS_PER_SECOND
 
     @property
     def picked(self) -> str | None:

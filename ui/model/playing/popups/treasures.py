@@ -29,6 +29,7 @@ from ui.model.screen import (
     Action,
     AskWhatItIs,
     DialoguePopup,
+    EnlargePicture,
     LeaveTreasure,
     SenseMore,
     ShowNext,
@@ -52,7 +53,7 @@ def treasure_popup(
     if dialogue is None:
         return find
     talk = dialogue_popup(hunt, dialogue)
-    return replace(talk, facts=_without_acts(find.facts or ()), picture=find.picture)
+    return replace(talk, facts=_without_acts(find.facts or ()), picture=find.picture, enlarge=find.enlarge)
 
 
 def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float) -> TreasurePopup:
@@ -79,7 +80,13 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         worth=view.worth,
         talk=_talk(hunt, item),
         unsure=_unsure(hunt, item),
+        enlarge=None if picture is None else keyed(EnlargePicture(), "Enlarge", hint="Shows the picture large."),
+        longest_name_it=max((_name_it(hunt, item, name) for name in view.names), key=_length, default=None),
     )
+
+
+def _length(action: Action) -> int:
+    return len(action.label) + len(action.hint)
 
 
 def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None:
@@ -188,9 +195,10 @@ def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Actio
     return keyed(TakeThePicture(), "Take a picture", refused is None and not asked, hint, asked)
 
 
-def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
+def _name_it(hunt: HuntMemory, item: TreasureItem, name: str | None = None) -> Action:
+    """The act that names it as picked, or as it were for another name."""
     view = hunt.view
-    picked = hunt.submitted_names.get(item.room) or hunt.picked
+    picked = name or hunt.submitted_names.get(item.room) or hunt.picked
     busy = item.room in hunt.submitted_names
     refused = why_not_name(hunt.known, item.robot, item.room)
     if refused is None and picked is None:
