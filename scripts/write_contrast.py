@@ -87,6 +87,7 @@ PAIRS = (
     Pair("participant/popups/finding.py", "colour, footprint, verdict", "text good bad", "panel"),
     Pair("participant/popups/finding.py", "names of the figures, place of the picture", "muted", "panel track"),
     Pair("participant/popups/finding.py", "edges of picture and swatch", "line", "panel", "sign"),
+    Pair("participant/popups/finding.py", "edge of a picture pointed at, ring of the focus", "accent", "panel", "sign"),
     Pair("participant/widgets/panels.py", "what was said", "text", "track"),
     Pair("participant/widgets/panels.py", "what was said before", "muted", "track"),
     Pair("participant/widgets/panels.py", "who said it", "robots accent", "panel track", "sign"),

@@ -302,13 +302,19 @@ class FoldingRow(QWidget):
         second: the right part.
         least: width that the first part wants at least, `px`; none for that of its widgets.
         spacing: distance of the parts when they are side by side, logical pixels.
+        spare: width left free for words that get longer, `px`; with it, words alone never unfold the row.
 
     Attributes:
         parts: their layout.
     """
 
-    def __init__(self, first: QLayout, second: QLayout, least: float = 0.0, spacing: int = GAP) -> None:
+    def __init__(
+        self, first: QLayout, second: QLayout, least: float = 0.0, spacing: int = GAP, spare: float = 0.0
+    ) -> None:
         super().__init__()
+        self._spare = spare
+        # Width, size of text and number of widgets at the last decision.
+        self._decided: tuple[int, ...] = ()
         self._first, self._second, self._least, self._spacing = first, second, least, spacing
         self.parts = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), spacing, 0)
         self.parts.addLayout(first, 1)
@@ -339,7 +345,14 @@ class FoldingRow(QWidget):
 
     def _fold(self) -> None:
         first = max(self._first.minimumSize().width(), px(self._least))
-        fits = first + self._spacing + self._second.minimumSize().width() <= self.parts.contentsRect().width()
+        width = self.parts.contentsRect().width()
+        needed = first + self._spacing + self._second.minimumSize().width()
+        decided = width, px(1000), self._first.count() + self._second.count()
+        if decided != self._decided or not self._spare:
+            self._decided = decided
+            fits = needed + px(self._spare) <= width
+        else:
+            fits = not self.folded and needed <= width
         if fits == self.folded:
             self.parts.setDirection(QBoxLayout.Direction.LeftToRight if fits else QBoxLayout.Direction.TopToBottom)
             self.parts.setSpacing(self._spacing if fits else min(self._spacing, GAP // 2))

@@ -14,6 +14,7 @@ from ui.windows.participant.widgets.painting import (
     chip,
     chip_size,
     elided,
+    fitting,
     hatch,
     key_cap,
     key_size,
@@ -125,7 +126,10 @@ class CardFace(ParticipantButton):
         bold = font("body", bold=True)
         metrics = QFontMetricsF(bold)
         at = left + size + GAP
-        words = energy_words(card)
+        key_wide, key_high = key_size(card.select.key)
+        taken = metrics.horizontalAdvance(card.name) + GAP + (key_wide + GAP if key_wide else 0.0)
+        taken += px(40) if card.waits else 0.0
+        words = fitting(energy_words(card), right - at - taken, metrics)
         wide = metrics.horizontalAdvance(words)
         row = QRectF(at, middle - size, right - at, 2.0 * size)
         right_end = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
@@ -135,7 +139,6 @@ class CardFace(ParticipantButton):
             sign(painter, QRectF(right - wide - side - 4, middle - side / 2, side, side), "trouble", palette.bad)
         write(painter, row, card.name, bold, palette.text)
         at += metrics.horizontalAdvance(card.name) + GAP
-        key_wide, key_high = key_size(card.select.key)
         if key_wide:
             key_cap(painter, QRectF(at, middle - key_high / 2.0, key_wide, key_high), card.select.key, palette.muted)
             at += key_wide + GAP
@@ -299,9 +302,9 @@ def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, w
     shown = elided(words, line.right() - left, QFontMetricsF(face))
     write(painter, QRectF(left, line.top(), line.right() - left, line.height()), shown, face, ink)
     left += QFontMetricsF(face).horizontalAdvance(shown)
-    if shown == words and beside:
+    if beside:
         space = QRectF(left, line.top(), line.right() - left, line.height())
-        write(painter, space, elided(f" · {beside}", space.width(), small), font("small"), colours().muted)
+        write(painter, space, fitting((f" · {beside}", ""), space.width(), small), font("small"), colours().muted)
 
 
 def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
@@ -330,14 +333,14 @@ def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
     painter.restore()
 
 
-def energy_words(card: RobotCard) -> str:
-    """Return "72", or "72 - 13 = 59" while a move is considered, or "72 of 90 needed"."""
-    if card.cost is None:
-        return energy_text(card.energy)
-    if not card.affordable:
-        return f"{energy_text(card.energy)} of {energy_text(card.cost)} needed"
-    left = max(0.0, card.energy - card.cost)
-    return f"{energy_text(card.energy)} − {energy_text(card.cost)} = {energy_text(left)}"
+def energy_words(card: RobotCard) -> tuple[str, ...]:
+    """Return the energy left; while a move is considered, also its cost: the full words, and shorter ones."""
+    energy = energy_text(card.energy)
+    if card.cost is not None and not card.affordable:
+        energy = f"{energy} of {energy_text(card.cost)} needed"
+    elif card.cost is not None:
+        energy = f"{energy} − {energy_text(card.cost)} = {energy_text(max(0.0, card.energy - card.cost))}"
+    return f"Energy: {energy} units", f"Energy: {energy}", energy
 
 
 def spoken_card(card: RobotCard) -> str:

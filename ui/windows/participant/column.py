@@ -2,7 +2,7 @@
 
 import math
 
-from PySide6.QtCore import QEvent, QObject, QRect, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QSize, Qt
 from PySide6.QtGui import QFontMetricsF, QResizeEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
@@ -18,18 +18,10 @@ _SECTION = int(1.5 * GAP)
 
 
 class SideColumn(ActionWidget):
-    """Robots above rooms: rooms get the height they need, robots come closer, and only then something scrolls.
-
-    Attributes:
-        laid_out: the height was divided anew.
-        free: the space below the rooms, where a pop-up can be docked.
-    """
-
-    laid_out = Signal()
+    """Robots above rooms: where height is short, robots come closer, rooms fold, and only then something scrolls."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.free = QRect()
         self.cards, self.tiles = Cards(), Tiles()
         self.card_area, self.rooms = ColumnScrollArea(self.cards, self), QWidget(self)
         self.tile_area = ColumnScrollArea(self.tiles, self.rooms)
@@ -67,7 +59,7 @@ class SideColumn(ActionWidget):
         room = high - below - _SECTION
         least, most = self.cards.minimumSizeHint().height(), self.cards.sizeHint().height()
         to_come = self.cards.height_to_come()
-        tiles = self.tiles.fit(wide, room - most - to_come)
+        tiles = self.tiles.fit(wide, room - most - to_come, room - least - to_come)
         if least + tiles > room:
             # Neither fits whole: each keeps at least two fifths, and what one does not need goes to the other.
             tiles = min(tiles, max(room - least, int(0.4 * room)))
@@ -78,9 +70,6 @@ class SideColumn(ActionWidget):
         self.tile_area.setGeometry(0, 0, wide, tiles)
         self.dont_know.setGeometry(0, tiles + GAP - 2, wide, button)
         self.hint.setGeometry(0, tiles + button + 2 * (GAP - 2), wide, hint)
-        foot = self.rooms.geometry().bottom() + 1 + GAP
-        self.free = QRect(0, foot, wide, max(high - foot, 0))
-        self.laid_out.emit()
 
 
 class ColumnScrollArea(QScrollArea):

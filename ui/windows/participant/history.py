@@ -37,6 +37,10 @@ class HistoryView(QPlainTextEdit):
         """Return a size of some lines, which goes down to two where there is little space."""
         return QSize(px(300), px(160))
 
+    def height_over(self, height: int) -> int:
+        """Return the height that it has over a map of this height, logical pixels."""
+        return max(self.minimumHeight(), min(self.maximumHeight(), height // 3))
+
     def show_history(self, history: tuple[HistoryLine, ...]) -> None:
         """Show this; only new lines are written."""
         if history == self._shown:

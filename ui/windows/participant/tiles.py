@@ -10,7 +10,7 @@ from ui.model.scene import RoomState
 from ui.model.screen import RoomTile
 from ui.windows.look import GAP, RADIUS, colours, font, px, smooth_painter
 from ui.windows.participant.widgets.buttons import ActionWidget, ParticipantButton
-from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, elided, ring, sign, write
+from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, fitting, ring, sign, write
 
 SIGNS: dict[RoomState, Sign] = {
     "unvisited": "open",
@@ -30,8 +30,11 @@ STATES: dict[RoomState, str] = {
 SPACE = GAP - 2
 """Distance between tiles, logical pixels."""
 
-_NARROW, _WIDE = 76, 140
-"""Least width of a tile, and the width from which it shows the room's name; `px`."""
+_FOLDED, _NARROW, _WIDE = 40, 76, 140
+"""Least width of a folded tile and of a usual one, and the width from which that shows the room's name; `px`."""
+
+_TALLEST = 1.5
+"""Greatest height of a tile, as a share of the usual one."""
 
 
 class Tile(ParticipantButton):
@@ -46,6 +49,7 @@ class Tile(ParticipantButton):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._tile: RoomTile | None = None
+        self._folded = False
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def show_tile(self, tile: RoomTile) -> None:
@@ -56,10 +60,15 @@ class Tile(ParticipantButton):
         self.bind(tile.choose, spoken_tile(tile))
         self.update()
 
+    def fold(self, folded: bool) -> None:
+        """Show the number and the sign alone, or all."""
+        if folded != self._folded:
+            self._folded = folded
+            self.update()
+
     def sizeHint(self) -> QSize:
-        """Return the size of two lines."""
-        high = QFontMetricsF(font("title", bold=True)).height() + QFontMetricsF(font("small")).height()
-        return QSize(px(_NARROW), int(high + 1.5 * GAP))
+        """Return the size of two lines, or of a number."""
+        return tile_size(self._folded)
 
     def minimumSizeHint(self) -> QSize:
         """Return the size hint: a tile does not get smaller."""
@@ -114,14 +123,18 @@ class Tile(ParticipantButton):
         )
         if self.hasFocus():
             ring(painter, rect, palette.text)
-        inner = rect.adjusted(1.1 * GAP, GAP / 2, -GAP, -GAP / 2)
+        if self._folded:
+            self._number(painter, tile, rect.adjusted(0.7 * GAP, 0.0, -0.7 * GAP, 0.0))
+            return
+        spare = max(0.0, rect.height() - tile_size(False).height()) / 2.0
+        inner = rect.adjusted(1.1 * GAP, GAP / 2 + spare, -GAP, -GAP / 2 - spare)
         top = QRectF(inner.left(), inner.top(), inner.width(), QFontMetricsF(font("title", bold=True)).height())
         self._number(painter, tile, top)
         self._below(painter, tile, QRectF(inner.left(), top.bottom(), inner.width(), inner.bottom() - top.bottom()))
 
     def _number(self, painter: QPainter, tile: RoomTile, line: QRectF) -> None:
         palette = colours()
-        face = font("title", bold=True)
+        face = font("body" if self._folded else "title", bold=True)
         metrics = QFontMetricsF(face)
         number = tile.choose.key or str(tile.room)  # the key is the number, with a zero before it among ten or more
         write(painter, line, number, face, palette.text if tile.choose.enabled else palette.muted)
@@ -129,12 +142,12 @@ class Tile(ParticipantButton):
         mark = QRectF(line.right() - side, line.center().y() - side / 2, side, side)
         kind: Sign = "busy" if tile.choose.pending else SIGNS[tile.state]
         sign(painter, mark, kind, palette.text if tile.choose.enabled or kind != "open" else palette.muted)
-        if tile.robot is not None:
+        if tile.robot is not None and not self._folded:
             chip(painter, QPointF(mark.left() - chip_size() / 2 - 3, line.center().y()), tile.robot)
         if self.width() >= px(_WIDE):
             at = line.left() + metrics.horizontalAdvance(number) + GAP
             room = mark.left() - at - (chip_size() + GAP if tile.robot is not None else GAP / 2)
-            name = elided(tile.name, room, QFontMetricsF(font("small")))
+            name = fitting((tile.name, ""), room, QFontMetricsF(font("small")))
             write(painter, QRectF(at, line.top(), room, line.height()), name, font("small"), palette.muted)
 
     @staticmethod
@@ -146,15 +159,23 @@ class Tile(ParticipantButton):
             sign(painter, QRectF(line.left(), line.center().y() - side / 2, side, side), "trouble", palette.text)
             line = line.adjusted(side + 4.0, 0.0, 0.0, 0.0)
         metrics = QFontMetricsF(small)
-        words = below(tile)
-        fitting = next((text for text in words if metrics.horizontalAdvance(text) <= line.width()), words[0])
-        text = elided(fitting, line.width(), metrics)
+        text = fitting(below(tile), line.width(), metrics)
         strong = tile.choose.enabled or tile.found or tile.warning
         write(painter, line, text, small, palette.text if strong else palette.muted)
 
 
+def tile_size(folded: bool) -> QSize:
+    """Return the least size of a tile: two lines, or a number with a sign."""
+    if folded:
+        return QSize(px(_FOLDED), int(QFontMetricsF(font("body", bold=True)).height() + 1.5 * GAP))
+    high = QFontMetricsF(font("title", bold=True)).height() + QFontMetricsF(font("small")).height()
+    return QSize(px(_NARROW), int(high + 1.5 * GAP))
+
+
 class Tiles(ActionWidget):
     """All rooms in a grid: with few columns, and so room for names, where the height allows it.
+
+    Where it allows no grid, the rooms are folded to a row of numbers.
 
     Attributes:
         reveal: the tile that should be seen.
@@ -169,6 +190,8 @@ class Tiles(ActionWidget):
         self._shown: tuple[RoomTile, ...] = ()
         self.tiles: list[Tile] = []
         self._columns = 1
+        self._tall = 0
+        self._folded = False
 
     @property
     def considered(self) -> int | None:
@@ -187,13 +210,28 @@ class Tiles(ActionWidget):
         for shown, tile in zip(self.tiles, tiles, strict=True):
             shown.show_tile(tile)
 
-    def fit(self, width: int, height: int) -> int:
-        """Take the fewest columns, from two on, that fit this space, or the most there may be; return the height."""
-        number = max(1, len(self.tiles))
-        most = min(number, max(1, (width + SPACE) // (px(_NARROW) + SPACE)))
-        self._columns = next((few for few in range(min(2, most), most) if self._high(few) <= height), most)
+    def fit(self, width: int, height: int, most: int) -> int:
+        """Take the fewest columns that fit, or fold; return the height.
+
+        Args:
+            width: of the space.
+            height: of the space, which is filled as far as that looks good.
+            most: height that may be taken where more columns do not help.
+        """
+        for folded, high in ((False, height), (False, most), (True, most)):
+            tile = tile_size(folded)
+            number = min(len(self.tiles), max(1, (width + SPACE) // (tile.width() + SPACE)))
+            self._folded, self._tall = folded, tile.height()
+            self._columns = next((few for few in range(1, number) if self._high(few) <= high), max(number, 1))
+            if self._high(self._columns) <= high:
+                break
+        rows = -(-len(self.tiles) // self._columns) or 1
         # So many rows may need fewer columns, which are wider then.
-        self._columns = -(-number // -(-number // self._columns))
+        self._columns = -(-len(self.tiles) // rows) or 1
+        tallest = int((1.0 if self._folded else _TALLEST) * self._tall)
+        self._tall = max(self._tall, min((height + SPACE) // rows - SPACE, tallest))
+        for shown in self.tiles:
+            shown.fold(self._folded)
         self._place()
         return self._high(self._columns)
 
@@ -211,7 +249,7 @@ class Tiles(ActionWidget):
 
     def _high(self, columns: int) -> int:
         rows = -(-len(self.tiles) // columns)
-        return rows * (self.tiles[0].sizeHint().height() + SPACE) - SPACE if self.tiles else 0
+        return rows * (self._tall + SPACE) - SPACE if self.tiles else 0
 
     def _match(self, number: int) -> None:
         while len(self.tiles) < number:
@@ -229,8 +267,7 @@ class Tiles(ActionWidget):
     def _place(self) -> None:
         if not self.tiles:
             return
-        columns, space = self._columns, SPACE
-        high = self.tiles[0].sizeHint().height()
+        columns, space, high = self._columns, SPACE, self._tall
         edges = [round(at * (self.width() + space) / columns) for at in range(columns + 1)]
         for number, tile in enumerate(self.tiles):
             row, column = divmod(number, columns)
@@ -240,14 +277,14 @@ class Tiles(ActionWidget):
 def below(tile: RoomTile) -> tuple[str, ...]:
     """Return the line below a room's number, and shorter ones: the finding there, or the cost to go there."""
     if tile.found:
-        name = tile.found.partition(",")[0]
-        return tile.found, name, name.removeprefix("something ")
+        name, _, points = tile.found.partition(", ")
+        return tile.found, name, points or name.removeprefix("something ")
     if tile.state != "unvisited":
         return ("on the way", "taken") if tile.state == "reserved" else ("",)
     if tile.cost is None:
         return ("",) if tile.choose.enabled else ("no way",)
     cost = energy_text(tile.cost)
-    return f"costs {cost}", cost
+    return f"costs {cost} units of energy", f"costs {cost} units", f"{cost} units", cost
 
 
 def spoken_tile(tile: RoomTile) -> str:

@@ -12,29 +12,36 @@ from ui.windows.participant.widgets.buttons import ActionRow, ActionWidget
 from ui.windows.participant.widgets.painting import WRAPPED, box, sign, write
 from ui.windows.participant.widgets.panels import set_text
 
+_SPARE = 50
+"""Width kept free for words that get longer during a game, `px`: else the strip would fold, and the map would move."""
+
 
 class TopStrip(ActionWidget):
-    """Score at the left, tools at the right, or below it where the window is too narrow for both."""
+    """Score, time and rooms left at the left, tools at the right, or below where the window is too narrow for both."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._game = look.label(size="small", muted=True)
         self._game.setWordWrap(False)
         self.score = ScoreLabel()
+        self._progress = look.label()
+        self._progress.setWordWrap(False)
         score, tools = spaced(QHBoxLayout(), 2 * GAP), spaced(QHBoxLayout(), GAP // 2)
-        row = look.FoldingRow(score, tools)
+        row = look.FoldingRow(score, tools, spare=_SPARE)
         spaced(QHBoxLayout(self), 0, 2 * GAP, GAP, 2 * GAP, GAP).addWidget(row)
         score.addWidget(self._game)
         score.addWidget(self.score)
+        score.addWidget(self._progress)
         score.addStretch(1)
         tools.addStretch(1)
         self.tools = ActionRow(tools, self.requested, "quiet")
 
-    def show_strip(self, game: int, score: int, *, moving: bool, tools: tuple[Action, ...]) -> None:
+    def show_strip(self, game: int, score: int, progress: str, *, moving: bool, tools: tuple[Action, ...]) -> None:
         """Show this."""
         set_text(self._game, f"Game {game}" if game else "")
         self._game.setVisible(bool(game))
         self.score.show_score(score, moving=moving)
+        set_text(self._progress, progress)
         self.tools.show_actions(tools)
 
 

@@ -94,9 +94,8 @@ class WaitingStrip(ActionWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        row = spaced(QHBoxLayout(self), GAP, 0)
+        row = self._row = spaced(QHBoxLayout(self), GAP, 0)
         self._count = look.label(size="small", muted=True)
-        self._count.setWordWrap(False)
         row.addWidget(self._count)
         area = HorizontalScrollArea()
         inside = QWidget()
@@ -104,6 +103,7 @@ class WaitingStrip(ActionWidget):
         self._chips.addStretch(1)
         area.setWidget(inside)
         self._area = area
+        area.hide()
         row.addWidget(area, 1)
         self.history = ActionButton()
         self.history.setCheckable(True)
@@ -135,6 +135,10 @@ class WaitingStrip(ActionWidget):
         if waiting == self._shown:
             return
         self._shown = waiting
+        # The sentence may take both lines; the number is never broken.
+        self._count.setWordWrap(not waiting)
+        self._area.setVisible(bool(waiting))
+        self._row.setStretchFactor(self._count, 0 if waiting else 1)
         while len(self.chips) < len(waiting):
             made = WaitingChip()
             made.requested.connect(self.requested)

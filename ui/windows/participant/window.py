@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QRect, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QAccessible,
     QAccessibleAnnouncementEvent,
     QHideEvent,
     QKeyEvent,
     QKeySequence,
+    QPolygonF,
     QResizeEvent,
     QShortcut,
     QShowEvent,
@@ -26,6 +27,7 @@ from ui.model.keys import HELP
 from ui.model.participant import Participant
 from ui.model.screen import (
     Act,
+    AskAdvice,
     ChooseRobot,
     ChooseRoom,
     ConsiderRoom,
@@ -47,7 +49,6 @@ from ui.windows import pointer
 from ui.windows.look import GAP, follow_text, px, spaced
 from ui.windows.map import MapView
 from ui.windows.participant.column import SideColumn
-from ui.windows.participant.history import HistoryView
 from ui.windows.participant.keyboard import KeyboardShortcuts
 from ui.windows.participant.map_area import MapArea
 from ui.windows.participant.pages.pages import (
@@ -59,6 +60,7 @@ from ui.windows.participant.pages.pages import (
     QuestionPanel,
 )
 from ui.windows.participant.popups.dialogue import DialoguePanel
+from ui.windows.participant.popups.finding import PicturePanel
 from ui.windows.participant.popups.treasure import TreasurePanel
 from ui.windows.participant.top import TopStrip
 from ui.windows.participant.waiting import WaitingStrip
@@ -74,9 +76,12 @@ ANSWER_DELAY = 0.3
 before. That holds for the next turn of the same dialogue too: the second half of a double click is no answer; and a
 name is submitted only once it can have been read."""
 
+ROBOT_SIZE = 40
+"""Side of the square around a robot on the map that a pop-up should not cover, logical pixels."""
+
 
 class ParticipantWindow(QWidget):
-    """The map, the robots beside it, the rooms below them, pop-ups below those or in a corner of the map.
+    """The map, the robots beside it, the rooms below them, pop-ups in a corner of the map.
 
     It is a window, or a page of one. It follows the model while it is shown.
 
@@ -109,6 +114,9 @@ class ParticipantWindow(QWidget):
         self._popped_at = self._opened_at = -ANSWER_DELAY
         # Time at which digits became those of rooms again: a press was meant for a numbered answer.
         self._digits_at = -ANSWER_DELAY
+        # Time at which another robot was selected by itself: a room was meant for the one before.
+        self._selected_at = -ANSWER_DELAY
+        self._acting = False
         # Time at which the pop-up had come that was there when the key held now was pressed.
         self._pressed_since = self._opened_at
         self.setWindowTitle("Treasure hunt")
@@ -134,16 +142,15 @@ class ParticipantWindow(QWidget):
     def _build(self) -> None:
         self.connecting, self.consent = ConnectingPage(), ConsentPage()
         self.top, self.column = TopStrip(), SideColumn()
-        self.map_area, self.waiting, self.history = MapArea(self.map, self.column), WaitingStrip(), HistoryView()
+        self.map_area, self.waiting = MapArea(self.map), WaitingStrip()
+        self.history = self.map_area.history
         self.dialogue, self.treasure, self.ending = DialoguePanel(), TreasurePanel(), EndingPanel()
-        self.question, self.help = QuestionPanel(), HelpSheet()
+        self.question, self.help, self.large = QuestionPanel(), HelpSheet(), PicturePanel()
         focus.make_region(self.top, "Score and tools")
         focus.make_region(self.waiting, "What waits for you")
-        self.history.hide()
-        self.waiting.history.toggled.connect(self.history.setVisible)
+        self.waiting.history.toggled.connect(self.map_area.show_history)
         left = spaced(QVBoxLayout(), GAP)
         left.addWidget(self.map_area, 1)
-        left.addWidget(self.history)
         left.addWidget(self.waiting)
         playing = QWidget()
         rows = spaced(QVBoxLayout(playing), 0, 0)
@@ -167,7 +174,14 @@ class ParticipantWindow(QWidget):
     def _connect(self) -> None:
         for part in (self.consent, self.top, self.column, self.waiting):
             part.requested.connect(self.do)
-        self._panels: tuple[TitledPanel, ...] = (self.dialogue, self.treasure, self.ending, self.question, self.help)
+        self._panels: tuple[TitledPanel, ...] = (
+            self.dialogue,
+            self.treasure,
+            self.ending,
+            self.question,
+            self.help,
+            self.large,
+        )
         for panel in self._panels:
             panel.requested.connect(self.do)
         self.map.room_clicked.connect(lambda room: self._do_on_map(ChooseRoom(room)))
@@ -179,7 +193,7 @@ class ParticipantWindow(QWidget):
     def regions(self) -> list[QWidget]:
         """The stops of F6, in the order of the eye; only the pop-up in front when there is one."""
         if self.overlay.isVisible():
-            return [self.question if self.question.isVisible() else self.help]
+            return [panel for panel in (self.question, self.help, self.large) if panel.isVisible()]
         if self._screen is not None and self._screen.phase in self._page_of:
             return [self._page_of[self._screen.phase]]
         pops: list[QWidget] = [panel for panel in (self.dialogue, self.treasure, self.ending) if panel.isVisible()]
@@ -215,16 +229,20 @@ class ParticipantWindow(QWidget):
             return
         if isinstance(act, TypeDigit) and now - self._digits_at < ANSWER_DELAY:
             return
+        if isinstance(act, ChooseRoom | AskAdvice | TypeDigit) and now - self._selected_at < ANSWER_DELAY:
+            return
         if isinstance(act, GoOnFromGame):
             self.went_on.emit()
             return
         self._model.do(act, now)
         if isinstance(act, FitMap):
             self.map.fit()
+        self._acting = True
         self.refresh()
+        self._acting = False
 
     def _do_on_map(self, act: Act) -> None:
-        """Do what was clicked on the map, unless a pop-up that came or went has just moved it."""
+        """Do what was clicked on the map, unless a pop-up that has just gone was meant."""
         if self._clock() - self._popped_at >= ANSWER_DELAY:
             self.do(act)
 
@@ -254,6 +272,7 @@ class ParticipantWindow(QWidget):
         self.map.show_robots(self._model.robots(now))
         if self._model.followed != self.map.followed:
             self.map.follow(self._model.followed)
+        self.map_area.keep_in_sight()
 
     def _show(self, screen: Screen, before: Screen | None, now: float) -> None:
         focused = self._focused_region()
@@ -262,7 +281,9 @@ class ParticipantWindow(QWidget):
         if screen.phase is Phase.CONSENT:
             self.consent.show_consent(screen.consent, screen.agree, screen.decline)
         moving = before is not None and before.game == screen.game
-        self.top.show_strip(screen.game, screen.score, moving=moving, tools=(*screen.tools, screen.end))
+        self.top.show_strip(
+            screen.game, screen.score, screen.progress, moving=moving, tools=(*screen.tools, screen.end)
+        )
         self.column.cards.show_cards(screen.cards)
         self.column.tiles.show_tiles(screen.tiles)
         self.column.dont_know.show_action(screen.ask_advice)
@@ -291,14 +312,18 @@ class ParticipantWindow(QWidget):
                     self.ending.show_ending(screen.ending)
                     panel = self.ending
         if moved or before is None or (screen.popup, screen.ending) != (before.popup, before.ending):
-            robot = None if screen.popup is None else screen.popup.robot
-            self.map_area.show_panel(panel, robot, self._subject_on_map)
+            about = screen.popup
+            robot, room = (None, None) if about is None else (about.robot, about.room)
+            self.map_area.show_panel(panel, robot, room, self._subject_on_map)
         if screen.confirmation is not None:
             self.question.show_question(screen.confirmation)
             self.overlay.show_panel(self.question)
         elif screen.help:
             self.help.show_help(screen.rules, (*screen.help, *WINDOW_KEYS), HELP.keys[0])
             self.overlay.show_panel(self.help, 720)
+        elif screen.enlarged is not None and screen.popup is not None:
+            self.large.show_large(screen.enlarged, screen.popup.title, screen.popup.robot)
+            self.overlay.show_panel(self.large, 2000)
         else:
             self.overlay.show_panel(None)
         if bool(screen.help) != (before is not None and bool(before.help)):
@@ -310,22 +335,31 @@ class ParticipantWindow(QWidget):
             for shown in self._panels:
                 for button in shown.findChildren(ParticipantButton):
                     button.let_go()
+        if before is not None and _selected(screen) != _selected(before) and not self._acting:
+            self._selected_at = now
         if before is not None and _is_numbered(before) and not _is_numbered(screen):
             self._digits_at = now
         if before is None or _listed(screen) != _listed(before):
             self._opened_at = now
 
-    def _subject_on_map(self) -> list[QPoint]:
-        """Return the places on the map of what the pop-up is about, the robot and the room, pixels."""
+    def _subject_on_map(self) -> list[QRect]:
+        """Return the places on the map of what the pop-up is about, the robot and the middle of the room, pixels."""
         pop = None if self._screen is None else self._screen.popup
         if pop is None:
             return []
         now = self._clock()
-        places = [
-            (mark.pose.x, mark.pose.y) for mark in self._model.robots(now) if mark.robot == pop.robot and mark.pose
-        ]
-        places += [tuple(mark.region.mean(axis=0)) for mark in self._model.rooms(now) if mark.room == pop.room]
-        return [self.map.pixel(x, y).toPoint() for x, y in places]
+        robot = next((mark for mark in self._model.robots(now) if mark.robot == pop.robot), None)
+        room = next((mark for mark in self._model.rooms(now) if mark.room == pop.room), None)
+        places = []
+        if robot is not None:
+            around = QRect(0, 0, ROBOT_SIZE, ROBOT_SIZE)
+            around.moveCenter(self.map.pixel(robot.pose.x, robot.pose.y).toPoint())
+            places.append(around)
+        if room is not None:
+            whole = QPolygonF([self.map.pixel(x, y) for x, y in room.region.tolist()]).boundingRect()
+            wide, high = whole.width() / 4.0, whole.height() / 4.0
+            places.append(whole.adjusted(wide, high, -wide, -high).toRect())
+        return places
 
     # Keys and focus ---------------------------------------------------------------------------------------------------
 
@@ -419,6 +453,11 @@ def _subject(screen: Screen) -> tuple[object, ...]:
             return screen.confirmation, pop.room, pop.picked
         case None:
             return (screen.confirmation,)
+
+
+def _selected(screen: Screen) -> int | None:
+    """Return the selected robot."""
+    return next((card.robot for card in screen.cards if card.selected), None)
 
 
 def _is_numbered(screen: Screen) -> bool:

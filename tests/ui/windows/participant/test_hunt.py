@@ -1,10 +1,10 @@
 """Whole hunts in the window, on the real view model and the real game: by mouse alone, and by keyboard alone."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
@@ -36,15 +36,29 @@ TURNS = 300
 
 @dataclass
 class Player:
-    """A person at the window; each act is drawn before the game goes on."""
+    """A person at the window; each act is drawn before the game goes on.
+
+    Attributes:
+        views: every place that the map had in the window, and every view of it, as long as it was shown.
+    """
 
     seat: Seat
     window: ParticipantWindow
     qtbot: QtBot
+    views: set[str] = field(default_factory=set)
 
     def wait(self, ticks: int = 20) -> None:
+        self.look()
         self.seat.run(ticks)
         self.window.refresh()
+        self.look()
+
+    def look(self) -> None:
+        QApplication.processEvents()
+        shown = self.window.map
+        if shown.isVisible():
+            corners = [shown.pixel(x, y) for x, y in ((0.0, 0.0), (1.0, 1.0))]
+            self.views.add(str((shown.mapTo(self.window, QPoint(0, 0)), shown.size(), corners)))
 
     def click(self, act: Act) -> None:
         self.qtbot.mouseClick(that_asks(self.window, act), LEFT)
@@ -56,18 +70,23 @@ class Player:
 
 
 @pytest.fixture
-def player(qtbot: QtBot, qapp: QApplication) -> Callable[..., Player]:
-    def sit(robots: int, set_name: str = "original-2016") -> Player:
+def player(qtbot: QtBot, qapp: QApplication) -> Iterator[Callable[..., Player]]:
+    def sit(
+        robots: int, set_name: str = "original-2016", size: tuple[int, int] = (1200, 800), text: float = 1.0
+    ) -> Player:
         look.apply_palette(qapp, LIGHT)
+        look.apply_text_size(qapp, text)
         seat = Seat(robots=robots, set_name=set_name)
         window = ParticipantWindow(seat.model, lambda: seat.now, LIGHT)
         qtbot.addWidget(window)
+        window.resize(*size)
         window.show()
         window.activateWindow()
         qtbot.waitUntil(window.isActiveWindow)
         return Player(seat, window, qtbot)
 
-    return sit
+    yield sit
+    look.apply_text_size(qapp, 1.0)
 
 
 def to_find_out(pop: TreasurePopup) -> Action | None:
@@ -126,18 +145,23 @@ def by_keyboard(player: Player, right: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("play", "robots", "set_name"),
+    ("play", "robots", "set_name", "size", "text"),
     [
-        (by_mouse, 2, "original-2016"),
-        (by_keyboard, 6, "original-2016"),
-        (by_mouse, 3, "four-properties"),
-        (by_keyboard, 2, "four-properties"),
+        (by_mouse, 2, "original-2016", (1280, 720), 1.25),
+        (by_keyboard, 6, "original-2016", (1920, 1080), 1.0),
+        (by_mouse, 3, "four-properties", (1366, 768), 1.0),
+        (by_keyboard, 2, "four-properties", (800, 600), 1.0),
     ],
 )
 def test_a_whole_hunt(
-    player: Callable[..., Player], play: Callable[[Player, str], None], robots: int, set_name: str
+    player: Callable[..., Player],
+    play: Callable[[Player, str], None],
+    robots: int,
+    set_name: str,
+    size: tuple[int, int],
+    text: float,
 ) -> None:
-    sitting = player(robots, set_name)
+    sitting = player(robots, set_name, size, text)
     seat = sitting.seat
     for _ in range(TURNS):
         if seat.screen.phase is Phase.OVER:
@@ -150,6 +174,7 @@ def test_a_whole_hunt(
     found_out = [type(event) for event in seat.stage.log.events if isinstance(event, PropertyMeasured | PropertyTold)]
     assert set(found_out) == ({PropertyMeasured, PropertyTold} if set_name == "four-properties" else set())
     assert sitting.window.ending.isVisible()
+    assert len(sitting.views) == 1, "the map has stayed as it is"
     assert sitting.window.top.score.accessibleName() == f"Score {seat.screen.score}"
     sitting.wait()  # until the end can have been read
     if play is by_mouse:

@@ -4,18 +4,27 @@ from collections.abc import Iterator
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows import samples
-from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
+from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.participant.conftest import Opened
 from tests.ui.windows.participant.test_window import STATES, Open
 from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.link import ParticipantLink
+from ui.windows.participant import cards
 from ui.windows.participant.pages.start import StartPage
+from ui.windows.participant.widgets import painting
 from ui.windows.participant_program import ParticipantMainWindow
+
+SIZES = ((800, 500), (1024, 600), (1366, 768), (1920, 1080))
+"""Sizes of windows, logical pixels."""
+
+TEXTS = (1.0, pytest.param(1.25, marks=pytest.mark.slow), 1.5, pytest.param(2.0, marks=pytest.mark.slow))
+"""Sizes of text, multiples of the usual one; the extremes of what most people use are tested by default."""
 
 
 @pytest.fixture
@@ -24,12 +33,29 @@ def text(request: pytest.FixtureRequest, qapp: QApplication) -> Iterator[float]:
     look.apply_text_size(qapp, 1.0)
 
 
+@pytest.fixture
+def cut(monkeypatch: pytest.MonkeyPatch) -> set[str]:
+    """Texts that were painted and cut off since the set was cleared last."""
+    found: set[str] = set()
+
+    def elided(words: str, width: float, metrics: QFontMetricsF) -> str:
+        shown = painting_elided(words, width, metrics)
+        if shown != words:
+            found.add(words)
+        return shown
+
+    painting_elided = painting.elided
+    for module in (painting, cards):
+        monkeypatch.setattr(module, "elided", elided)
+    return found
+
+
 def windows(opened: Open) -> dict[int, Opened]:
     return {rooms: opened(samples.playing(rooms=rooms)) for rooms in (8, 12)}
 
 
 @pytest.mark.parametrize("text", TEXTS, indirect=True)
-def test_nothing_is_cut_off_or_covered(opened: Open, qapp: QApplication, text: float) -> None:
+def test_nothing_is_cut_off_or_covered(opened: Open, qapp: QApplication, cut: set[str], text: float) -> None:
     shown = windows(opened)
     look.apply_text_size(qapp, text)
     for one in shown.values():
@@ -42,6 +68,12 @@ def test_nothing_is_cut_off_or_covered(opened: Open, qapp: QApplication, text: f
             one.window.resize(*size)
             settle()
             assert misfits(one.window) == [], (name, size)
+            cut.clear()
+            one.window.grab()
+            assert cut == set(), (name, size)
+            names = one.window.treasure.names
+            if names.isVisible():
+                assert names.sizeHintForColumn(0) <= names.viewport().width(), (name, size)
 
 
 def test_a_narrow_list_of_names_has_no_bar_below_instead_of_a_name(opened: Open) -> None:

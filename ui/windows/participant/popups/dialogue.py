@@ -1,18 +1,15 @@
 """The pop-up in which a robot talks with the participant."""
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import QBoxLayout, QVBoxLayout, QWidget
 
 from sim.common.robot_numbers import robot_name
 from ui.model.screen import DialoguePopup
 from ui.windows import look
-from ui.windows.look import GAP, spaced
-from ui.windows.participant.popups.finding import TreasureFacts, TreasurePicture
+from ui.windows.look import GAP, px, spaced
+from ui.windows.participant.popups.finding import FACTS_WIDTH, PICTURE, TreasureFacts, TreasurePicture, find_size
 from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.panels import TitledPanel, Transcript
-
-SHARE_OF_PICTURE = 0.6
-"""Size of the picture beside a talk about naming, as a share of the usual one: what is said needs the space."""
 
 
 class DialoguePanel(TitledPanel):
@@ -24,11 +21,12 @@ class DialoguePanel(TitledPanel):
         self.aside = ActionButton("quiet")
         self.aside.requested.connect(self.requested)
         self.top.addWidget(self.aside)
-        self.facts, self.picture = TreasureFacts(), TreasurePicture(SHARE_OF_PICTURE)
-        find = spaced(QHBoxLayout(), GAP)
-        self.rows.addLayout(find)
-        find.addWidget(self.picture, 2)
-        find.addWidget(self.facts, 3)
+        self.facts, self.picture = TreasureFacts(), TreasurePicture()
+        self._find = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight), GAP)
+        self.rows.addLayout(self._find)
+        self._find.addWidget(self.picture, 0, Qt.AlignmentFlag.AlignTop)
+        self._find.addWidget(self.facts, 1, Qt.AlignmentFlag.AlignTop)
+        self.picture.requested.connect(self.requested)
         self.transcript = Transcript()
         self.rows.addWidget(self.transcript, 1)
         self._state = look.label(muted=True)
@@ -53,7 +51,7 @@ class DialoguePanel(TitledPanel):
         self.aside.show_action(pop.aside)
         self.facts.show_facts(pop.facts)
         self.facts.setVisible(bool(pop.facts))
-        self.picture.show_picture(pop.picture, "")
+        self.picture.show_picture(pop.picture, enlarge=pop.enlarge)
         self.picture.setVisible(pop.picture is not None)
         self.transcript.show_sentences(pop.sentences, pop.robot)
         self._state.setText(pop.note if pop.choices else f"{robot_name(pop.robot).capitalize()} is thinking …")
@@ -66,6 +64,18 @@ class DialoguePanel(TitledPanel):
         self.choices.show_actions(pop.choices)
         if focused is not None and pop.choices:
             self._keep_focus(focused, before, pop)
+
+    def arrange(self, space: QSize) -> None:
+        """Put what was sensed beside the picture, or below where the panel is narrow."""
+        super().arrange(space)
+        width = min(self.usual_size().width(), space.width())
+        beside = width - self.edges().width() - PICTURE.width() - 4 * GAP >= px(FACTS_WIDTH)
+        self._find.setDirection(QBoxLayout.Direction.LeftToRight if beside else QBoxLayout.Direction.TopToBottom)
+
+    def usual_size(self) -> QSize:
+        """Return that of a find where it is about one, since the one takes the place of the other."""
+        about_find = self._pop is not None and (self._pop.facts or self._pop.picture is not None)
+        return find_size() if about_find else super().usual_size()
 
     def go_to(self, key: int) -> None:
         """Go to the first answer by Down, to the last by Up; turn pages of what was said."""

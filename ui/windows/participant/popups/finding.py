@@ -13,54 +13,72 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.hunt.properties import PropertyDrawing
-from ui.model.screen import Act, TellOfIt, TreasureFact
+from ui.model.screen import Act, Action, EnlargePicture, TellOfIt, TreasureFact
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
-from ui.windows.participant.widgets.buttons import ActionButton
-from ui.windows.participant.widgets.painting import WRAPPED, sign, write
+from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
+from ui.windows.participant.widgets.painting import WRAPPED, ring, sign, write
+from ui.windows.participant.widgets.panels import TitledPanel
 
-_PICTURE = QSize(224, 168)
-"""Usual size of a picture, `px`."""
+PICTURE = QSize(208, 156)
+"""Size of a picture in a pop-up, logical pixels: the same in each, and with text of each size."""
+FACTS_WIDTH = 112
+"""Least width of what is known of a treasure, `px`."""
 _VALUES_A_ROW = 3
 
 
-class TreasurePicture(QWidget):
-    """A treasure's picture, or an empty frame with a note that says why.
+def find_size() -> QSize:
+    """Return the usual size of a pop-up about what was found, logical pixels: names have room beside the picture."""
+    return QSize(PICTURE.width() + 6 * GAP + px(215), px(340))
+
+
+class TreasurePicture(ParticipantButton):
+    """A treasure's picture, which a press enlarges or makes small again; or a frame with a note where there is none.
 
     Args:
-        share: of the usual size.
+        size: it always has; None: as large as there is space.
         parent: as for any widget.
     """
 
-    def __init__(self, share: float = 1.0, parent: QWidget | None = None) -> None:
+    def __init__(self, size: QSize | None = PICTURE, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._share = share
         self._data: bytes | None = None
         self._note = ""
-        self.setAccessibleName("Picture of what was found")
         self._pixmap = QPixmap()
-        follow_text(self, TreasurePicture._fit)
-        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
+        self.setAccessibleName(_NAME_OF_PICTURE)
+        if size is None:
+            self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        else:
+            self.setFixedSize(size)
 
     def sizeHint(self) -> QSize:
-        """Return the size of a small photograph."""
-        return QSize(px(self._share * _PICTURE.width()), px(self._share * _PICTURE.height()))
+        """Return the size of a picture in a pop-up."""
+        return QSize(PICTURE)
 
-    def _fit(self) -> None:
-        usual = self.sizeHint()
-        self.setMinimumSize(usual.width() // 2, usual.height() // 3)
-        self.setMaximumSize(usual * 2)
+    def minimumSizeHint(self) -> QSize:
+        """Return the size of a picture in a pop-up: it is never smaller."""
+        return QSize(PICTURE)
 
-    def show_picture(self, data: bytes | None, note: str) -> None:
-        """Show the picture in these bytes of an image file, or a note that says why there is none."""
-        if (data, note) == (self._data, self._note):
-            return
+    def show_picture(self, data: bytes | None, note: str = "", enlarge: Action | None = None) -> None:
+        """Show the picture in these bytes of an image file, or a note that says why there is none.
+
+        Args:
+            data: content of the image file.
+            note: shown where there is no picture.
+            enlarge: what a press does.
+        """
         if data != self._data:
             self._pixmap = QPixmap()
             if data is not None and not self._pixmap.loadFromData(data):
                 note = "This picture cannot be shown."
+        elif self._pixmap.isNull() and data is not None:
+            note = self._note
         self._data, self._note = data, note
-        self.setAccessibleName("Picture of what was found" if not self._pixmap.isNull() else note)
+        if enlarge is not None and not self._pixmap.isNull():
+            self.bind(enlarge, _NAME_OF_PICTURE)
+        self.setEnabled(enlarge is not None and not self._pixmap.isNull())
+        self.setAccessibleName((note or "No picture yet") if self._pixmap.isNull() else _NAME_OF_PICTURE)
+        self.setCursor(Qt.CursorShape.PointingHandCursor if self.isEnabled() else Qt.CursorShape.ArrowCursor)
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -69,19 +87,90 @@ class TreasurePicture(QWidget):
         painter = smooth_painter(self)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         rect = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
-        painter.setPen(QColor(palette.line))
+        painter.setPen(QColor(palette.accent if self.pointed_at() and self.isEnabled() else palette.line))
         painter.setBrush(QColor(palette.track))
         painter.drawRoundedRect(rect, RADIUS - 2, RADIUS - 2)
         if self._pixmap.isNull():
             wrap = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             write(painter, rect.adjusted(GAP, GAP, -GAP, -GAP), self._note, font("small"), palette.muted, wrap)
             return
-        size = (
-            self._pixmap.size().toSizeF().scaled(rect.adjusted(2, 2, -2, -2).size(), Qt.AspectRatioMode.KeepAspectRatio)
-        )
+        inside = rect.adjusted(2, 2, -2, -2).size()
+        size = self._pixmap.size().toSizeF().scaled(inside, Qt.AspectRatioMode.KeepAspectRatio)
         target = QRectF(0.0, 0.0, size.width(), size.height())
         target.moveCenter(rect.center())
         painter.drawPixmap(target, self._pixmap, QRectF(self._pixmap.rect()))
+        if self.hasFocus():
+            ring(painter, rect, palette.accent)
+
+
+_NAME_OF_PICTURE = "Picture of what was found"
+
+
+class PicturePlace(QWidget):
+    """The place of a picture; before there is one, the button that takes it.
+
+    The place is as large as the larger of the two, so that nothing moves when the picture comes.
+
+    Attributes:
+        picture: the picture.
+        take: the button.
+    """
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.picture, self.take = TreasurePicture(), ActionButton(hints=True)
+        grid = spaced(QGridLayout(self), 0, 0)
+        grid.addWidget(self.picture, 0, 0, 1, 3, Qt.AlignmentFlag.AlignTop)
+        grid.addWidget(self.take, 0, 1, Qt.AlignmentFlag.AlignVCenter)
+        for margin in (0, 2):
+            grid.setColumnMinimumWidth(margin, GAP)
+        grid.setColumnStretch(1, 1)
+        for part in (self.picture, self.take):
+            keeping = part.sizePolicy()
+            keeping.setRetainSizeWhenHidden(True)
+            part.setSizePolicy(keeping)
+        self.take.hide()
+        self.setFixedWidth(PICTURE.width())
+
+    def show_place(self, picture: bytes | None, note: str, take: Action | None, enlarge: Action | None) -> None:
+        """Show the picture, or the button that takes it, or a note that says why there is neither."""
+        self.picture.show_picture(picture, note, enlarge)
+        if take is not None:
+            self.take.show_action(take)
+        self.take.setVisible(take is not None)
+        self.picture.setVisible(take is None)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the frame of the picture to come."""
+        palette = colours()
+        painter = smooth_painter(self)
+        painter.setPen(QColor(palette.line))
+        painter.setBrush(QColor(palette.track))
+        painter.drawRoundedRect(QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5), RADIUS - 2, RADIUS - 2)
+
+
+class PicturePanel(TitledPanel):
+    """A picture shown large; a press on it makes it small again."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__("Picture", parent)
+        self.picture = TreasurePicture(None)
+        self.picture.requested.connect(self.requested)
+        self.close_button = ActionButton()
+        self.close_button.requested.connect(self.requested)
+        self.top.addWidget(self.close_button)
+        self.rows.addWidget(self.picture, 1)
+
+    def show_large(self, data: bytes, title: str, robot: int) -> None:
+        """Show this picture of what a robot found."""
+        close = Action(EnlargePicture(), "Close", "Esc")
+        self.entitle(title, robot)
+        self.close_button.show_action(close)
+        self.picture.show_picture(data, enlarge=close)
+
+    def wanted(self, width: int, height: int) -> QSize:
+        """Return all the space there is."""
+        return QSize(width, height)
 
 
 class TreasureFacts(QWidget):
@@ -91,14 +180,14 @@ class TreasureFacts(QWidget):
         super().__init__(parent)
         # None while the robot still looks.
         self._facts: tuple[TreasureFact, ...] | None = None
-        follow_text(self, lambda it: it.setMinimumWidth(px(_PICTURE.width() // 2)))
+        follow_text(self, lambda it: it.setMinimumWidth(px(FACTS_WIDTH)))
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
 
     def sizeHint(self) -> QSize:
         """Return the size of its lines, at least one."""
-        return QSize(px(_PICTURE.width()), int(max(len(self._facts or ()), 1) * self._line()) + GAP)
+        return QSize(px(FACTS_WIDTH), int(max(len(self._facts or ()), 1) * self._line()) + GAP)
 
     def heightForWidth(self, width: int) -> int:
         """Return the height of the broken lines."""
@@ -229,7 +318,7 @@ class NamingResult(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the size of a sign, the points and some lines."""
-        return QSize(px(220), px(150))
+        return QSize(px(160), px(120))
 
     def show_verdict(self, text: str, points: int | None) -> None:
         """Show this."""
@@ -250,7 +339,7 @@ class NamingResult(QWidget):
         wide = QFontMetricsF(hero).horizontalAdvance(words)
         top = rect.top() + max(0.0, (rect.height() - high - 60) / 2)
         left = rect.center().x() - (wide + high) / 2
-        sign(painter, QRectF(left, top, high * 0.8, high), "tick" if won else "trouble", ink)
+        sign(painter, QRectF(left, top, high * 0.8, high), "tick" if won else "cross", ink)
         write(painter, QRectF(left + high, top, wide + 4, high), words, hero, ink)
         wrap = Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop | Qt.TextFlag.TextWordWrap
         write(painter, rect.adjusted(0, top - rect.top() + high + GAP, 0, 0), self._text, font(), palette.text, wrap)

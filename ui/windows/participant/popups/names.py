@@ -54,6 +54,14 @@ class NameList(QListWidget):
         """Return the size of three to eight names."""
         return QSize(px(220), self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
 
+    def widest(self) -> int:
+        """Return the width in which every name is shown whole."""
+        told = dict(zip(self._names, self._worth, strict=False))
+        words = (_words(name, told.get(name)) for name in self._names)
+        bar = self.verticalScrollBar().sizeHint().width()
+        wide = max((self.fontMetrics().horizontalAdvance(each) for each in words), default=0)
+        return max(wide + bar + 4 * GAP, self.minimumSizeHint().width())
+
     def minimumSizeHint(self) -> QSize:
         """Return the size of two names."""
         return QSize(px(150), self._high * 2 + 2 * GAP)

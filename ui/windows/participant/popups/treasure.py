@@ -1,26 +1,39 @@
 """The pop-up about a treasure that a robot found."""
 
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
-    QHBoxLayout,
+    QGridLayout,
     QVBoxLayout,
     QWidget,
 )
 
 from ui.model.screen import PickName, TreasurePopup
 from ui.windows import look
-from ui.windows.look import GAP, spaced
-from ui.windows.participant.popups.finding import FactActs, NamingResult, TreasureFacts, TreasurePicture
+from ui.windows.look import GAP, px, spaced
+from ui.windows.participant.popups.finding import (
+    FACTS_WIDTH,
+    PICTURE,
+    FactActs,
+    NamingResult,
+    PicturePlace,
+    TreasureFacts,
+    find_size,
+)
 from ui.windows.participant.popups.names import NameList
 from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.participant.widgets.panels import TitledPanel, set_text
 
 
 class TreasurePanel(TitledPanel):
-    """Sensor readings and picture at the left, the list of possible names at the right."""
+    """Picture and sensor readings at the left, the list of possible names at the right, the acts below.
+
+    In a narrow panel the list is below picture and readings.
+    """
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Treasure", parent)
         self._pop: TreasurePopup | None = None
+        self._columns: tuple[bool, bool] | None = None
         self.aside = ActionButton("quiet")
         self.top.addWidget(self.aside)
         self.talk = look.label(muted=True)
@@ -28,41 +41,64 @@ class TreasurePanel(TitledPanel):
         self.more = FactActs()
         self.more.requested.connect(self.requested)
         self.rows.addWidget(self.more)
-        columns = spaced(QHBoxLayout(), 2 * GAP)
-        self.rows.addLayout(columns, 1)
-        left, right = spaced(QVBoxLayout(), int(1.5 * GAP)), spaced(QVBoxLayout(), GAP)
-        columns.addLayout(left, 2)
-        columns.addLayout(right, 3)
-        self.facts, self.picture, self.names, self.verdict = (
-            TreasureFacts(),
-            TreasurePicture(),
-            NameList(),
-            NamingResult(),
-        )
-        self.take_picture = ActionButton(hints=True)
-        # It keeps its space when hidden: else the list would move under the pointer when the picture comes.
-        keeping = self.take_picture.sizePolicy()
-        keeping.setRetainSizeWhenHidden(True)
-        self.take_picture.setSizePolicy(keeping)
-        left.addWidget(self.facts)
-        left.addWidget(self.picture)
-        left.addWidget(self.take_picture)
-        left.addStretch(1)
+        self.place, self.facts, self.names, self.verdict = PicturePlace(), TreasureFacts(), NameList(), NamingResult()
+        self.picture, self.take_picture = self.place.picture, self.place.take
         self._asking = look.label("What is it?", bold=True)
+        self._naming = QWidget()
+        naming = spaced(QVBoxLayout(self._naming), GAP, 0)
+        naming.addWidget(self._asking)
+        naming.addWidget(self.names, 1)
+        naming.addWidget(self.verdict, 1)
+        self._stakes = look.label(size="small", muted=True)
+        naming.addWidget(self._stakes)
+        self._grid = spaced(QGridLayout(), int(1.5 * GAP))
+        self.rows.addLayout(self._grid, 1)
         self.name_it, self.leave = ActionButton("main", hints=True), ActionButton("plain", hints=True)
         self.unsure = ActionButton("plain", hints=True)
-        for widget, stretch in (
-            (self._asking, 0),
-            (self.names, 1),
-            (self.verdict, 1),
-            (self.name_it, 0),
-            (self.unsure, 0),
-            (self.leave, 0),
-        ):
-            right.addWidget(widget, stretch)
-        for button in (self.aside, self.take_picture, self.name_it, self.unsure, self.leave):
+        others = spaced(QVBoxLayout(), GAP)
+        self.foot.setContentsMargins(GAP, 0, GAP, GAP)
+        self.foot.addWidget(self.name_it, 3)
+        self.foot.addLayout(others, 2)
+        others.addWidget(self.unsure)
+        others.addWidget(self.leave)
+        for button in (self.aside, self.picture, self.take_picture, self.name_it, self.unsure, self.leave):
             button.requested.connect(self.requested)
         self.names.picked.connect(self._ask_for_pick)
+        self.arrange(self.usual_size())
+
+    def arrange(self, space: QSize) -> None:
+        """Put the list beside the picture where a name fits whole there, or else below; the readings likewise.
+
+        Where space is short, what a name costs and wins is below the list and not on the button.
+        """
+        super().arrange(space)
+        for button in (self.name_it, self.unsure, self.leave):
+            button.show_hints(not self.compact)
+        self._show_stakes()
+        width = min(self.usual_size().width(), space.width())
+        beside = width - self.edges().width() - PICTURE.width() - int(3.5 * GAP)
+        columns = beside >= self.names.widest(), beside >= px(FACTS_WIDTH)
+        if columns == self._columns:
+            return
+        self._columns = columns
+        top = Qt.AlignmentFlag.AlignTop
+        facts = (0, 1) if columns == (False, True) else (1, 0)
+        self._grid.addWidget(self.place, 0, 0, top)
+        self._grid.addWidget(self.facts, *facts, top)
+        self._grid.addWidget(self._naming, *((0, 1, 2, 1) if columns[0] else (2, 0, 1, 2)))
+        self._grid.setColumnStretch(1, 1)
+        self._grid.setRowStretch(1, int(columns[0]))
+        self._grid.setRowStretch(2, int(not columns[0]))
+
+    def _show_stakes(self) -> None:
+        """Say what a name costs and wins where the button does not."""
+        asks = self._pop is not None and self._pop.asks_for_name
+        set_text(self._stakes, self._pop.name_it.hint if self._pop is not None and asks else "")
+        self._stakes.setVisible(self.compact and asks)
+
+    def usual_size(self) -> QSize:
+        """Return that of all pop-ups about what was found."""
+        return find_size()
 
     def _ask_for_pick(self, name: str) -> None:
         # A function within `__init__` would hold this panel by a list that it owns, so that nothing could free it.
@@ -80,19 +116,17 @@ class TreasurePanel(TitledPanel):
         self.facts.show_facts(pop.facts)
         self.more.show_facts(pop.facts or ())
         unseen = "No picture was taken" if pop.verdict is not None else "No picture yet"
-        self.picture.show_picture(pop.picture, pop.picture_note or unseen)
-        self.take_picture.setVisible(pop.take_picture is not None)
-        if pop.take_picture is not None:
-            self.take_picture.show_action(pop.take_picture)
+        self.place.show_place(pop.picture, pop.picture_note or unseen, pop.take_picture, pop.enlarge)
         decided = pop.verdict is not None
         self.names.show_names(() if decided else pop.names, pop.picked, pop.worth)
         self.names.setVisible(not decided)
         set_text(self._asking, f"What is it? {pop.typed}…" if pop.typed else "What is it?")
         self._asking.setVisible(not decided)
         self.verdict.setVisible(decided)
+        self._show_stakes()
         if pop.verdict is not None:
             self.verdict.show_verdict(pop.verdict, pop.points)
         for button, action in ((self.name_it, pop.name_it), (self.unsure, pop.unsure), (self.leave, pop.leave)):
             if action is not None:
-                button.show_action(action)
+                button.show_action(action, pop.longest_name_it if button is self.name_it else None)
             button.setVisible(action is not None and not decided)

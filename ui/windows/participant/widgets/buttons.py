@@ -140,7 +140,8 @@ class ActionButton(ParticipantButton):
         super().__init__(parent)
         self._action: Action | None = None
         self._weight = weight
-        self._hints = hints
+        self._hints = self._breaks = hints
+        self._kept: ButtonFace | None = None
         # The last key of the act shown.
         self._last_key = ""
         # A label that breaks into lines needs more than the usual height.
@@ -150,13 +151,30 @@ class ActionButton(ParticipantButton):
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
 
-    def show_action(self, action: Action) -> None:
-        """Show this; does nothing when it is shown already."""
+    def show_action(self, action: Action, longest: Action | None = None) -> None:
+        """Show this; does nothing when it is shown already.
+
+        Args:
+            action: shown from now on.
+            longest: another action whose space is kept, so that nothing moves when that is shown.
+        """
+        if longest is not None:
+            kept = ButtonFace(longest.label, longest.key, longest.enabled, longest.hint, longest.pending)
+            if kept != self._kept:
+                self._kept = kept
+                self.updateGeometry()
         if action != self._action:
             if self._action is None or action.act != self._action.act:
                 self._last_key = ""
             self._action = action
             self.bind(action, action.label)
+
+    def show_hints(self, shown: bool) -> None:
+        """Show the hint below the label, or leave it to the tool tip."""
+        if shown != self._hints:
+            self._hints = shown
+            self.updateGeometry()
+            self.update()
 
     def show_face(self, face: ButtonFace, name: str) -> None:
         """Show this face."""
@@ -179,19 +197,21 @@ class ActionButton(ParticipantButton):
         return QSize(width, self.heightForWidth(width))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the least size: labels may break into lines where there are hints."""
+        """Return the least size: labels may break into lines where there are hints at times."""
         hint = self.sizeHint()
-        return QSize(min(hint.width(), px(96)), hint.height()) if self._hints else hint
+        return QSize(min(hint.width(), px(96)), hint.height()) if self._breaks else hint
 
     def heightForWidth(self, width: int) -> int:
         """Return the height that the broken lines need."""
-        face = self.face
-        if face is None:
-            return 0
+        high = max((self._words_high(face, width) for face in (self.face, self._kept) if face is not None), default=0.0)
+        return int(max(high, key_size("X")[1]) + 2.0 * self._above()) + 1 if self.face is not None else 0
+
+    def _words_high(self, face: ButtonFace, width: int) -> float:
+        """Return the height of the broken lines of a face."""
         text = self._height(face.label, self._font(), width - self._beside(face))
         if self._hints and face.hint:
             text += self._height(face.hint, font("small"), width - self._beside(face)) + 2.0
-        return int(max(text, key_size("X")[1]) + 2.0 * self._above()) + 1
+        return text
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the face, the words, the key, and the ring of the focus."""

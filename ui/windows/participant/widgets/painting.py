@@ -1,5 +1,6 @@
 """Shapes that buttons, cards and tiles are painted with, so that a thing looks the same wherever it is shown."""
 
+from collections.abc import Sequence
 from typing import Literal
 
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -155,6 +156,12 @@ def hatch(ink: str, ground: str) -> QBrush:
 
 
 _HATCHES: dict[tuple[str, str], QPixmap] = {}
+
+
+def fitting(texts: Sequence[str], width: float, metrics: QFontMetricsF) -> str:
+    """Return the first of these texts that fits, or as much of the last one as does."""
+    whole = (text for text in texts if metrics.horizontalAdvance(text) <= width)
+    return next(whole, None) or elided(texts[-1], width, metrics)
 
 
 def elided(text: str, width: float, metrics: QFontMetricsF) -> str:

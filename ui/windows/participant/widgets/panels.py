@@ -60,7 +60,9 @@ class TitledPanel(QFrame):
     Attributes:
         requested: carries the `Act` of the pressed button, or of the picked name.
         top: the row of the title; what is added goes to its right.
-        rows: what is below it.
+        rows: what is below it, which scrolls where there is too little space.
+        foot: what is below that and always in sight.
+        compact: there is less space than usual on the map.
     """
 
     requested = Signal(object)
@@ -73,7 +75,10 @@ class TitledPanel(QFrame):
         self.rows = spaced(QVBoxLayout(inside), int(1.5 * GAP), GAP)
         self._around = spaced(QVBoxLayout(self), 0, GAP)
         self._inside, self._scrolling = inside, PanelScrollArea(inside, self.rows)
-        self._around.addWidget(self._scrolling)
+        self._around.addWidget(self._scrolling, 1)
+        self.compact = False
+        self.foot = spaced(QHBoxLayout(), GAP, 0)
+        self._around.addLayout(self.foot)
         self._chip = RobotChip()
         self._title = look.label(size="title", bold=True)
         self.top = spaced(QHBoxLayout(), GAP)
@@ -87,14 +92,25 @@ class TitledPanel(QFrame):
         self._chip.show_robot(robot)
         self.setAccessibleName(title)
 
+    def usual_size(self) -> QSize:
+        """Return its size as a pop-up on the map, logical pixels; it is higher only where its words need more."""
+        return QSize(px(340), px(300))
+
+    def arrange(self, space: QSize) -> None:
+        """Arrange what it holds for the space that there is on the map, logical pixels."""
+        usual = self.usual_size()
+        self.compact = space.width() < usual.width() or space.height() < usual.height()
+        self._title.setFont(font("body" if self.compact else "title", bold=True))
+
     def least(self, width: int) -> int:
         """Return the height that it needs at least in a width, logical pixels; with less it scrolls."""
-        around = self._edges()
-        return least_height(self.rows, width - around.width()) + around.height()
+        around = self.edges()
+        foot = least_height(self.foot, width - around.width()) if self.foot.count() else 0
+        return least_height(self.rows, width - around.width()) + foot + around.height()
 
     def wanted(self, width: int, height: int) -> QSize:
         """Return its size when there is at most so much space."""
-        around = self._edges()
+        around = self.edges()
         wide = width - around.width()
         if self._inside.width() not in (wide, wide - self._scrolling.verticalScrollBar().sizeHint().width()):
             self._inside.resize(wide, self._inside.height())
@@ -102,7 +118,7 @@ class TitledPanel(QFrame):
         needed = self.rows.heightForWidth(wide) if self.rows.hasHeightForWidth() else self.rows.sizeHint().height()
         return QSize(width, min(max(needed, least_height(self.rows, wide)) + around.height(), height))
 
-    def _edges(self) -> QSize:
+    def edges(self) -> QSize:
         """Return the size of its frame and of the space inside it."""
         return self.size() - self.contentsRect().size() + QSize(2 * GAP, 2 * GAP)
 
