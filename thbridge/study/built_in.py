@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
 from thbridge.study.study_file import Study, load_study
 
@@ -28,5 +29,8 @@ def study_at(path: Path | None) -> tuple[Study, Loaded[Study] | None]:
     # A file of such a name comes first: it was played before there were built-in studies.
     if str(path) in BUILT_IN and not path.exists():
         return BUILT_IN[str(path)], None
+    if not path.suffix and not path.exists():
+        remedy = f"check the name and the folder, or name a built-in study: {' or '.join(BUILT_IN)}"
+        raise BadFile(path, "there is no such file", remedy)
     loaded = load_study(path)
     return loaded.value, loaded
