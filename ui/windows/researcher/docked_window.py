@@ -209,7 +209,10 @@ class DockedWindow(QMainWindow):
         for dock in self._docks:
             dock.setVisible(drawable or dock is plots)
         self.topics.show()
-        self.resizeDocks([plots], [self.width() // (4 if drawable else 2)], Qt.Orientation.Horizontal)
+        if drawable:
+            self._size_docks()
+        else:
+            self.resizeDocks([plots], [self.width() // 2], Qt.Orientation.Horizontal)
 
     def dock(self, title: str) -> QDockWidget:
         """Return the dock of this title."""
@@ -248,11 +251,15 @@ class DockedWindow(QMainWindow):
         for tabs in self.findChildren(QTabBar):
             tabs.setAccessibleName("Panes")
         self._docks += bottom
+        self._size_docks()
+
+    def _size_docks(self) -> None:
+        """Give the docks their usual shares of the window."""
+        robots, displays, plots, bottom = self._docks[0], self._docks[1], self._docks[2], self._docks[4]
         wide, high = self.width() / _WANTED.width(), self.height() / _WANTED.height()
-        columns, rows = [round(380 * wide), round(400 * wide)], [round(260 * high), round(460 * high)]
-        self.resizeDocks([self._docks[0], self._docks[2]], columns, Qt.Orientation.Horizontal)
-        self.resizeDocks([self._docks[0], self._docks[1]], rows, Qt.Orientation.Vertical)
-        self.resizeDocks([bottom[0]], [round(265 * high)], Qt.Orientation.Vertical)
+        self.resizeDocks([robots, plots], [round(380 * wide), round(400 * wide)], Qt.Orientation.Horizontal)
+        self.resizeDocks([robots, displays], [round(260 * high), round(460 * high)], Qt.Orientation.Vertical)
+        self.resizeDocks([bottom], [round(265 * high)], Qt.Orientation.Vertical)
 
     def _order_focus(self) -> None:
         """Set the order of Tab to that of the eye: tools, left docks, map, right docks, lower docks."""

@@ -290,7 +290,7 @@ class ResearcherWindow(DockedWindow):
             self.show_status(str(fault))
             return
         self.show_contents(drawable=True)
-        self.show_status(f"{path.name} is shown; robots are where the recording has them in the frame of its map.")
+        self.show_status(f"{path.name} is shown in addition to the recording.")
 
     # Sections of recordings
 
