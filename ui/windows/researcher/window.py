@@ -255,6 +255,10 @@ class ResearcherWindow(DockedWindow):
         self.topics.show_topics(numbers.topics)
         if self._feed.foreign:
             self.show_contents(drawable=scene.grid is not None or bool(scene.robots))
+        if scene.grid is None and scene.robots:
+            self._selected = self._tool_controller.selected = scene.robots[0].robot
+            self.follow.setChecked(True)  # without a map nothing else says where to look
+            self._follow(True)
 
     def _list_numbers(self, topic: str) -> None:
         if self._feed.numbers is None:
@@ -290,6 +294,7 @@ class ResearcherWindow(DockedWindow):
             self.show_status(str(fault))
             return
         self.show_contents(drawable=True)
+        self._fit()
         self.show_status(f"{path.name} is shown in addition to the recording.")
 
     # Sections of recordings
