@@ -85,7 +85,7 @@ class Ground(MapItem):
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
         """Draw the picture; into a file, what it is made of."""
-        if self.exported:
+        if self._exportOpts:
             self._paint_all(painter, to_pixels, self.box.rect())
             return
         picture, ratio = self._picture, self.box.getViewWidget().devicePixelRatioF()

@@ -48,11 +48,6 @@ class MapItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type
         """Draw in logical pixels of the box, to which a transform leads from map metres."""
         raise NotImplementedError
 
-    @property
-    def exported(self) -> bool:
-        """True while the item is drawn into a file or onto the clipboard."""
-        return bool(self._exportOpts)
-
 
 class CellImage(pg.ImageItem):  # type: ignore[misc]  # pyqtgraph has no types
     """Cells of a map as an image, without blur."""

@@ -3,8 +3,7 @@
 from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QTransform
 
-from ui.windows.map.box import MapBox
-from ui.windows.map.item import Z_SCALE_BAR, MapItem
+from ui.windows.map.item import MapItem
 from ui.windows.map.lettering import sized, text_scale
 
 LENGTHS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
@@ -16,9 +15,6 @@ SHORTEST = 60.0
 
 class ScaleBar(MapItem):
     """Bar of a round number of meters in the lower right corner. pyqtgraph's own bar has one length at all scales."""
-
-    def __init__(self, box: MapBox) -> None:
-        super().__init__(box, Z_SCALE_BAR)
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
         """Draw the bar, unless it would lie below what covers a part of the map."""

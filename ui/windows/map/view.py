@@ -18,6 +18,7 @@ from ui.windows.map.box import MapBox
 from ui.windows.map.changes import same_robots, same_rooms
 from ui.windows.map.geometry import contains, unpack
 from ui.windows.map.ground import Ground
+from ui.windows.map.item import Z_SCALE_BAR
 from ui.windows.map.lettering import fitting_font
 from ui.windows.map.points import pixel
 from ui.windows.map.robots import Robots
@@ -82,7 +83,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self.box = MapBox(palette, self.font(), menu=axes)
         self._ground = Ground(self.box)
         self._robots = Robots(self.box, self._ground)
-        self._scale_bar = ScaleBar(self.box)
+        self._scale_bar = ScaleBar(self.box, Z_SCALE_BAR)
         self._axes = {side: pg.AxisItem(side, linkView=self.box) for side in (("left", "bottom") if axes else ())}
         self._lay_out()
         self._rooms: tuple[RoomMark, ...] = ()
