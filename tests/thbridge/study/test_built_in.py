@@ -15,7 +15,7 @@ def test_a_name_is_a_built_in_study_and_a_file_of_that_name_comes_first(
     monkeypatch.chdir(tmp_path)
     assert study_at(Path("standard")) == (STANDARD, None)
     assert study_at(Path("original-2016")) == (Study(), None)
-    with pytest.raises(BadFile, match="no such file.* standard or original-2016"):
+    with pytest.raises(BadFile, match=r"no such file.* standard or original-2016"):
         study_at(Path("original-2017"))
     Path("standard").write_text("robots: 5\n")
     study, file = study_at(Path("standard"))
