@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QImage
 from PySide6.QtWidgets import QProgressDialog
 
@@ -39,6 +39,8 @@ FRAME = 33
 """Milliseconds from one frame of the map to the next."""
 SLOW, PLOTTED = 5, 2
 """Frames of the map to one update of the lists, and to one of the plots, which take turns."""
+MARGIN = 3.0
+"""Meters around robots that the view reaches where there is no map."""
 DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(
     [[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
 )
@@ -186,9 +188,21 @@ class ResearcherWindow(DockedWindow):
         before, self.scene, self._tool_controller.scene = self.scene, scene, scene
         if scene.grid is not None and (before is None or before.grid is not scene.grid):
             self._map.show_floor_plan(floor_plan_of("", scene.grid, (), ()))
+        if scene.grid is None:
+            self._widen(scene)
         self._map.show_rooms(scene.rooms if self.displays.shows(MapDisplay.ROOMS) else ())
         self._overlays.show(scene, self._selected, self.displays)
         self._map.show_robots([mark for robot in scene.robots if (mark := self._mark(robot)) is not None])
+
+    def _widen(self, scene: Scene) -> None:
+        """Let the view reach wherever robots have been shown, since there is no map."""
+        box = self._map.box
+        places = [place for robot in scene.robots if (place := robot.estimate or robot.truth) is not None]
+        for place in places:
+            if not box.bounds.contains(place.x, place.y):
+                box.bounds = box.bounds.united(QRectF(place.x - MARGIN, place.y - MARGIN, 2.0 * MARGIN, 2.0 * MARGIN))
+                if box.fitted:
+                    box.fit()
 
     def _mark(self, robot: RobotScene) -> RobotMark | None:
         """Return how a robot is drawn; None where its pose is unknown."""
@@ -255,10 +269,6 @@ class ResearcherWindow(DockedWindow):
         self.topics.show_topics(numbers.topics)
         if self._feed.foreign:
             self.show_contents(drawable=scene.grid is not None or bool(scene.robots))
-        if scene.grid is None and scene.robots:
-            self._selected = self._tool_controller.selected = scene.robots[0].robot
-            self.follow.setChecked(True)  # without a map nothing else says where to look
-            self._follow(True)
 
     def _list_numbers(self, topic: str) -> None:
         if self._feed.numbers is None:

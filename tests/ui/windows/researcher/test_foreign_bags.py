@@ -127,10 +127,12 @@ def test_a_map_is_loaded_in_addition_to_the_recording(tmp_path: Path, qtbot: QtB
     path = write_map(tmp_path / "map")
     for window in shown(tmp_path / "drive.bag", qtbot):
         assert window.scene is not None and window.scene.grid is None
-        assert window.follow.isChecked(), "without a map, the robot is in sight"
+        (robot,) = window.scene.robots
+        assert robot.estimate is not None
+        assert window.canvas.box.viewRect().contains(robot.estimate.x, robot.estimate.y), "it is in sight"
         window.map_chosen.emit(path)
         window.refresh()
         assert window.scene is not None and window.scene.grid == read_grid(path)
-        assert window.canvas.isVisible() and not window.follow.isChecked()
+        assert window.canvas.isVisible()
         window.map_chosen.emit(tmp_path / "none.yaml")
         assert "none.yaml" in window.statusBar().currentMessage()
