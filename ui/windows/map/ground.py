@@ -89,7 +89,8 @@ class Ground(MapItem):
             self._paint_all(painter, to_pixels, self.box.rect())
             return
         picture, ratio = self._picture, self.box.getViewWidget().devicePixelRatioF()
-        moving = picture is not None and picture.to_pixels.m11() == to_pixels.m11()
+        # The scale of a view that is only moved differs in its last digits.
+        moving = picture is not None and math.isclose(picture.to_pixels.m11(), to_pixels.m11(), rel_tol=1e-9)
         if not moving or picture is None or not self._covered(picture, to_pixels, ratio):
             picture = self._picture = self._painted(to_pixels, ratio, MARGIN if moving else 0.0)
         painter.drawPixmap(picture.corner(to_pixels), picture.pixmap)

@@ -79,6 +79,17 @@ def test_another_size_keeps_the_scale_of_a_map_that_was_moved(qtbot: QtBot) -> N
         assert view.metres(1.0) == pytest.approx(scale)
 
 
+def test_the_picture_of_walls_and_rooms_is_kept_while_the_map_is_moved(view: MapView) -> None:
+    view.fit()
+    view.box.zoom(1.7, 1.0, 1.0)
+    pictures = []
+    for step in range(30):
+        view.box.translateBy(x=0.1 / (step + 3), y=-0.1 / (step + 7))
+        view.grab()
+        pictures.append(view._ground._picture)
+    assert len({id(picture) for picture in pictures}) <= 2, "one at first, and one with a margin"
+
+
 def colors(image: QImage) -> np.ndarray:
     """Return (70, 100, 3) colors of an image, made small."""
     small = image.scaled(100, 70, mode=Qt.TransformationMode.SmoothTransformation)
