@@ -123,6 +123,8 @@ class GamePage(QWidget):
             title.setWordWrap(False)
             row.addWidget(title)
             row.addSpacing(2 * GAP)
+            # Advice of one line and of two take the same height, so that the map below stays where it is.
+            look.follow_text(self._advice, lambda it: it.setMinimumHeight(2 * it.fontMetrics().lineSpacing()))
         said = spaced(QVBoxLayout(), 0, 0)
         said.addWidget(self._advice)
         said.addWidget(self._to_do)

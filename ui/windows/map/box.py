@@ -3,7 +3,7 @@
 import math
 
 import pyqtgraph as pg
-from PySide6.QtCore import QRect, QRectF
+from PySide6.QtCore import QRectF
 from PySide6.QtGui import QFont, QTransform
 from PySide6.QtWidgets import QGraphicsSceneResizeEvent, QMenu
 
@@ -14,7 +14,7 @@ MAX_SCALE = 400.0
 """Largest scale, pixels per metre."""
 
 FIT_MARGIN = 30.0
-"""Pixels around the floor plan when all of it is shown; half of them when a part of the box is for it."""
+"""Pixels around the floor plan when all of it is shown."""
 
 LEAST_FIT = 0.5
 """Least scale, as a share of the one at which the whole map is shown."""
@@ -35,7 +35,6 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         letters: the font that items are drawn in.
         fitted: True while the whole map is shown, since nobody has moved it.
         bounds: box around the map, metres.
-        free: part of the box in which the whole map is shown, pixels; None for all of it.
     """
 
     def __init__(self, palette: Palette, letters: QFont, *, menu: bool) -> None:
@@ -44,7 +43,6 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         self.letters = letters
         self.fitted = True
         self.bounds = QRectF(-1.0, -1.0, 2.0, 2.0)
-        self.free: QRect | None = None
         self._menu = QMenu() if menu else None
         if self._menu is not None:
             self._menu.addAction("Show all").triggered.connect(self.fit)
@@ -55,13 +53,14 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
     def fit(self) -> None:
         """Show the whole map, also after changes of size."""
         self.fitted = True
-        self._show_scale(self.fit_scale(self.free), QRectF(self.free or self.rect()))
+        middle = self.bounds.center()
+        self._show_scale(self.fit_scale(), middle.x(), middle.y())
 
-    def fit_scale(self, free: QRect | None) -> float:
-        """Return the scale of the whole map in a part of the box, or in all of it, pixels per metre."""
-        part, margin = (self.rect(), 2.0 * FIT_MARGIN) if free is None else (QRectF(free), FIT_MARGIN)
-        across = max(part.width() - margin, 1.0) / self.bounds.width()
-        return min(across, max(part.height() - margin, 1.0) / self.bounds.height(), MAX_SCALE)
+    def fit_scale(self) -> float:
+        """Return the scale of the whole map, pixels per metre."""
+        across: float = max(self.rect().width() - 2.0 * FIT_MARGIN, 1.0) / self.bounds.width()
+        down: float = max(self.rect().height() - 2.0 * FIT_MARGIN, 1.0) / self.bounds.height()
+        return min(across, down, MAX_SCALE)
 
     @property
     def middle(self) -> tuple[float, float]:
@@ -94,7 +93,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         if self.fitted:
             self.fit()
         else:
-            self._show_scale(scale, self.rect(), *middle)
+            self._show_scale(scale, *middle)
 
     def menuEnabled(self) -> bool:
         """Return True where the right button opens a menu."""
@@ -108,22 +107,19 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         self.fitted = False
         self._limit(self.viewRect())
 
-    def _show_scale(self, scale: float, part: QRectF, x: float | None = None, y: float | None = None) -> None:
-        """Show a map point, or the middle of the map, in the middle of a part of the box."""
-        x, y = (self.bounds.center().x() if x is None else x), (self.bounds.center().y() if y is None else y)
-        left, bottom = x - part.center().x() / scale, y - (self.rect().height() - part.center().y()) / scale
-        view = QRectF(left, bottom, max(self.rect().width(), 1.0) / scale, max(self.rect().height(), 1.0) / scale)
+    def _show_scale(self, scale: float, x: float, y: float) -> None:
+        """Show a map point in the middle of the box."""
+        wide, high = max(self.rect().width(), 1.0) / scale, max(self.rect().height(), 1.0) / scale
+        view = QRectF(x - wide / 2.0, y - high / 2.0, wide, high)
         self._limit(view)
         self.setRange(view, padding=0.0)
 
     def _limit(self, view: QRectF) -> None:
         """Keep the middle of the view on the map, and its scale within bounds."""
         width, height = self.rect().width(), self.rect().height()
-        widest = min(self.fit_scale(None) * LEAST_FIT, self.fit_scale(self.free))
+        widest = self.fit_scale() * LEAST_FIT
         x, y = view.width() / 2.0, view.height() / 2.0
         shown = self.bounds.adjusted(-x, -y, x, y)
-        if self.fitted:  # A map in a part of the box is beside the middle.
-            shown = shown.united(view)
         self.setLimits(
             xMin=shown.left(),
             xMax=shown.right(),

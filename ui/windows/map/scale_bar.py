@@ -17,9 +17,7 @@ class ScaleBar(MapItem):
     """Bar of a round number of meters in the lower right corner. pyqtgraph's own bar has one length at all scales."""
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw the bar, unless it would lie below what covers a part of the map."""
-        if self.box.free is not None:
-            return
+        """Draw the bar."""
         font, palette = self.box.letters, self.box.colors
         scale = text_scale(font)
         metres = next((length for length in LENGTHS if length * to_pixels.m11() >= SHORTEST * scale), LENGTHS[-1])

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import pyqtgraph as pg
 from pyqtgraph.GraphicsScene.mouseEvents import MouseClickEvent
-from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QFontMetricsF, QKeyEvent, QMouseEvent, QNativeGestureEvent, QResizeEvent
 from PySide6.QtWidgets import QGraphicsScene, QSizePolicy, QWidget
 
@@ -172,17 +172,6 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     def fitted(self) -> bool:
         """True while the whole floor plan is shown, since nobody has moved it."""
         return self.box.fitted
-
-    def scale_within(self, free: QRect) -> float:
-        """Return the scale of the whole floor plan in a part of the view, pixels per meter."""
-        return self.box.fit_scale(None if free == self.rect() else free)
-
-    def keep_within(self, free: QRect | None) -> None:
-        """Show the whole floor plan in a part of the view, while nobody has moved it; None: in all of it."""
-        if free != self.box.free:
-            self.box.free = free
-            if self.box.fitted:
-                self.box.fit()
 
     def follow(self, robot: int | None) -> None:
         """Keep this robot in the middle; None: stop following."""

@@ -75,7 +75,11 @@ class DialoguePanel(TitledPanel):
     def usual_size(self) -> QSize:
         """Return that of a find where it is about one, since the one takes the place of the other."""
         about_find = self._pop is not None and (self._pop.facts or self._pop.picture is not None)
-        return find_size() if about_find else super().usual_size()
+        if about_find:
+            return find_size()
+        # Robots that argue say more, and offer more answers.
+        numbered = self._pop is not None and self._pop.numbered
+        return QSize(px(380), px(400)) if numbered else super().usual_size()
 
     def go_to(self, key: int) -> None:
         """Go to the first answer by Down, to the last by Up; turn pages of what was said."""

@@ -131,12 +131,18 @@ class PicturePlace(QWidget):
             part.setSizePolicy(keeping)
         self.take.hide()
         self.setFixedWidth(PICTURE.width())
+        follow_text(self, PicturePlace._fit)
+
+    def _fit(self) -> None:
+        """Keep the height that the words of the button need in the width of a picture."""
+        self.take.setMinimumHeight(self.take.heightForWidth(PICTURE.width() - 2 * GAP))
 
     def show_place(self, picture: bytes | None, note: str, take: Action | None, enlarge: Action | None) -> None:
         """Show the picture, or the button that takes it, or a note that says why there is neither."""
         self.picture.show_picture(picture, note, enlarge)
         if take is not None:
             self.take.show_action(take)
+            self._fit()
         self.take.setVisible(take is not None)
         self.picture.setVisible(take is None)
 
