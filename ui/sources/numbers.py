@@ -34,7 +34,7 @@ class TopicContents:
 
 
 @dataclass(frozen=True, slots=True)
-class NumberField:
+class PlottedField:
     """A number in the messages of a topic.
 
     Attributes:
@@ -94,13 +94,13 @@ class TopicNumbers:
         self.topics = tuple(
             TopicContents(topic, ", ".join(sorted(kinds[topic])), count) for topic, count in index.counts.items()
         )
-        self.chosen: tuple[NumberField, ...] = ()
-        self._fields: dict[str, tuple[NumberField, ...]] = {}
-        self._curves: dict[NumberField, _CurveParts] = {}
-        self._reading: tuple[tuple[NumberField, ...], Iterator[float]] | None = None
+        self.chosen: tuple[PlottedField, ...] = ()
+        self._fields: dict[str, tuple[PlottedField, ...]] = {}
+        self._curves: dict[PlottedField, _CurveParts] = {}
+        self._reading: tuple[tuple[PlottedField, ...], Iterator[float]] | None = None
         self.share = 1.0
 
-    def fields(self, topic: str) -> tuple[NumberField, ...]:
+    def fields(self, topic: str) -> tuple[PlottedField, ...]:
         """Return the numbers in the messages of a topic, by its first, its middle and its last message."""
         if topic not in self._fields:
             tables = _Tables(topic, self._index.start_ns)
@@ -110,7 +110,7 @@ class TopicNumbers:
             self._fields[topic] = tuple(sorted(dict.fromkeys(found), key=_is_minor))
         return self._fields[topic]
 
-    def choose(self, chosen: Collection[NumberField]) -> None:
+    def choose(self, chosen: Collection[PlottedField]) -> None:
         """Keep the curves of these numbers, and begin to read those that are missing."""
         self.chosen = tuple(chosen)
         unfinished = () if self._reading is None else self._reading[0]
@@ -134,7 +134,7 @@ class TopicNumbers:
             self._reading = None
         return True
 
-    def curve(self, number: NumberField) -> tuple[FloatArray, FloatArray]:
+    def curve(self, number: PlottedField) -> tuple[FloatArray, FloatArray]:
         """Return (n,) seconds since the beginning and (n,) values of a chosen number, as far as they are read."""
         parts = self._curves.get(number)
         return _NO_CURVE if parts is None else parts.joined()
@@ -148,7 +148,7 @@ class TopicNumbers:
         )
         return {place for place in places if place is not None}
 
-    def _read(self, topic: str, wanted: Collection[NumberField]) -> Iterator[float]:
+    def _read(self, topic: str, wanted: Collection[PlottedField]) -> Iterator[float]:
         """Read the messages of a topic; yields the share that is done."""
         tables, chunks, waiting = _Tables(topic, self._index.start_ns), max(self._index.chunks, 1), 0
         for done, places in enumerate(self._index.walk([topic])):
@@ -163,7 +163,7 @@ class TopicNumbers:
             yield (done + 1) / chunks
         self._keep(tables, wanted)
 
-    def _keep(self, tables: "_Tables", wanted: Collection[NumberField]) -> None:
+    def _keep(self, tables: "_Tables", wanted: Collection[PlottedField]) -> None:
         for rows in tables.take():
             for number in wanted:
                 if rows.table.name.removeprefix(".") == number.table and (piece := _values_of(rows, number)):
@@ -196,12 +196,12 @@ class _Tables:
                 yield from tables.take(Counter())
 
 
-def _is_minor(number: NumberField) -> bool:
+def _is_minor(number: PlottedField) -> bool:
     """Return True for numbers that are rarely plotted; they come last."""
     return number.column in {"seq", "stamp_ns"} or "cov_" in number.column or "covariance" in number.column
 
 
-def _fields_in(topic: str, rows: TableRows) -> Iterator[NumberField]:
+def _fields_in(topic: str, rows: TableRows) -> Iterator[PlottedField]:
     """Yield the numbers in some rows of a table."""
     table, names = rows.table.name.removeprefix("."), [column.name for column in rows.table.columns]
     items: list[int | None] = [None]
@@ -216,16 +216,16 @@ def _fields_in(topic: str, rows: TableRows) -> Iterator[NumberField]:
                 if _is_numbers(values.elements):
                     longest = max(values.lengths, default=0)
                     for element in range(min(int(longest), MOST_ELEMENTS)):
-                        yield NumberField(topic, table, column.name, column.unit, item, element)
+                        yield PlottedField(topic, table, column.name, column.unit, item, element)
             elif isinstance(values, OptionalColumn) or _is_numbers(values):
-                yield NumberField(topic, table, column.name, column.unit, item)
+                yield PlottedField(topic, table, column.name, column.unit, item)
 
 
 def _is_numbers(values: object) -> bool:
     return isinstance(values, np.ndarray) and values.dtype.kind in "biuf"
 
 
-def _values_of(rows: TableRows, number: NumberField) -> tuple[FloatArray, FloatArray] | None:
+def _values_of(rows: TableRows, number: PlottedField) -> tuple[FloatArray, FloatArray] | None:
     """Return (n,) times and (n,) values of a number in some rows of its table; None where they have no such column."""
     names = [column.name for column in rows.table.columns]
     if number.column not in names:

@@ -1,4 +1,4 @@
-"""What the researcher's windows of a user remember: recordings and sessions opened before, and bookmarks."""
+"""Memory of the researcher's windows: recordings and sessions opened before, and bookmarks."""
 
 import json
 from collections.abc import Sequence

@@ -21,7 +21,7 @@ from ui.model.watching.bookmarks import Bookmarks, clock
 from ui.model.watching.curves import as_steps, broken
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene, ShownLayers
 from ui.model.watching.series import RobotSeries
-from ui.sources.numbers import NumberField
+from ui.sources.numbers import PlottedField
 from ui.windows.map import MapView
 from ui.windows.researcher.docked_window import DockedWindow
 from ui.windows.researcher.docks.displays import MapDisplay
@@ -278,7 +278,7 @@ class ResearcherWindow(DockedWindow):
         except BadFile as fault:
             self.show_status(str(fault))
 
-    def _choose_numbers(self, chosen: tuple[NumberField, ...]) -> None:
+    def _choose_numbers(self, chosen: tuple[PlottedField, ...]) -> None:
         if self._feed.numbers is not None:
             self._feed.numbers.choose(chosen)
             self._plotted = ()
@@ -444,7 +444,7 @@ def _row_of(robot: RobotScene) -> RobotRow:
     return RobotRow(robot.name, state, robot.error, robot.deviation, robot.energy, robot.speed, trouble)
 
 
-def _plot_of(number: NumberField) -> str:
+def _plot_of(number: PlottedField) -> str:
     """Return the title of a number's plot: numbers of a topic in one unit share one, and the elements of an array."""
     if number.unit:
         return f"{number.topic}, {number.unit}"

@@ -207,7 +207,7 @@ def test_other_calls_are_answered_while_one_asks_for_thousands_at_once():
             many, one = XmlRpcClient(), XmlRpcClient()
             await one.call(master.uri, "getPid", "/x")
             calls: list[XmlRpcValue] = [{"methodName": "getPid", "params": ["/x"]}] * 5000
-            asking = asyncio.ensure_future(many.call(master.uri, "system.multicall", calls))
+            asking = asyncio.ensure_future(many.call(master.uri, "system.multicall", calls, timeout=PATIENCE))
             while master.connections < 2:
                 await asyncio.sleep(0)
             for _ in range(20):

@@ -16,7 +16,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from tests.thbridge.offline.foreign import Robot, write, write_map
 from thbridge.files.map_files import read_grid
 from ui.model.theme import LIGHT
-from ui.sources.numbers import NumberField
+from ui.sources.numbers import PlottedField
 from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 from ui.windows.researcher.window import ResearcherWindow
 
@@ -100,16 +100,16 @@ def test_ticked_numbers_are_plotted_whole_and_go_when_they_are_not_ticked(
     qtbot.waitUntil(lambda: not feed.numbers.work())
     window._show_numbers()
     assert window.plots.titles == ["/panel voltage", "/panel cells", "/panel reading"]
-    times, values = feed.numbers.curve(NumberField("/panel", "", "voltage", ""))
+    times, values = feed.numbers.curve(PlottedField("/panel", "", "voltage", ""))
     assert times == pytest.approx(np.arange(MESSAGES) * PERIOD_NS / 1e9)
     assert values == pytest.approx(np.sin(np.arange(MESSAGES)))
     odd = np.arange(1, MESSAGES, 2)
-    times, values = feed.numbers.curve(NumberField("/panel", "gauges", "reading", "", item=1))
+    times, values = feed.numbers.curve(PlottedField("/panel", "gauges", "reading", "", item=1))
     assert times == pytest.approx(odd * PERIOD_NS / 1e9) and values == pytest.approx(-odd)
     for row in (0, 4):
         topic.child(row).setCheckState(0, Qt.CheckState.Unchecked)
     assert window.plots.titles == ["/panel cells"]
-    assert len(feed.numbers.curve(NumberField("/panel", "", "cells", "", element=1))[0]) == MESSAGES
+    assert len(feed.numbers.curve(PlottedField("/panel", "", "cells", "", element=1))[0]) == MESSAGES
 
 
 def test_plots_fill_their_pane_however_they_came(window: ResearcherWindow, qtbot: QtBot) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHeaderView, QLineEdit, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
 
-from ui.sources.numbers import NumberField, TopicContents
+from ui.sources.numbers import PlottedField, TopicContents
 from ui.windows.look import spaced
 from ui.windows.words_of_others import PlainLabel, shown
 
@@ -62,7 +62,7 @@ class TopicTree(QWidget):
         topic_count = "1 topic" if len(topics) == 1 else f"{len(topics)} topics"
         self.total.setText(f"{topic_count}, {messages} messages. Open a topic, and tick numbers to plot them.")
 
-    def show_numbers(self, topic: str, numbers: Sequence[NumberField]) -> None:
+    def show_numbers(self, topic: str, numbers: Sequence[PlottedField]) -> None:
         """List these numbers below their topic."""
         item = next(item for item in _children(self.tree.invisibleRootItem(), 1) if item.data(0, _FIELD) == topic)
         self.tree.blockSignals(True)
@@ -88,9 +88,9 @@ class TopicTree(QWidget):
             on = item.checkState(0) is Qt.CheckState.Checked
             item.setCheckState(0, Qt.CheckState.Unchecked if on else Qt.CheckState.Checked)
 
-    def _ticked(self) -> Iterable[NumberField]:
+    def _ticked(self) -> Iterable[PlottedField]:
         for child in _children(self.tree.invisibleRootItem(), 2):
-            if child.checkState(0) is Qt.CheckState.Checked and isinstance(child.data(0, _FIELD), NumberField):
+            if child.checkState(0) is Qt.CheckState.Checked and isinstance(child.data(0, _FIELD), PlottedField):
                 yield child.data(0, _FIELD)
 
     def _filter(self, text: str) -> None:
