@@ -98,6 +98,7 @@ def said_by(port: int, *lines: str) -> None:
                 told += piece
 
 
+@pytest.mark.slow
 def test_keys_are_nowhere_but_in_their_files(tmp_path: Path, keys: Path) -> None:
     folder, secret = ring(tmp_path)
     secrets = forms_of(secret, PASSPHRASE)

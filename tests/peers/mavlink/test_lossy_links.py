@@ -78,6 +78,7 @@ def item(script: Script, seq: int) -> tuple[int, int]:
         return told.x, told.y
 
 
+@pytest.mark.slow
 def test_a_script_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]]) -> None:
     _, port, _, (link, _) = lossy
     script = Script(f"udpin:127.0.0.1:{port}", 255)

@@ -160,6 +160,7 @@ def test_a_second_run_has_nothing_to_do(whole: Path) -> None:
     assert engine.carried_out == []
 
 
+@pytest.mark.slow
 def test_shards_share_the_games_out_and_their_folder(whole: Path, tmp_path: Path) -> None:
     root = tmp_path / "sweep"
     played = [run(root, InlineEngine(), shard=Shard(number, 3)).played for number in (1, 2, 3)]

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from itertools import count
 
+import pytest
+
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
@@ -29,6 +31,7 @@ class Noting:
         return self.own.choose(conversation, number)
 
 
+@pytest.mark.slow
 def test_the_own_strategy_has_no_faults_in_any_game_or_situation() -> None:
     trial = try_strategy(lambda manner, seed: Noting(own_strategy(manner, seed)), RULEBOOK, 1, 0)
     assert trial.faults == {} and trial.moves > 1000
