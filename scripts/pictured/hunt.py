@@ -116,7 +116,7 @@ class PicturedHunt:
         self.run(0.4)
 
     def send(self, act: Act) -> None:
-        """Send the selected robot somewhere, and agree to all it asks."""
+        """Begin something that is talked over, and agree to all that the robot asks."""
         self.do(act)
         self.agree()
 

@@ -1,6 +1,7 @@
 """A study with people as they go through it at the kiosk."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from PySide6.QtWidgets import QApplication
 
@@ -14,7 +15,8 @@ from thbridge.experiment.folder import EXAMPLE
 from thbridge.experiment.progress import Run
 from thbridge.experiment.questionnaires.form import SHIPPED, read_form
 from thbridge.experiment.store.events import RunState
-from thbridge.study.study_file import DialogueSection, Study
+from thbridge.study.built_in import STANDARD
+from thbridge.study.study_file import DialogueSection
 from ui.hosting.kiosk import words
 from ui.hosting.kiosk.answers import form_item
 from ui.model.kiosk import (
@@ -71,7 +73,8 @@ def at_the_kiosk() -> Iterator[Shot]:
     once_more = words.repetition(words.spoken(StepKind.PRACTICE), 1)
     window.receive(TextToRead(5, words.ONCE_MORE, once_more, progress=StudyProgress(4, STEPS)))
     yield Shot("kiosk-once-more", window)
-    hunt = PicturedHunt(Study(robots=2, dialogue=DialogueSection(condition=DialogueCondition.COLLABORATOR)))
+    argues = DialogueSection(condition=DialogueCondition.COLLABORATOR)
+    hunt = PicturedHunt(replace(STANDARD, robots=2, dialogue=argues))
     hunt.do(ChooseRoom(4))
     hunt.asked()
     seconds = hunt.now

@@ -19,6 +19,7 @@ from thbridge.roles.notices import PoseTelemetry
 from thbridge.roles.participant.tabui import ParticipantUpdate
 from thbridge.roles.robot_requests import StationSend, TakeCommand
 from thbridge.roles.view import View
+from thbridge.study.built_in import STANDARD
 from thbridge.study.study_file import DialogueSection, ParticipantSection, ShowsSection, Study
 from ui.hosting.games import PRACTICE
 from ui.model.lobby import Offer, Preparing
@@ -103,7 +104,7 @@ def consent() -> Iterator[Shot]:
     with tempfile.TemporaryDirectory() as folder:
         text = Path(folder) / "consent.txt"
         text.write_text(CONSENT, encoding="utf-8")
-        hunt = PicturedHunt(Study(participant=ParticipantSection(consent=text)))
+        hunt = PicturedHunt(replace(STANDARD, participant=ParticipantSection(consent=text)))
     yield shot("consent", window_on(hunt.model, lambda: hunt.now))
 
 
@@ -152,7 +153,7 @@ def _application() -> QApplication:
 
 def hunting() -> Iterator[Shot]:
     """Three robots, from the first choice of a room to the end."""
-    hunt = PicturedHunt(Study(robots=3))
+    hunt = PicturedHunt(replace(STANDARD, robots=3))
     window = window_on(hunt.model, lambda: hunt.now)
     hunt.do(ConsiderRoom(6))
     yield shot("begin", window)
@@ -166,17 +167,17 @@ def hunting() -> Iterator[Shot]:
     hunt.send(ChooseRoom(3))
     hunt.reached()
     yield shot("treasure", window)
-    hunt.do(TakeThePicture())
+    hunt.send(TakeThePicture())
     hunt.until(lambda screen: getattr(screen.popup, "picture", None) is not None)
-    hunt.do(PickName("Pink can"))
+    hunt.do(PickName("beer_bottle"))
     yield shot("picture", window)
-    hunt.do(SubmitName())
+    hunt.send(SubmitName())
     hunt.until(lambda screen: getattr(screen.popup, "verdict", None) is not None)
     yield shot("verdict", window)
     hunt.do(ShowNext())
     hunt.reached()
-    hunt.do(PickName("Blue Bottle"))
-    hunt.do(SubmitName())
+    hunt.do(PickName("candy_box"))
+    hunt.send(SubmitName())
     hunt.until(lambda screen: getattr(screen.popup, "verdict", None) is not None)
     yield shot("verdict-wrong", window)
     hunt.do(ShowNext())
@@ -268,7 +269,7 @@ def _end(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
 def sure() -> Iterator[Shot]:
     """A study that shows how sure robots are of their places, and where they are."""
     shows = ShowsSection(uncertainty=True, truth=True)
-    hunt = PicturedHunt(Study(participant=ParticipantSection(shows=shows)))
+    hunt = PicturedHunt(replace(STANDARD, participant=ParticipantSection(shows=shows)))
     hunt.send(ChooseRoom(8))
     hunt.do(ChooseRobot(1))
     hunt.send(ChooseRoom(1))
@@ -281,7 +282,7 @@ def sure() -> Iterator[Shot]:
 
 def commanded() -> Iterator[Shot]:
     """A ground station takes a robot that is driving, is asked for it, and sends it on from the treasure it found."""
-    hunt = PicturedHunt(Study())
+    hunt = PicturedHunt(STANDARD)
     window = window_on(hunt.model, lambda: hunt.now)
     for robot, room in ((1, 1), (0, 8)):
         hunt.do(ChooseRobot(robot))
@@ -365,7 +366,7 @@ def _argued(condition: DialogueCondition) -> Study:
 
 def crowd() -> Iterator[Shot]:
     """Six robots and twelve rooms."""
-    hunt = PicturedHunt(Study(map="warehouse12", templates="sklar-azhar-2015", robots=6))
+    hunt = PicturedHunt(replace(STANDARD, map="warehouse12", robots=6))
     for robot, room in enumerate((5, 12, 3, 9)):
         hunt.do(ChooseRobot(robot))
         hunt.send(ChooseRoom(room))
@@ -376,7 +377,7 @@ def crowd() -> Iterator[Shot]:
 
 def leaving() -> Iterator[Shot]:
     """The question that closing the window asks in the middle of a game."""
-    hunt = PicturedHunt(Study())
+    hunt = PicturedHunt(STANDARD)
     window = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None, lambda: hunt.now)
     window.resize(*SIZE)
     window.show()

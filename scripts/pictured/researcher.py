@@ -27,7 +27,8 @@ from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode
 from thbridge.roles.view import AnswerDialogue, ParticipantRequest, View
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
-from thbridge.study.study_file import Study
+from thbridge.study.built_in import STANDARD
+from thbridge.study.study_file import DialogueSection, Study
 from ui.model.theme import LIGHT
 from ui.model.watching.tools import obstacle
 from ui.windows.researcher.docks.displays import MapDisplay
@@ -35,7 +36,7 @@ from ui.windows.researcher.feeds import session
 from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 from ui.windows.researcher.window import ResearcherWindow
 
-STUDY = replace(Study(), seed=7, robots=3)
+STUDY = replace(STANDARD, seed=7, robots=3)
 TICKS = 1500
 REQUESTS: Mapping[int, Request] = {
     100: PutThing(obstacle("crate", "box", Pose2(0.0, 0.0, 0.0), 0.5)),
@@ -53,7 +54,7 @@ SPOKEN_FOR: Mapping[int, Request] = {
 """Requests of a wizard, by tick: robot 1 has been sent to a room and is to say so; robot 2 is asked."""
 
 
-ARGUED = replace(STUDY, robots=2, dialogue=replace(STUDY.dialogue, condition=DialogueCondition.COLLABORATOR))
+ARGUED = Study(seed=7, robots=2, dialogue=DialogueSection(condition=DialogueCondition.COLLABORATOR))
 """Study of the hunt in which robots argue."""
 
 

@@ -209,6 +209,9 @@ class DockedWindow(QMainWindow):
         for dock in self._docks:
             dock.setVisible(drawable or dock is plots)
         self.topics.show()
+        # Qt keeps the tabs of hidden docks far out of sight, where Tab would go.
+        for tabs in self.findChildren(QTabBar):
+            tabs.setFocusPolicy(Qt.FocusPolicy.TabFocus if drawable else Qt.FocusPolicy.NoFocus)
         if drawable:
             self._size_docks()
         else:

@@ -47,8 +47,9 @@ class WatchProgram(QObject):
         window.open_wanted.connect(lambda: self.ask(window))
         window.source_chosen.connect(lambda path: self._open_from(window, path))
         window.closed.connect(lambda: self.windows.remove(window))
-        window.use_bookmarks(self._memory.bookmarks(opened.source))
-        window.bookmarked.connect(lambda: self._memory.keep_bookmarks(opened.source, window.bookmarks.times))
+        if not opened.feed.live:
+            window.use_bookmarks(self._memory.bookmarks(opened.source))
+            window.bookmarked.connect(lambda: self._memory.keep_bookmarks(opened.source, window.bookmarks.times))
         self.windows.append(window)
         window.show()
         return window

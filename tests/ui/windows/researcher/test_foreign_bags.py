@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QTreeWidgetItem
 from pytestqt.qtbot import QtBot
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from tests.thbridge.offline.foreign import Robot, write, write_map
+from tests.ui.windows.walking import nameless, stops
 from thbridge.files.map_files import read_grid
 from ui.model.theme import LIGHT
 from ui.sources.numbers import PlottedField
@@ -86,6 +87,9 @@ def test_a_recording_without_a_map_shows_its_topics_in_place_of_the_map_and_of_e
     ]
     assert window.topics.isVisible() and not window.canvas.isVisible()
     assert window.plots.titles == [] and window.plots.nothing.isVisible()
+    places = [QRect(stop.mapTo(window, QPoint(0, 0)), stop.size()) for stop in stops(window)]
+    assert all(window.rect().intersects(place) for place in places), "Tab goes nowhere that nobody sees"
+    assert nameless(window) == []
     assert numbers(opened(window, 0)) == ["voltage", "cells[0]", "cells[1]", "gauges[0].reading", "gauges[1].reading"]
     assert numbers(opened(window, 1)) == ["No numbers can be read in its messages."]
 

@@ -53,6 +53,23 @@ def test_the_dialog_opens_a_recording_and_remembers_it(program: WatchProgram, ba
     program.dialog.close()
 
 
+def test_a_session_opens_by_its_address_and_is_remembered(program: WatchProgram, memory: WatchMemory) -> None:
+    assert program.open("127.0.0.1:1") == ""
+    assert memory.recent() == ["127.0.0.1:1"]
+    program.windows[0].refresh()
+    assert "Connecting" in program.windows[0].sign.text() or "Nobody answers" in program.windows[0].sign.text()
+
+
+def test_bookmarks_are_kept_with_their_recording(program: WatchProgram, bag: Path, qtbot: QtBot) -> None:
+    for times in ((), (0.0,)):
+        program.open(str(bag))
+        window = program.windows[-1]
+        qtbot.waitUntil(lambda window=window: window.scene is not None)
+        assert window.bookmarks.times == times
+        window.bookmark_toggled.emit()
+        window.close()
+
+
 def test_the_dialog_stays_and_says_what_is_wrong(program: WatchProgram, tmp_path: Path, qtbot: QtBot) -> None:
     (tmp_path / "none.bag").write_text("this is no bag, whatever it is called")
     program.ask(None)

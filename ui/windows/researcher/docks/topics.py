@@ -11,6 +11,11 @@ from ui.windows.words_of_others import PlainLabel, shown
 
 _FIELD = Qt.ItemDataRole.UserRole
 _MARGIN = 8
+_BOXES = """
+QTreeView::indicator { border: 1px solid palette(text); border-radius: 3px; }
+QTreeView::indicator:checked { background: palette(highlight); }
+"""
+"""Style of the boxes: Qt's own are too faint on dark ground."""
 
 
 class TopicTree(QWidget):
@@ -31,15 +36,14 @@ class TopicTree(QWidget):
         self.filter.setClearButtonEnabled(True)
         self.filter.textChanged.connect(self._filter)
         self.total = PlainLabel()
+        self.total.setWordWrap(True)
         self.tree = QTreeWidget()
         self.tree.setAccessibleName("Topics and their numbers")
         self.tree.setHeaderLabels(["Topic", "Type", "Messages"])
         self.tree.setUniformRowHeights(True)
-        header = self.tree.header()
-        header.setStretchLastSection(False)
-        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
-        for column in (1, 2):
-            header.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
+        self.tree.header().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        self.tree.header().setStretchLastSection(False)
+        self.tree.setStyleSheet(_BOXES)
         self.tree.itemExpanded.connect(self._open)
         self.tree.itemActivated.connect(self._toggle)
         self.tree.itemChanged.connect(lambda _: self.chosen.emit(tuple(self._ticked())))
