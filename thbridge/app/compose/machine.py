@@ -17,7 +17,7 @@ RECORDED_PACKAGES = (
     "llvmlite",
     "msgspec",
     "rosbags",
-    "ruamel.yaml",
+    "pyyaml",
     "pymavlink",
     "pyvrp",
     "clingo",

@@ -1,15 +1,15 @@
 """The tree of a YAML file as it is written: nodes have line numbers, and words are not interpreted."""
 
 import dataclasses
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import cast
 
-from ruamel.yaml import YAML
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
-from ruamel.yaml.events import (
+import yaml
+from yaml import (
     AliasEvent,
     DocumentStartEvent,
     MappingEndEvent,
@@ -19,7 +19,8 @@ from ruamel.yaml.events import (
     SequenceEndEvent,
     SequenceStartEvent,
 )
-from ruamel.yaml.reader import ReaderError
+from yaml.error import MarkedYAMLError, YAMLError
+from yaml.reader import ReaderError
 
 from thbridge.files.errors import BadFile
 
@@ -27,6 +28,7 @@ DEEPEST = 32
 """Largest depth of nesting."""
 LARGEST_TREE = 100_000
 """Largest number of values of a file, with its aliases expanded."""
+_BREAK = re.compile("[\\x85\\u2028\\u2029]")
 KEPT_TREES, KEPT_LETTERS = 256, 20_000
 """Number of trees that are kept, and the longest text of one: those of our own files, which each study reads again."""
 
@@ -77,7 +79,7 @@ Node = Scalar | Listing | Section
 def parse(path: Path, text: str, ros: bool = False) -> Node:
     """The tree of one YAML document; an empty text gives an empty section.
 
-    The parser needs 0.1 s for 10,000 letters, and a study with many conditions reads the same texts many times.
+    A study with many conditions reads the same texts many times, so that trees are kept.
 
     Args:
         path: the file, for faults.
@@ -107,6 +109,7 @@ def _kept_tree(source: _Source) -> Node:
 
 def _tree_of(source: _Source) -> Node:
     path, text, ros = source.path, source.text, source.ros
+    _refuse_breaks(path, text)
     _refuse_tabs(path, text)
     root: list[Node] = []
     # Only here, while a tree is made, are its lists added to.
@@ -115,8 +118,7 @@ def _tree_of(source: _Source) -> Node:
     anchors = _Anchors(path)
     documents = 0
     try:
-        # Without plug-ins, for which ruamel would search the disk.
-        for event in YAML(typ="safe", pure=True, plug_ins=[]).parse(text):
+        for event in yaml.parse(text, Loader=yaml.CBaseLoader):
             if isinstance(event, DocumentStartEvent):
                 documents += 1
                 if documents > 1:
@@ -153,9 +155,12 @@ def _tree_of(source: _Source) -> Node:
         mark = error.problem_mark or error.context_mark
         problem = " ".join(part for part in (error.context, error.problem) if part)
         remedy = "Check the indentation, the colons and the brackets here and in the line before"
-        raise BadFile(path, f"not YAML: {problem}", remedy, line=None if mark is None else mark.line + 1) from None
+        # What is not closed is found missing behind the last line.
+        line = None if mark is None else min(mark.line, text.rstrip().count("\n")) + 1
+        raise BadFile(path, f"not YAML: {problem}", remedy, line=line) from None
     except ReaderError as error:
-        line = text.count("\n", 0, error.position) + 1
+        # The position is counted in bytes of UTF-8.
+        line = text.encode()[: error.position].count(b"\n") + 1
         raise BadFile(path, "an invisible control character", "Delete it", line=line) from None
     except YAMLError as error:
         raise BadFile(path, f"not YAML: {error}", "Check the file") from None
@@ -175,6 +180,13 @@ def at_line(node: Node, line: int) -> Node:
 
 def _moved(scalar: Scalar, line: int) -> Scalar:
     return dataclasses.replace(scalar, line=line)
+
+
+def _refuse_breaks(path: Path, text: str) -> None:
+    """Refuse what YAML 1.1 takes for the end of a line, and editors and YAML 1.2 do not."""
+    if found := _BREAK.search(text):
+        line = text.count("\n", 0, found.start()) + 1
+        raise BadFile(path, "an invisible line separator", "Delete it", line=line)
 
 
 def _refuse_tabs(path: Path, text: str) -> None:
@@ -232,7 +244,7 @@ def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
     start = event.start_mark.index
     if isinstance(event, ScalarEvent):
         tag = None if event.tag is None else str(event.tag)
-        return Scalar(event.value, event.style is None, line, tag, start, event.end_mark.index)
+        return Scalar(event.value, not event.style, line, tag, start, event.end_mark.index)
     flow = bool(event.flow_style)
     return Section(line, [], start, flow) if isinstance(event, MappingStartEvent) else Listing(line, [], start, flow)
 
