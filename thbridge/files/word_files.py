@@ -36,9 +36,29 @@ _WORDS_OF_CONTENT: Mapping[ContentKind, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True, slots=True)
+class LanguageHead:
+    """Name and grammar of a language.
+
+    Attributes:
+        path: the file with its section `language`.
+        title: its name in itself: `English`.
+        plural: place of the plural form for a number n; see `TextForms`.
+        falls_back_on: the language that speaks where this one has no words; None without one.
+        grammar: its own, or that of the language that it falls back on.
+    """
+
+    path: Path
+    title: str
+    plural: str
+    falls_back_on: str | None
+    grammar: Grammar
+
+
+@dataclass(frozen=True, slots=True)
 class _LanguageYaml:
     title: str
     falls_back_on: str | None = None
+    plural: str = "n != 1"
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,51 +151,76 @@ def check_words(folder: Path, *, locutions: Sequence[Locution] | None = None) ->
     return tuple(read)
 
 
+def read_head(folders: Sequence[Path], name: str) -> LanguageHead:
+    """Read name and grammar of a language. Raises BadFile as `read_language` does."""
+    return _head([loaded for of_folder in _load(folders, name) for loaded in of_folder], folders, name, ())
+
+
 def _read(folders: Sequence[Path], name: str, locutions: Collection[str], above: tuple[str, ...]) -> Language:
     """Read a language without a look at what it lacks; `above` are those that fall back on it."""
-    known = sorted({each for folder in folders for each in languages_in(folder)})
-    if name not in known:
-        where = folders[-1] / name
-        raise BadFile(where, f"there is no language {name}", _nearest(name, known))
+    by_folder = _load(folders, name)
+    files = [loaded for of_folder in by_folder for loaded in of_folder]
     faults = FaultCollection()
-    files: list[Loaded[_WordsYaml]] = []
-    for folder in folders:
-        of_folder: list[Loaded[_WordsYaml]] = []
-        for path in sorted(path_inside(folder, name).glob("*.yaml")):
-            with faults.kept():
-                of_folder.append(load(path, _WordsYaml))
+    for of_folder in by_folder:
         for loaded in of_folder:
             faults.found += _faults(loaded, locutions)
         faults.found += _doubles(of_folder)
-        files += of_folder
     if faults.found:
         raise faults.together()
+    head = _head(files, folders, name, above)
+    back = head.falls_back_on
+    return Language(
+        name,
+        head.title,
+        head.grammar,
+        tuple(each for loaded in files for each in loaded.value.phrases),
+        tuple(each for loaded in files for each in loaded.value.moves),
+        {LineKey(each.key): each.say for loaded in files for each in loaded.value.lines},
+        None if back is None else _read(folders, back, locutions, (name, *above)),
+    )
+
+
+def _load(folders: Sequence[Path], name: str) -> list[list[Loaded[_WordsYaml]]]:
+    """Load the files of a language, a list for each folder."""
+    known = sorted({each for folder in folders for each in languages_in(folder)})
+    if name not in known:
+        raise BadFile(folders[-1] / name, f"there is no language {name}", _nearest(name, known))
+    faults = FaultCollection()
+    loaded: list[list[Loaded[_WordsYaml]]] = []
+    for folder in folders:
+        loaded.append([])
+        for path in sorted(path_inside(folder, name).glob("*.yaml")):
+            with faults.kept():
+                loaded[-1].append(load(path, _WordsYaml))
+    if faults.found:
+        raise faults.together()
+    return loaded
+
+
+def _head(
+    files: Sequence[Loaded[_WordsYaml]], folders: Sequence[Path], name: str, above: tuple[str, ...]
+) -> LanguageHead:
+    """Return name and grammar of a language from its files; `above` are those that fall back on it."""
     headed = next((loaded for loaded in reversed(files) if loaded.value.language is not None), None)
     if headed is None or headed.value.language is None:
         remedy = "Add to one of its files: language: {title: ..., falls_back_on: en}"
         raise BadFile(files[-1].path.parent, "this language has no section 'language'", remedy)
-    head, fallback = headed.value.language, None
-    if head.falls_back_on is not None:
-        if head.falls_back_on in (name, *above):
-            raise headed.fault("language.falls_back_on", "languages fall back on one another in a circle", "Write null")
-        if head.falls_back_on not in known:
-            problem = f"there is no language {head.falls_back_on}"
-            raise headed.fault("language.falls_back_on", problem, _nearest(head.falls_back_on, known))
-        fallback = _read(folders, head.falls_back_on, locutions, (name, *above))
+    head, key = headed.value.language, "language.falls_back_on"
+    back = head.falls_back_on
+    if back in (name, *above):
+        raise headed.fault(key, "languages fall back on one another in a circle", "Write null")
+    known = sorted({each for folder in folders for each in languages_in(folder)})
+    if back is not None and back not in known:
+        raise headed.fault(key, f"there is no language {back}", _nearest(back, known))
     written = next((loaded.value.grammar for loaded in reversed(files) if loaded.value.grammar is not None), None)
-    grammar = _grammar(written) if written is not None else fallback.grammar if fallback is not None else None
-    if grammar is None:
+    if written is None and back is None:
         remedy = "Add one, or let it fall back on a language that has one"
         raise headed.fault("language", "this language has no section 'grammar'", remedy)
-    return Language(
-        name,
-        head.title,
-        grammar,
-        tuple(each for loaded in files for each in loaded.value.phrases),
-        tuple(each for loaded in files for each in loaded.value.moves),
-        {LineKey(each.key): each.say for loaded in files for each in loaded.value.lines},
-        fallback,
-    )
+    if written is not None:
+        return LanguageHead(headed.path, head.title, head.plural, back, _grammar(written))
+    others = [loaded for of_folder in _load(folders, str(back)) for loaded in of_folder]
+    grammar = _head(others, folders, str(back), (name, *above)).grammar
+    return LanguageHead(headed.path, head.title, head.plural, back, grammar)
 
 
 def _grammar(written: _GrammarYaml) -> Grammar:

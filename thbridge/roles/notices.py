@@ -3,16 +3,23 @@
 Each holds a state and not a change, so a notice that is sent twice does no harm.
 """
 
+import base64
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Self
 
+import msgspec
+
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import RoomNames
 from thbridge.protocols.text.notice import NoticeValue
 
 KEEPER = "Game"
 """Name of the keeper at the text server."""
+LARGEST_TEXTS = 1_000_000
+"""Most bytes of a language's texts, unpacked."""
 
 
 class RobotsReady(NoticeValue, frozen=True, tag="RobotsReady"):
@@ -253,6 +260,32 @@ class FloorPlan(NoticeValue, frozen=True, tag="House"):
     def room_names(self) -> RoomNames:
         """Names of the rooms."""
         return RoomNames.of((outline.room, outline.name) for outline in self.rooms)
+
+
+class GameTexts(NoticeValue, frozen=True, tag="Texts"):
+    """Keeper to participant: all texts of the game's language; they never change.
+
+    Attributes:
+        language: name of the language.
+        packed: the texts as JSON, packed by zlib, in base 64.
+    """
+
+    language: str
+    packed: str
+
+    @classmethod
+    def of(cls, texts: Texts) -> Self:
+        """Pack the texts of a language."""
+        return cls(texts.language, base64.b64encode(zlib.compress(msgspec.json.encode(texts), 9)).decode("ascii"))
+
+    def texts(self) -> Texts | None:
+        """Return the texts; None where they are malformed."""
+        try:
+            unpacker = zlib.decompressobj()
+            unpacked = unpacker.decompress(base64.b64decode(self.packed, validate=True), LARGEST_TEXTS)
+            return msgspec.json.decode(unpacked, type=Texts)
+        except (ValueError, zlib.error, msgspec.MsgspecError):
+            return None
 
 
 class PicturePiece(NoticeValue, frozen=True, tag="Picture"):

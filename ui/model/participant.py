@@ -4,7 +4,10 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, RobotMotion
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.files.language_texts import shipped_texts
+from thbridge.roles.notices import FloorPlan, GameTexts, PicturePiece, PlannedPaths, PoseTelemetry, RobotMotion
+from thbridge.roles.participant.tabui import ParticipantUpdate
 from thbridge.roles.view import ParticipantRequest, View
 from thbridge.timing.wall_clock import utc_now
 from ui.model.motion import MotionPlayback
@@ -31,17 +34,25 @@ class Participant:
         sound_on: True when the participant wants sounds.
         can_sound: True where there is something to play them with.
         once: True where one game is played, and something else follows.
+        texts: until the game has told its own; None: English.
     """
 
     def __init__(
         self,
         time_of_day: Callable[[], str] = utc_now,
+        texts: Texts | None = None,
         *,
         sound_on: bool = True,
         can_sound: bool = True,
         once: bool = False,
     ) -> None:
-        self._memory = ParticipantMemory(time_of_day=time_of_day, sound_on=sound_on, can_sound=can_sound, once=once)
+        self._memory = ParticipantMemory(
+            texts=shipped_texts() if texts is None else texts,
+            time_of_day=time_of_day,
+            sound_on=sound_on,
+            can_sound=can_sound,
+            once=once,
+        )
         self._playback = MotionPlayback()
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None
@@ -55,6 +66,11 @@ class Participant:
     def floor_plan(self) -> FloorPlan | None:
         """Floor plan of the game; None until it has come."""
         return self._memory.floor_plan
+
+    @property
+    def texts(self) -> Texts:
+        """All that is read in the window: in the game's language, once it is known."""
+        return self._memory.texts
 
     @property
     def followed(self) -> int | None:
@@ -71,13 +87,17 @@ class Participant:
         """True while the participant wants sounds."""
         return self._memory.sound_on
 
-    def receive(self, level: View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece, now: float) -> None:
+    def receive(self, level: ParticipantUpdate, now: float) -> None:
         """Take a message of the game."""
         memory = self._memory
         match level:
             case View():
                 if level.robots and (level.ready or memory.hunt is not None):
                     receive_view(memory, level, now)
+            case GameTexts():
+                memory.texts = level.texts() or memory.texts
+                if memory.hunt is not None:
+                    memory.hunt.texts = memory.texts
             case FloorPlan():
                 if level != memory.floor_plan:
                     memory.floor_plan, self._marks = level, MapMarks(level)

@@ -17,8 +17,7 @@ from sim.common.observations import TICK
 from thbridge.app.programs import exchange
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry
-from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.view import GiveConsent, ParticipantRequest, View
 from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.sockets.text.client import TextClient
@@ -52,7 +51,7 @@ LOSS_SENTENCES = {
 }
 """Sentences for the player about a lost connection; empty where there is nothing to add."""
 
-ServerEvent: TypeAlias = View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece | ServerReached | ServerLost
+ServerEvent: TypeAlias = ParticipantUpdate | ServerReached | ServerLost
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +144,7 @@ class ParticipantLink:
                 exchange(runner, self._client, self._lost)
                 await asyncio.sleep(POLL_PERIOD)
 
-    def observe(self, level: View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece) -> None:
+    def observe(self, level: ParticipantUpdate) -> None:
         """Pass on a notice that the role received; see `thbridge.roles.participant.tabui.ParticipantObserver`."""
         self._report(level)
 

@@ -23,7 +23,7 @@ from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from thbridge.roles.keeper.keeper import GameRules, Keeper
-from thbridge.roles.notices import FloorPlan, RoomOutline
+from thbridge.roles.notices import FloorPlan, GameTexts, RoomOutline
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import Bot, TreasureKnowledge
 from thbridge.study.study_file import DialogueSection, MannerSection
@@ -78,6 +78,7 @@ def build_briefing(setting: StudySetting) -> Briefing:
     worth = {name: {kind.points for kind in setting.templates.kinds if kind.name == name} for name in treasures}
     return Briefing(
         floor_plan=build_floor_plan(setting),
+        texts=GameTexts.of(setting.texts),
         properties=setting.templates.properties,
         names=treasures,
         pictures=setting.templates.pictures,

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from operator import attrgetter
 from pathlib import Path
 
@@ -19,10 +19,12 @@ from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.robot_strategies import StrategyFactory
 from thbridge.dialogue.wording.authors import WordingAuthor
 from thbridge.dialogue.wording.language import Language
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
+from thbridge.files.language_texts import read_texts, shipped_texts
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.resources import Resources, shipped
@@ -52,6 +54,7 @@ class StudySetting:
         author: of other wordings of what robots say; None: the language's files alone.
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
+        texts: of the game's language, for participants.
     """
 
     study: Study
@@ -65,6 +68,7 @@ class StudySetting:
     author: WordingAuthor | None
     consent: str | None = None
     farewell: str = ""
+    texts: Texts = field(default_factory=shipped_texts)
 
     def floor(self) -> TraversabilityMap:
         """Return the map's floor, for robots of the study's footprint."""
@@ -93,6 +97,7 @@ def read_setting(
     by_position, consent, farewell = False, None, ""
     rulebook: Rulebook | None = None
     language: Language | None = None
+    texts = shipped_texts()
     strategies: dict[int | None, StrategyFactory | None] = {}
     author: WordingAuthor | None = None
     with faults.kept():
@@ -117,6 +122,7 @@ def read_setting(
             rulebook = read_rulebook((SHIPPED_GAMES, *games))
             with faults.kept():
                 language = _language(talk, beside, keys, rulebook)
+                texts = _texts(talk, beside)
     with faults.kept(), keys.naming("dialogue.author"):
         author = None if talk.author is None else installed_author(talk.author)
     for robot, key, name in _strategy_names(talk):
@@ -129,7 +135,7 @@ def read_setting(
     if faults.found or place is None or templates is None or costs is None:
         raise faults.together()
     return StudySetting(
-        study, place, templates, costs, by_position, rulebook, language, strategies, author, consent, farewell
+        study, place, templates, costs, by_position, rulebook, language, strategies, author, consent, farewell, texts
     )
 
 
@@ -147,14 +153,23 @@ def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, st
 
 def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: Rulebook) -> Language:
     """Return the language in which robots argue, with the words of the study's own folder, if it names one."""
-    folders = [SHIPPED_LANGUAGES]
+    folders = _folders(talk, beside)
     if talk.words is not None:
-        folders.append(beside / talk.words)
         with keys.naming("dialogue.words", not languages_in(folders[-1])):
             check_words(folders[-1], locutions=rulebook.locutions)
     known = {name for folder in folders for name in languages_in(folder)}
     with keys.naming("dialogue.language", talk.language not in known):
         return read_language(folders, talk.language, locutions=rulebook.locutions)
+
+
+def _texts(talk: DialogueSection, beside: Path) -> Texts:
+    """Return the texts of the game's language, with those of the study's own folder, if it names one."""
+    return shipped_texts(talk.language) if talk.words is None else read_texts(_folders(talk, beside), talk.language)
+
+
+def _folders(talk: DialogueSection, beside: Path) -> list[Path]:
+    """Return the folders of languages."""
+    return [SHIPPED_LANGUAGES] if talk.words is None else [SHIPPED_LANGUAGES, beside / talk.words]
 
 
 class StudyKeys:

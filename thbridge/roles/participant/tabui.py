@@ -11,6 +11,7 @@ from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice,
 from thbridge.roles.notices import (
     KEEPER,
     FloorPlan,
+    GameTexts,
     ParticipantReady,
     PicturePiece,
     PlannedPaths,
@@ -44,7 +45,7 @@ After this time without a connection, the server has closed it.
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks from one subscription to the next, so that a restarted SimR learns of it."""
 
-ParticipantUpdate = View | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
+ParticipantUpdate = View | GameTexts | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
 """A notice to the participant's program."""
 
 
@@ -181,6 +182,7 @@ def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
         View.of_notice(shown)
         or decode_notice(shown, PoseTelemetry)
         or decode_notice(shown, PlannedPaths)
+        or decode_notice(shown, GameTexts)
         or decode_notice(shown, FloorPlan)
         or decode_notice(shown, PicturePiece)
     )

@@ -146,7 +146,7 @@ def _can_look(hunt: HuntMemory, room: RoomView) -> bool:
 
 
 def _begin(memory: ParticipantMemory, view: View) -> None:
-    hunt = HuntMemory(view)
+    hunt = HuntMemory(memory.texts, view)
     hunt.most_energy = max((robot.energy for robot in view.robots), default=0.0)
     if memory.hunt is not None:
         memory.history = GameHistory()

@@ -7,7 +7,7 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.notices import FloorPlan
+from thbridge.roles.notices import FloorPlan, GameTexts
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +26,7 @@ class Briefing:
         properties: of the treasures.
         kinds: treasures that there are, without their pictures; participants have the same list.
         condition: how robots and participants decide together.
+        texts: of the game's language; None where nobody reads them.
     """
 
     floor_plan: FloorPlan | None = None
@@ -39,6 +40,7 @@ class Briefing:
     properties: tuple[TreasureProperty, ...] = OF_2016
     kinds: tuple[TreasureKind, ...] = ()
     condition: DialogueCondition = DialogueCondition.SCRIPT
+    texts: GameTexts | None = None
 
     @property
     def room_names(self) -> RoomNames:

@@ -1,4 +1,4 @@
-"""The participants' programs, and the notices to them: floor plan, views, pieces of pictures."""
+"""The participants' programs, and the notices to them: texts, floor plan, views, pieces of pictures."""
 
 import base64
 from collections import deque
@@ -70,11 +70,12 @@ class Participants:
             self._members[name] = (run, {})
         self._newcomers[name] = None
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
+        briefed = [] if self._briefing.texts is None else [encode_notice(self._sender, name, self._briefing.texts)]
         plan = self._briefing.floor_plan
         # Robots may have been started on another map than the server's; a wrong one is worse than none.
-        if plan is None or map_name not in {None, plan.map}:
-            return []
-        return [encode_notice(self._sender, name, plan)]
+        if plan is not None and map_name in {None, plan.map}:
+            briefed.append(encode_notice(self._sender, name, plan))
+        return briefed
 
     def is_repetition(self, request: Notice) -> bool:
         """Return True for a request whose number its sender has used before in this run; remember the number.

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from sim.common.observations import TICKS_PER_SECOND
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.rooms import Room
 from thbridge.roles.notices import FloorPlan, RobotMotion
 from thbridge.roles.participant_rules import Situation, revealed
@@ -63,6 +64,7 @@ class HuntMemory:
     """Memory of one game; forgotten when another begins.
 
     Attributes:
+        texts: of the game's language.
         view: the newest one.
         known: what the view reveals, for the rules.
         pending: requests without an outcome yet.
@@ -82,6 +84,7 @@ class HuntMemory:
         reading: number of the ended dialogue in the pop-up shown; None where it is another one.
     """
 
+    texts: Texts
     view: View
     known: Situation = field(init=False)
     pending: PendingRequests = field(default_factory=PendingRequests)
@@ -210,6 +213,7 @@ class ParticipantMemory:
     """Everything that the view model remembers.
 
     Attributes:
+        texts: of the window's language.
         hunt: the game, None before the first view that has robots.
         floor_plan: floor plan of the game.
         motions: progress of the robots on their paths, one entry a robot; may be empty.
@@ -234,6 +238,7 @@ class ParticipantMemory:
         once: True where one game is played, and something else follows.
     """
 
+    texts: Texts
     hunt: HuntMemory | None = None
     floor_plan: FloorPlan | None = None
     motions: tuple[RobotMotion, ...] = ()

@@ -1,0 +1,138 @@
+"""Texts of languages: complete, with the values of English, and told with their faults."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from thbridge.dialogue.wording.texts import COUNT, value_of
+from thbridge.dialogue.words import reserved_in
+from thbridge.files.errors import BadFile
+from thbridge.files.language_texts import ENGLISH, missing_texts, read_texts, shipped_texts
+from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
+
+ROOT = Path(__file__).parents[3]
+HEAD = "language: {title: Polski, falls_back_on: en, plural: 'n==1 ? 0 : n%10>=2 && n%10<=4 && n%100/10!=1 ? 1 : 2'}\n"
+
+
+def written(folder: Path, texts: str, name: str = "pl") -> tuple[Path, Path]:
+    """A folder with one language, whose texts are these."""
+    (folder / name / "texts").mkdir(parents=True)
+    (folder / name / "language.yaml").write_text(HEAD)
+    (folder / name / "texts" / "words.yaml").write_text(texts)
+    return SHIPPED_LANGUAGES, folder
+
+
+@pytest.mark.parametrize("language", languages_in(SHIPPED_LANGUAGES))
+def test_languages_that_come_with_the_project_have_all_texts(language):
+    assert missing_texts((SHIPPED_LANGUAGES,), language) == ()
+    assert shipped_texts(language).language == language
+
+
+def test_what_a_language_lacks_is_english_and_told(tmp_path):
+    folders = written(tmp_path, "last: ' i '\npoints: [£count£ punkt, £count£ punkty, £count£ punktów]\n")
+    texts = read_texts(folders, "pl")
+    assert [texts.text("words.points", count=count) for count in (1, 3, 5, 12, 22)] == [
+        "1 punkt",
+        "3 punkty",
+        "5 punktów",
+        "12 punktów",
+        "22 punkty",
+    ]
+    assert texts.text("words.rooms", count=2) == "2 rooms"
+    assert texts.listed(["a", "b", "c"]) == "a, b i c"
+    missing = missing_texts(folders, "pl")
+    assert "words.rooms" in missing and "words.points" not in missing
+
+
+def test_a_study_rewords_a_text_of_a_language_that_comes_with_the_project(tmp_path):
+    (tmp_path / "en" / "texts").mkdir(parents=True)
+    (tmp_path / "en" / "texts" / "words.yaml").write_text("rooms: [£count£ chamber, £count£ chambers]\n")
+    texts = read_texts((SHIPPED_LANGUAGES, tmp_path), "en")
+    assert texts.text("words.rooms", count=2) == "2 chambers"
+    assert texts.text("words.points", count=2) == "2 points"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "problem"),
+    [
+        ("last: ' i '\npionts: a\n", 2, "there is no text words.pionts. The nearest is words.points"),
+        ("percent: procent\n", 1, "this text has to carry £number£, as the English one does"),
+        ("percent: £numer£ %\n", 1, "unknown reserved word £numer£. Write £number£"),
+        ("last: ' i '\nlast: ' i '\n", 2, "the same stands above"),
+        ("last: [' i ', ' a ']\n", 1, "this text has no plural forms in English"),
+        ("last: {a: b}\n", 1, "neither a text nor a list of texts"),
+        ("points: ''\n", 1, "there is no text"),
+    ],
+)
+def test_a_fault_is_told_with_its_line_and_remedy(tmp_path, text, line, problem):
+    folders = written(tmp_path, text)
+    with pytest.raises(BadFile) as raised:
+        read_texts(folders, "pl")
+    assert f"words.yaml, line {line}, " in str(raised.value) and problem in str(raised.value)
+
+
+def test_a_wrong_rule_for_plurals_is_told(tmp_path):
+    folders = written(tmp_path, "last: ' i '\n")
+    (tmp_path / "pl" / "language.yaml").write_text("language: {title: Polski, falls_back_on: en, plural: n is 1}\n")
+    with pytest.raises(BadFile, match="'n is 1' is no rule for plurals"):
+        read_texts(folders, "pl")
+
+
+def test_values_are_said_as_the_language_says_them():
+    german = shipped_texts("de")
+    assert german.number(12.5) == "12,5"
+    assert german.text("words.percent", number=12.5) == "12,5 %"
+    assert (german.robot(0), german.room(3, "in"), german.room(0, "to")) == ("Roboter 1", "in Raum 3", "zum Flur")
+
+
+class Used(ast.NodeVisitor):
+    """The texts that a program asks for: keys with the values given, beginnings of keys, and all words in quotes."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[str, set[str], bool]] = []
+        self.begun: set[str] = set()
+        self.words: set[str] = set()
+
+    def visit_Call(self, node: ast.Call) -> None:
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "text" and node.args:
+            given = {keyword.arg for keyword in node.keywords if keyword.arg is not None}
+            open_ended = any(keyword.arg is None for keyword in node.keywords)
+            keys = [node.args[0].body, node.args[0].orelse] if isinstance(node.args[0], ast.IfExp) else [node.args[0]]
+            for key in keys:
+                match key:
+                    case ast.Constant(value=str(value)):
+                        self.asked.append((value, given, open_ended))
+                    case ast.JoinedStr(values=[ast.Constant(value=str(value)), *_]):
+                        self.begun.add(value)
+        self.generic_visit(node)
+
+    def visit_Constant(self, node: ast.Constant) -> None:
+        if isinstance(node.value, str):
+            self.words.add(node.value)
+
+
+def used() -> Used:
+    """The texts that all programs ask for."""
+    found = Used()
+    for part in ("ui", "thbridge"):
+        for path in (ROOT / part).rglob("*.py"):
+            found.visit(ast.parse(path.read_text()))
+    return found
+
+
+def test_every_text_that_a_program_asks_for_is_there_with_its_values():
+    entries, found = shipped_texts().entries, used()
+    for key, given, open_ended in found.asked:
+        assert key in entries, f"there is no text {key}"
+        forms = entries[key] if isinstance(entries[key], tuple) else (entries[key],)
+        wanted = {value_of(word) for form in forms for word in reserved_in(form)}
+        assert open_ended or wanted - {COUNT} <= given, f"{key} is asked for without {wanted - given}"
+    begun = [begin for begin in found.begun if re.fullmatch(r"[a-z_]+\..*", begin)]
+    for begin in begun:
+        assert any(key.startswith(begin) for key in entries), f"no text begins with {begin}"
+
+
+def test_english_is_the_language_that_has_all_texts():
+    assert ENGLISH in languages_in(SHIPPED_LANGUAGES)

@@ -1,0 +1,143 @@
+"""Texts: all that participants read or hear beside dialogues, in one language."""
+
+import gettext
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+
+from sim.common.robot_numbers import number_of
+from thbridge.dialogue.words import fill
+from thbridge.hunt.costs import energy_text
+from thbridge.hunt.rooms import CORRIDOR, Room
+
+Text = str | tuple[str, ...]
+"""A text, or its plural forms."""
+
+COUNT = "count"
+"""Name of the value that chooses a plural form."""
+ROBOT_VALUES = frozenset({"robot", "other"})
+"""Names of values that are robots, by their index in the team."""
+ROOM_VALUES = frozenset({"room", "place"})
+"""Names of values that are rooms, or the corridor, by their number as people count."""
+PREPOSITIONS = ("", "to", "from", "in")
+"""Each room has a form for each: `£room£`, `£to_room£`, `£from_room£`, `£in_room£`."""
+
+
+@dataclass(frozen=True, slots=True)
+class TextForms:
+    """Forms of values in texts, from a language's grammar.
+
+    Attributes:
+        rooms: a room with `£number£`, by the preposition before it.
+        corridor: the corridor, in the same way.
+        robot: a robot with `£number£`.
+        between: what stands between two things of a list.
+        last: what stands before the last one.
+        decimal: sign before the decimals of a number.
+        plural: place of the plural form for a number n, as an expression of C as gettext's files have it: `n != 1`.
+    """
+
+    rooms: Mapping[str, str]
+    corridor: Mapping[str, str]
+    robot: str
+    between: str
+    last: str
+    decimal: str
+    plural: str
+
+
+@dataclass(frozen=True, slots=True)
+class Texts:
+    """All texts of a language, by their keys: the name of their file, a dot, and their name in it.
+
+    In a text, reserved words between pound signs stand for values; one that begins a sentence gets a capital. A value's
+    name tells how it is said: see `ROBOT_VALUES`, `ROOM_VALUES` and `COUNT`. Any other stands as it is if it is a text,
+    and as the language writes it if it is a number.
+
+    Attributes:
+        language: name of the language's folder: `en`.
+        title: its name in itself: `English`.
+        entries: the texts.
+        forms: of values.
+    """
+
+    language: str
+    title: str
+    entries: Mapping[str, Text]
+    forms: TextForms
+
+    def text(self, key: str, *, count: int | None = None, **values: str | float | Room) -> str:
+        """Return a text with its values.
+
+        Args:
+            key: of the text.
+            count: chooses the plural form, and stands for `£count£`.
+            **values: of its reserved words.
+
+        Raises:
+            KeyError: there is no such text; one that was checked has all texts of English.
+        """
+        written = self.entries[key]
+        if not isinstance(written, str):
+            form = 0 if count is None else _plural_form(self.forms.plural)(abs(count))
+            written = written[min(form, len(written) - 1)]
+        if count is not None:
+            values[COUNT] = count
+        return fill(written, self._words(values)) if values else written
+
+    def has(self, key: str) -> bool:
+        """Return True when there is a text of this key."""
+        return key in self.entries
+
+    def robot(self, robot: int) -> str:
+        """Return a robot's name within a sentence."""
+        return fill(self.forms.robot, {"number": str(number_of(robot))})
+
+    def room(self, room: Room | int, preposition: str = "") -> str:
+        """Return a room's name within a sentence, after a preposition if one is given."""
+        number = room.people if isinstance(room, Room) else room
+        if number == CORRIDOR.people:
+            return self.forms.corridor[preposition]
+        return fill(self.forms.rooms[preposition], {"number": str(number)})
+
+    def number(self, number: float) -> str:
+        """Return a number with two decimals at most: `13`, `12.5`."""
+        return energy_text(number).replace(".", self.forms.decimal)
+
+    def listed(self, things: Iterable[str]) -> str:
+        """Return a list of things: `a`, `a and b`, `a, b and c`."""
+        *first, last = things
+        return f"{self.forms.between.join(first)}{self.forms.last}{last}" if first else last
+
+    def _words(self, values: Mapping[str, str | float | Room]) -> dict[str, str]:
+        words: dict[str, str] = {}
+        for name, value in values.items():
+            if name in ROOM_VALUES and not isinstance(value, str):
+                room = value if isinstance(value, Room) else Room(int(value))
+                words |= {_with(preposition, name): self.room(room, preposition) for preposition in PREPOSITIONS}
+            elif name in ROBOT_VALUES and isinstance(value, int):
+                words[name] = self.robot(value)
+            elif isinstance(value, str | Room):
+                words[name] = str(value)
+            else:
+                words[name] = self.number(value)
+        return words
+
+
+def words_for(value: str) -> tuple[str, ...]:
+    """Return the reserved words that a text may have for a value of this name."""
+    return tuple(_with(preposition, value) for preposition in PREPOSITIONS) if value in ROOM_VALUES else (value,)
+
+
+def value_of(word: str) -> str:
+    """Return the name of the value that a reserved word of a text stands for."""
+    return next((room for room in ROOM_VALUES if word in words_for(room)), word)
+
+
+def _with(preposition: str, name: str) -> str:
+    return f"{preposition}_{name}" if preposition else name
+
+
+@cache
+def _plural_form(expression: str) -> Callable[[int], int]:
+    return gettext.c2py(expression)

@@ -1,0 +1,158 @@
+"""Reads what participants read or hear beside dialogues: in the folder of each language, YAML files in `texts/`.
+
+English has all texts that there are. What another language lacks is said in English, and `missing_texts` tells it.
+"""
+
+import difflib
+import gettext
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
+from pathlib import Path
+
+from thbridge.dialogue.wording.texts import COUNT, Text, TextForms, Texts, value_of, words_for
+from thbridge.dialogue.words import reserved_in, spelling_fault
+from thbridge.files.disk.inside import path_inside
+from thbridge.files.disk.text_files import read_text
+from thbridge.files.errors import BadFile, FaultCollection
+from thbridge.files.word_files import SHIPPED_LANGUAGES, read_head
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
+
+ENGLISH = "en"
+"""Language that has all texts."""
+TEXTS = "texts"
+"""Name of the folder in that of a language."""
+LONGEST_TEXT = 4000
+"""Greatest length of a text, in characters."""
+LAST = "words.last"
+"""Key of what stands before the last thing of a list."""
+
+
+@cache
+def shipped_texts(language: str = ENGLISH) -> Texts:
+    """Return the texts of a language that comes with the project."""
+    return read_texts((SHIPPED_LANGUAGES,), language)
+
+
+def read_texts(folders: Iterable[Path], language: str) -> Texts:
+    """Read the texts of a language.
+
+    Args:
+        folders: with a folder for each language; a text of a later one replaces that of an earlier one.
+        language: name of the language's folder.
+
+    Raises:
+        BadFile: a fault of a file, or all faults together; or there is no such language.
+    """
+    folders = tuple(folders)
+    entries = dict(_english()) if language != ENGLISH else {}
+    faults = FaultCollection()
+    for folder in folders:
+        for path in _files(folder, language):
+            with faults.kept():
+                entries |= _read(path, {} if folder == SHIPPED_LANGUAGES and language == ENGLISH else _english())
+    if faults.found:
+        raise faults.together()
+    head = read_head(folders, language)
+    try:
+        gettext.c2py(head.plural)
+    except ValueError as error:
+        remedy = 'Write it as in Plural-Forms of gettext, such as "n != 1"'
+        raise BadFile(
+            head.path, f"{head.plural!r} is no rule for plurals: {error}", remedy, key="language.plural"
+        ) from None
+    grammar = head.grammar
+    last = entries[LAST]
+    forms = TextForms(
+        grammar.rooms,
+        grammar.corridor,
+        grammar.robot,
+        grammar.between,
+        last if isinstance(last, str) else last[0],
+        grammar.decimal,
+        head.plural,
+    )
+    return Texts(language, head.title, entries, forms)
+
+
+def missing_texts(folders: Sequence[Path], language: str) -> tuple[str, ...]:
+    """Return the keys of the texts that a language lacks, in the order of the English files."""
+    own = {key for folder in folders for path in _files(folder, language) for key in _read(path, _english())}
+    return tuple(key for key in _english() if key not in own)
+
+
+@cache
+def _english() -> dict[str, Text]:
+    """The English texts that come with the project."""
+    return {key: text for path in _files(SHIPPED_LANGUAGES, ENGLISH) for key, text in _read(path, {}).items()}
+
+
+def _files(folder: Path, language: str) -> list[Path]:
+    return sorted(path_inside(path_inside(folder, language), TEXTS).glob("*.yaml"))
+
+
+def _read(path: Path, english: dict[str, Text]) -> dict[str, Text]:
+    """Read a file; each text must have the values of the English one, if there are English ones to compare with."""
+    tree = parse(path, read_text(path))
+    if not isinstance(tree, Section):
+        raise BadFile(path, "there are no texts", "Write NAME: TEXT, one a line")
+    entries: dict[str, Text] = {}
+    faults = FaultCollection()
+    for name, node in tree.entries:
+        key = f"{path.stem}.{name.text}"
+        with faults.kept():
+            if key in entries:
+                raise BadFile(path, "the same stands above", "Keep one of the two", line=name.line, key=name.text)
+            if english and key not in english:
+                raise BadFile(path, f"there is no text {key}", _nearest(key, english), line=name.line, key=name.text)
+            entries[key] = _text(path, name, node)
+            for problem, remedy in _wrong_in(entries[key], english.get(key)):
+                raise BadFile(path, problem, remedy, line=name.line, key=name.text)
+    if faults.found:
+        raise faults.together()
+    return entries
+
+
+def _text(path: Path, name: Scalar, node: Node) -> Text:
+    match node:
+        case Scalar():
+            return node.text
+        case Listing(items=items) if items and all(isinstance(item, Scalar) for item in items):
+            return tuple(item.text for item in items if isinstance(item, Scalar))
+        case _:
+            remedy = "Write one text, or its plural forms between [ and ]"
+            raise BadFile(path, "neither a text nor a list of texts", remedy, line=name.line, key=name.text)
+
+
+def _wrong_in(text: Text, english: Text | None) -> Iterator[tuple[str, str]]:
+    """Problems of a text, with their remedies."""
+    forms = _forms(text)
+    for form in forms:
+        if not form.strip() and form == "":
+            yield "there is no text", "Write one"
+        if len(form) > LONGEST_TEXT:
+            yield f"{len(form)} characters are too many", f"Write at most {LONGEST_TEXT}"
+        if english is None:
+            continue
+        if not isinstance(text, str) and isinstance(english, str):
+            yield "this text has no plural forms in English", "Write one text"
+        values = _values(english)
+        fault = spelling_fault(form, [word for value in sorted(values) for word in words_for(value)])
+        if fault is not None:
+            yield fault.problem, fault.remedy
+        missing = sorted(values - {value_of(word) for word in reserved_in(form)} - {COUNT})
+        if missing:
+            words = " and ".join(f"£{value}£" for value in missing)
+            yield f"this text has to carry {words}, as the English one does", f"Write {words} into it"
+
+
+def _values(text: Text) -> set[str]:
+    return {value_of(word) for form in _forms(text) for word in reserved_in(form)}
+
+
+def _forms(text: Text) -> tuple[str, ...]:
+    return (text,) if isinstance(text, str) else text
+
+
+def _nearest(key: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(key, known, n=1)
+    return f"The nearest is {near[0]}" if near else "Compare with the English files"
