@@ -14,7 +14,7 @@ from thbridge.dialogue.words import reserved_in, spelling_fault
 from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection
-from thbridge.files.word_files import SHIPPED_LANGUAGES, read_head
+from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in, read_head
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 
 ENGLISH = "en"
@@ -78,6 +78,22 @@ def missing_texts(folders: Sequence[Path], language: str) -> tuple[str, ...]:
     """Return the keys of the texts that a language lacks, in the order of the English files."""
     own = {key for folder in folders for path in _files(folder, language) for key in _read(path, _english())}
     return tuple(key for key in _english() if key not in own)
+
+
+def advice_on_texts(folders: Sequence[Path], language: str) -> str | None:
+    """Return a sentence about the texts that a language lacks, and where to write them; None where it has all.
+
+    Raises:
+        BadFile: a fault of a file, or all faults together.
+    """
+    missing = () if language in languages_in(SHIPPED_LANGUAGES) else missing_texts(folders, language)
+    if not missing:
+        return None
+    path = path_inside(folders[-1], language) / TEXTS / f"{missing[0].partition('.')[0]}.yaml"
+    return (
+        f"language {language}: {len(missing)} of {len(_english())} texts are missing and are shown in English, "
+        f"first {missing[0]}. Write them in {path}, or choose another language"
+    )
 
 
 @cache

@@ -105,8 +105,9 @@ class _WordsYaml:
 
 
 def languages_in(folder: Path) -> tuple[str, ...]:
-    """Return the names of the languages in a folder, in alphabetical order."""
-    return tuple(sorted({path.parent.name for path in folder.glob("*/*.yaml")}))
+    """Return the names of the languages in a folder, in alphabetical order; one may have texts alone."""
+    files = (*folder.glob("*/*.yaml"), *folder.glob("*/texts/*.yaml"))
+    return tuple(sorted({path.relative_to(folder).parts[0] for path in files}))
 
 
 def read_language(
@@ -204,7 +205,7 @@ def _head(
     headed = next((loaded for loaded in reversed(files) if loaded.value.language is not None), None)
     if headed is None or headed.value.language is None:
         remedy = "Add to one of its files: language: {title: ..., falls_back_on: en}"
-        raise BadFile(files[-1].path.parent, "this language has no section 'language'", remedy)
+        raise BadFile(path_inside(folders[-1], name), "this language has no section 'language'", remedy)
     head, key = headed.value.language, "language.falls_back_on"
     back = head.falls_back_on
     if back in (name, *above):

@@ -86,6 +86,26 @@ def test_a_sound_study_has_neither_faults_nor_advice(tmp_path: Path) -> None:
     assert (kept, advice_on(design)) == ((), ())
 
 
+# Languages
+
+
+def test_people_who_would_read_two_languages_are_told_of(tmp_path: Path) -> None:
+    text = replaced("{dialogue.condition: [", "{dialogue.language: [en, de], dialogue.condition: [")
+    (advice,) = advice_on(accepted(folder_of(tmp_path, text)))
+    assert advice.startswith("The pages of the study are in en and games in de: participants would read two languages.")
+    text = replaced("base: {", "base: {dialogue.language: de, ")
+    assert advice_on(accepted(folder_of(tmp_path, text))) == ()
+
+
+def test_texts_that_a_language_lacks_are_told_of(tmp_path: Path) -> None:
+    (tmp_path / "words" / "nl").mkdir(parents=True)
+    (tmp_path / "words" / "nl" / "ours.yaml").write_text("language: {title: Nederlands, falls_back_on: en}\n")
+    text = replaced("base: {", "base: {dialogue.language: nl, dialogue.words: words, ")
+    design, _ = check_experiment(folder_of(tmp_path, text), VERSIONS)
+    (advice,) = advice_on(design)
+    assert advice.startswith("language nl: ") and f"Write them in {tmp_path}/words/nl/texts/" in advice
+
+
 # Consent
 
 

@@ -9,7 +9,7 @@ import pytest
 from thbridge.dialogue.wording.texts import COUNT, value_of
 from thbridge.dialogue.words import reserved_in
 from thbridge.files.errors import BadFile
-from thbridge.files.language_texts import ENGLISH, missing_texts, read_texts, shipped_texts
+from thbridge.files.language_texts import ENGLISH, advice_on_texts, missing_texts, read_texts, shipped_texts
 from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
 
 ROOT = Path(__file__).parents[3]
@@ -44,6 +44,10 @@ def test_what_a_language_lacks_is_english_and_told(tmp_path):
     assert texts.listed(["a", "b", "c"]) == "a, b i c"
     missing = missing_texts(folders, "pl")
     assert "words.rooms" in missing and "words.points" not in missing
+    advice, number = advice_on_texts(folders, "pl"), len(shipped_texts().entries)
+    assert advice is not None and advice.startswith(f"language pl: {len(missing)} of {number} texts are missing")
+    assert f"first {missing[0]}. Write them in {tmp_path}/pl/texts/" in advice
+    assert advice_on_texts(folders, "de") is None
 
 
 def test_a_study_rewords_a_text_of_a_language_that_comes_with_the_project(tmp_path):

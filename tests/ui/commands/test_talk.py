@@ -134,6 +134,20 @@ def test_moves_are_said_in_a_language(tmp_path: Path) -> None:
     assert "moves.yaml, line 1," in talk("check", tmp_path, code=2)
 
 
+def test_what_texts_of_a_language_are_missing_or_wrong_is_told(tmp_path: Path) -> None:
+    (tmp_path / "nl" / "texts").mkdir(parents=True)
+    (tmp_path / "de" / "texts").mkdir(parents=True)
+    (tmp_path / "nl" / "ours.yaml").write_text("language: {title: Nederlands, falls_back_on: en}\n")
+    (tmp_path / "nl" / "texts" / "words.yaml").write_text("last: ' en '\n")
+    (tmp_path / "de" / "texts" / "words.yaml").write_text("rooms: [£count£ Zimmer, £count£ Zimmer]\n")
+    told = talk("check", tmp_path)
+    assert "languages: de (Deutsch), nl (Nederlands)\nlanguage nl: " in told
+    assert "texts are missing and are shown in English, first " in told
+    assert "language de" not in told
+    (tmp_path / "nl" / "texts" / "words.yaml").write_text("lest: ' en '\n")
+    assert "there is no text words.lest. The nearest is words.last" in talk("check", tmp_path, code=2)
+
+
 def test_a_no_may_be_questioned_and_the_dialogue_that_has_ended_goes_on() -> None:
     typed = "1\n2\n1\n1\n2\n2\n3\n1\nq\n"
     told = talk(*EXAMPLE, "--exchange", 2, "--robot", "person", typed=typed)

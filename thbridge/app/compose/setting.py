@@ -24,7 +24,7 @@ from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
-from thbridge.files.language_texts import read_texts, shipped_texts
+from thbridge.files.language_texts import advice_on_texts, read_texts, shipped_texts
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.resources import Resources, shipped
@@ -122,7 +122,7 @@ def read_setting(
             rulebook = read_rulebook((SHIPPED_GAMES, *games))
             with faults.kept():
                 language = _language(talk, beside, keys, rulebook)
-                texts = _texts(talk, beside)
+                texts = texts_of(study, beside)
     with faults.kept(), keys.naming("dialogue.author"):
         author = None if talk.author is None else installed_author(talk.author)
     for robot, key, name in _strategy_names(talk):
@@ -162,9 +162,23 @@ def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: 
         return read_language(folders, talk.language, locutions=rulebook.locutions)
 
 
-def _texts(talk: DialogueSection, beside: Path) -> Texts:
-    """Return the texts of the game's language, with those of the study's own folder, if it names one."""
+def texts_of(study: Study, beside: Path) -> Texts:
+    """Return the texts of a study's language, with those of its own folder, if it names one.
+
+    Args:
+        study: the study.
+        beside: the folder that paths in the study are relative to.
+
+    Raises:
+        BadFile: a file is missing or wrong; as BadFiles, all such faults at once.
+    """
+    talk = study.dialogue
     return shipped_texts(talk.language) if talk.words is None else read_texts(_folders(talk, beside), talk.language)
+
+
+def advice_on_language(study: Study, beside: Path) -> str | None:
+    """Return a sentence about what a study's language lacks; None where it has all. Arguments as for `texts_of`."""
+    return advice_on_texts(_folders(study.dialogue, beside), study.dialogue.language)
 
 
 def _folders(talk: DialogueSection, beside: Path) -> list[Path]:

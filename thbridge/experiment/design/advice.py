@@ -3,7 +3,9 @@
 import re
 from collections import Counter
 from collections.abc import Iterator
+from itertools import chain
 
+from thbridge.app.compose.setting import advice_on_language
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign, OrderKind, name_of
 from thbridge.experiment.design.plan import plan_of
@@ -19,6 +21,7 @@ def advice_on(design: ExperimentDesign) -> tuple[str, ...]:
     """Return in sentences what is right and yet may not be meant, most serious first."""
     return (
         *_on_texts(design),
+        *_on_languages(design),
         *_on_orders(design),
         *_on_results_shown(design),
         *_on_steps(design),
@@ -44,6 +47,21 @@ def _on_texts(design: ExperimentDesign) -> Iterator[str]:
             yield f"{text}: still has a gap to fill in ({gap.group()}). People would read it."
         elif not words.strip():
             yield f"{text}: is empty. People would see an empty page."
+
+
+def _on_languages(design: ExperimentDesign) -> Iterator[str]:
+    """Yield what is not in the study's language: games, and texts that a language lacks."""
+    games = chain.from_iterable((*(cell.studies for cell in design.cells), *chain(*design.practices.values())))
+    studies = {(study.dialogue.language, study.dialogue.words): study for study in (design.study, *games)}
+    own, *others = dict.fromkeys(language for language, _ in studies)
+    if others:
+        yield (
+            f"The pages of the study are in {own} and games in {_listed(others)}: participants would read two "
+            "languages. Write one `dialogue.language`, under `base`."
+        )
+    for study in studies.values():
+        if (advice := advice_on_language(study, design.beside)) is not None:
+            yield f"{advice}."
 
 
 def _on_orders(design: ExperimentDesign) -> Iterator[str]:

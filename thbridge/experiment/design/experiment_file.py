@@ -153,6 +153,7 @@ class ExperimentDesign:
         path: its file.
         beside: the folder that paths in its studies are relative to.
         file: what it says.
+        study: that all games begin from, before conditions change it.
         conditions: those within people, in the file's order.
         cells: combinations between people.
         orders: orders of conditions that are dealt.
@@ -166,6 +167,7 @@ class ExperimentDesign:
     path: Path
     beside: Path
     file: ExperimentFile
+    study: Study
     conditions: tuple[ExperimentCondition, ...]
     cells: tuple[Cell, ...]
     orders: tuple[Order, ...]
@@ -261,6 +263,7 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
         path,
         beside,
         file,
+        study,
         conditions,
         tuple(cells),
         _orders(file.order, len(conditions)),

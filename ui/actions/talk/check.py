@@ -12,7 +12,8 @@ from thbridge.dialogue.wording.lines import LINES
 from thbridge.dialogue.wording.predicates import PREDICATES, ValueKind
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
-from thbridge.files.word_files import check_words, languages_in
+from thbridge.files.language_texts import advice_on_texts, read_texts
+from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,12 +25,14 @@ class TalkCheck:
         games: those that it adds or replaces; none where they have faults.
         languages: those that it adds words to; likewise.
         faults: of its files.
+        advice: what its languages lack.
     """
 
     folder: Path
     games: tuple[GameTable, ...] = ()
     languages: tuple[Language, ...] = ()
     faults: tuple[BadFile, ...] = ()
+    advice: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
         """Yield what people are told."""
@@ -38,6 +41,7 @@ class TalkCheck:
             yield from _game_lines(game)
         if self.languages:
             yield f"languages: {', '.join(f'{each.name} ({each.title})' for each in self.languages)}"
+        yield from self.advice
         found = (counted("game", self.games), counted("language", self.languages), counted("fault", self.faults))
         yield f"{self.folder}: {', '.join(found)}"
 
@@ -57,6 +61,7 @@ class TalkCheck:
                 }
                 for fault in self.faults
             ],
+            "advice": list(self.advice),
         }
 
 
@@ -84,7 +89,13 @@ def check_folder(folder: Path) -> TalkCheck:
     with faults.kept():
         if with_words:
             languages = check_words(folder, locutions=rulebook.locutions)
-    return TalkCheck(folder, tuple(games.values()), languages, tuple(faults.found))
+    advice: list[str] = []
+    for language in languages:
+        with faults.kept():
+            folders = (SHIPPED_LANGUAGES, folder)
+            read_texts(folders, language.name)
+            advice += filter(None, [advice_on_texts(folders, language.name)])
+    return TalkCheck(folder, tuple(games.values()), languages, tuple(faults.found), tuple(advice))
 
 
 def counted(what: str, things: Sequence[object]) -> str:

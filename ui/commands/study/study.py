@@ -40,6 +40,7 @@ def study_check(
     file: Annotated[Path, typer.Argument(help="A study file, or the folder of a study with people.")],
 ) -> None:
     """Check a study file, or a study with people, and everything it names."""
+    from thbridge.app.compose.setting import advice_on_language
     from thbridge.study.study_file import check_manners, load_study
     from ui.settings import setting_of, study_of
 
@@ -67,7 +68,10 @@ def study_check(
             note(reason)
         note(f"Rehearse it with simulated people: `{command('study', 'rehearse', file, '--to', 'rehearsal')}`.")
         return
-    setting_of(study_of(file, {}), file)
+    setting = setting_of(study_of(file, {}), file)
     with bad_input():
         check_manners(load_study(file))
+        lacking = advice_on_language(setting.study, file.parent)
     say(f"{file}: no faults")
+    if lacking is not None:
+        note(f"{lacking}.")
