@@ -10,6 +10,7 @@ import string
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import (
     Act,
     Action,
@@ -53,7 +54,7 @@ class KeyBinding:
     Attributes:
         keys: the first is the one printed on the button.
         act: the act.
-        does: the act in words, for the help sheet.
+        does: key of the text about the act, for the help sheet.
     """
 
     keys: tuple[str, ...]
@@ -62,41 +63,41 @@ class KeyBinding:
 
 
 PLAYING = (
-    KeyBinding(("Tab",), NextRobot(1), "Command the next robot"),
-    KeyBinding(("Shift+Tab",), NextRobot(-1), "Command the robot before"),
-    KeyBinding(("D", "?"), AskAdvice(), "Don't know: ask the robot where to go"),
-    KeyBinding(("X",), StopRobot(), "Stop the robot"),
-    KeyBinding(("B",), AskForRobot(), "Ask for the robot back, if somebody else commands it"),
-    KeyBinding(("Ctrl+P",), TakeThePicture(), "Take a picture of what was found"),
-    KeyBinding(("Ctrl+I",), EnlargePicture(), "Show the picture large, or small again"),
-    KeyBinding(("Enter", "Ctrl+N"), SubmitName(), "Name what was found, as picked from the list"),
-    KeyBinding(("Ctrl+K",), AskWhatItIs(), "Ask the robot what it is, where robots argue"),
-    KeyBinding(("Ctrl+L",), LeaveTreasure(), "Leave what was found"),
-    KeyBinding(("Ctrl+Z",), TakeUpAgain(), "Take up again what was left, until the robot sets out"),
-    KeyBinding(("Esc", "W"), ShowNext(), "Put the pop-up aside, or show what waits"),
-    KeyBinding(("F",), FollowRobot(), "Keep the robot in the middle of the map, or stop doing so"),
-    KeyBinding(("A",), FitMap(), "Show the whole map"),
-    KeyBinding(("M",), SwitchSound(), "Switch sound off, or on again"),
-    KeyBinding(("E",), EndGame(), "End the game"),
+    KeyBinding(("Tab",), NextRobot(1), "keys.next_robot"),
+    KeyBinding(("Shift+Tab",), NextRobot(-1), "keys.robot_before"),
+    KeyBinding(("D", "?"), AskAdvice(), "keys.advice"),
+    KeyBinding(("X",), StopRobot(), "keys.stop"),
+    KeyBinding(("B",), AskForRobot(), "keys.ask_back"),
+    KeyBinding(("Ctrl+P",), TakeThePicture(), "keys.picture"),
+    KeyBinding(("Ctrl+I",), EnlargePicture(), "keys.enlarge"),
+    KeyBinding(("Enter", "Ctrl+N"), SubmitName(), "keys.name"),
+    KeyBinding(("Ctrl+K",), AskWhatItIs(), "keys.unsure"),
+    KeyBinding(("Ctrl+L",), LeaveTreasure(), "keys.leave"),
+    KeyBinding(("Ctrl+Z",), TakeUpAgain(), "keys.take_up"),
+    KeyBinding(("Esc", "W"), ShowNext(), "keys.aside"),
+    KeyBinding(("F",), FollowRobot(), "keys.follow"),
+    KeyBinding(("A",), FitMap(), "keys.whole_map"),
+    KeyBinding(("M",), SwitchSound(), "keys.sound"),
+    KeyBinding(("E",), EndGame(), "keys.end"),
 )
 """Keys while the game goes on. While letters belong to a list, Ctrl and the letter does what the letter does."""
 
 CONSENT = (
-    KeyBinding(("A",), AgreeToTakePart(), "Agree to take part"),
-    KeyBinding(("N",), DeclineToTakePart(), "Do not take part"),
+    KeyBinding(("A",), AgreeToTakePart(), "keys.agree"),
+    KeyBinding(("N",), DeclineToTakePart(), "keys.decline"),
 )
 OVER = (
-    KeyBinding(("A",), AnotherGame(), "Play another game"),
-    KeyBinding(("Enter",), GoOnFromGame(), "Go on with what comes after the game"),
+    KeyBinding(("A",), AnotherGame(), "keys.play_again"),
+    KeyBinding(("Enter",), GoOnFromGame(), "keys.go_on"),
 )
 """Keys once the game is over, one for each of the ways on; the page offers one of them."""
 QUESTION = (
-    KeyBinding(("Y",), Confirm(), "Yes, to a question of the program"),
-    KeyBinding(("N", "Esc"), Cancel(), "No, to a question of the program"),
+    KeyBinding(("Y",), Confirm(), "keys.yes"),
+    KeyBinding(("N", "Esc"), Cancel(), "keys.no"),
 )
 """Keys while the program asks for confirmation; all others are ignored then."""
 
-HELP = KeyBinding(("F1", "H"), ShowHelp(), "Open or close this sheet")
+HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 
 WAITING_KEY = "W"
 """The second key of `ShowNext`: for a button that shows what waits, "Esc" would be a riddle."""
@@ -187,36 +188,62 @@ def is_letter(key: str) -> bool:
     return len(key) == 1 and key.isalpha()
 
 
+def shown_key(texts: Texts, key: str) -> str:
+    """Return a key as people read it, such as "Strg+P" for "Ctrl+P"."""
+    *held, last = [key] if len(key) == 1 else key.split("+")
+    return "+".join(_key_name(texts, each) for each in (*held, last))
+
+
+def help_line(texts: Texts, binding: KeyBinding) -> tuple[str, str]:
+    """Return a line of the help sheet: (keys, what they do)."""
+    keys = [shown_key(texts, key) for key in binding.keys]
+    both = keys[0] if len(keys) == 1 else texts.text("keys.one_or_other", key=keys[0], other_key=keys[1])
+    return both, texts.text(binding.does)
+
+
 def help_lines(
-    rooms: int, silent: str = "", *, properties: bool = False, numbered: bool = False
+    texts: Texts, rooms: int, silent: str = "", *, properties: bool = False, numbered: bool = False
 ) -> tuple[tuple[str, str], ...]:
     """The help sheet: (keys, what they do).
 
     Args:
+        texts: of the window's language.
         rooms: number of rooms; 0 before there is a game.
         properties: True when robots can be asked to sense more, or the participant to tell it.
         numbered: True when answers to robots are numbered.
         silent: why there can be no sound, which stands in place of what its key does; empty when there can be.
     """
-    number = "Send the robot to this room" + (": both digits, or Enter after the first" if rooms > 9 else "")
-    lines = [(f"1 to {rooms}", number)] if rooms else []
+    enter, ctrl = shown_key(texts, "Enter"), shown_key(texts, "Ctrl")
+
+    def listed(*keys: str) -> str:
+        return ", ".join(shown_key(texts, key) for key in keys)
+
+    lines = []
+    if rooms:
+        number = texts.text("keys.room_of_two_digits", key=enter) if rooms > 9 else texts.text("keys.room")
+        lines.append((texts.text("keys.one_to_other", key="1", other_key=str(rooms)), number))
     for binding in PLAYING:
-        does = silent if silent and isinstance(binding.act, SwitchSound) else binding.does
-        lines.append((" or ".join(binding.keys), does))
+        keys, does = help_line(texts, binding)
+        lines.append((keys, silent if silent and isinstance(binding.act, SwitchSound) else does))
     if numbered:
-        lines.append(("1 to 5", "While a robot waits for an answer: the answer with this number"))
-        lines.append(("Up, Down", "While a robot waits for an answer: from answer to answer; Enter gives it"))
-        lines.append(("PageUp, PageDown", "What was said before, and what was said last"))
-        lines.append(("Esc", "Among the questions to a robot: back to the other answers"))
+        lines.append((texts.text("keys.one_to_other", key="1", other_key="5"), texts.text("keys.numbered_answer")))
+        lines.append((listed("Up", "Down"), texts.text("keys.through_answers", key=enter)))
+        lines.append((listed("PageUp", "PageDown"), texts.text("keys.through_talk")))
+        lines.append((listed("Esc"), texts.text("keys.back_from_questions")))
     else:
-        lines.append(("Enter", "The first of the answers to a robot; each answer's own letter is on its button"))
-    lines.append(("Letters", "While a name is asked for: pick the name that begins so"))
-    lines.append((", ".join(_STEPS), "While a name is asked for: pick the name before or after, the first or last"))
+        lines.append((enter, texts.text("keys.first_answer")))
+    lines.append((texts.text("keys.letters"), texts.text("keys.name_letters")))
+    lines.append((listed(*_STEPS), texts.text("keys.name_steps")))
     if properties:
-        lines.append(("Ctrl and a number", "While a name is asked for: sense or say more of what was found"))
-    lines.append(("Ctrl and a letter", "While a name is asked for: what the letter does otherwise"))
-    lines += [(" or ".join(binding.keys), binding.does) for binding in (*QUESTION, HELP)]
+        lines.append((texts.text("keys.with_number", key=ctrl), texts.text("keys.property_number")))
+    lines.append((texts.text("keys.with_letter", key=ctrl), texts.text("keys.letter_meanwhile")))
+    lines += [help_line(texts, binding) for binding in (*QUESTION, HELP)]
     return tuple(lines)
+
+
+def _key_name(texts: Texts, key: str) -> str:
+    name = f"keys.key_{key.lower()}"
+    return texts.text(name) if texts.has(name) else key
 
 
 def _bound(key: str, table: Sequence[KeyBinding]) -> Act | None:

@@ -4,6 +4,7 @@ import pytest
 from msgspec import structs
 
 from tests.ui.model.views import arguing, asking, view, with_robot, with_room
+from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.view import (
     AnswerDialogue,
     Consent,
@@ -189,8 +190,8 @@ def test_a_robot_that_says_nothing_because_all_was_said_is_explained():
 
 
 def test_the_sheet_of_keys_has_those_of_numbered_answers():
-    assert "1 to 5" in dict(help_lines(8, numbered=True))
-    assert "1 to 5" not in dict(help_lines(8))
+    assert "1 to 5" in dict(help_lines(shipped_texts(), 8, numbered=True))
+    assert "1 to 5" not in dict(help_lines(shipped_texts(), 8))
 
 
 @pytest.mark.parametrize(("who", "told"), [("robot", "Robot 1 has named it by itself. "), ("both", "")])

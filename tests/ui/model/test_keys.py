@@ -4,7 +4,8 @@ from dataclasses import replace
 import pytest
 
 from tests.ui.model.seat import Seat
-from ui.model.keys import PLAYING, QUESTION, act_for, choice_keys, help_lines, key_of
+from thbridge.files.language_texts import shipped_texts
+from ui.model.keys import CONSENT, HELP, OVER, PLAYING, QUESTION, act_for, choice_keys, help_lines, key_of, shown_key
 from ui.model.participant import Participant
 from ui.model.screen import (
     AnotherGame,
@@ -170,13 +171,35 @@ def test_answers_get_letters_of_their_own():
 
 
 def test_every_binding_is_on_the_help_sheet():
-    sheet = " ".join(keys for keys, _ in help_lines(8))
+    sheet = " ".join(keys for keys, _ in help_lines(shipped_texts(), 8))
     assert all(key in sheet for binding in (*PLAYING, *QUESTION) for key in binding.keys)
-    assert help_lines(8)[0] == ("1 to 8", "Send the robot to this room")
-    assert "both digits" in help_lines(12)[0][1]
-    assert not any("room" in keys or "0" in keys for keys, _ in help_lines(0)), "no rooms before there is a game"
+    assert help_lines(shipped_texts(), 8)[0] == ("1 to 8", "Send the robot to this room")
+    assert "both digits" in help_lines(shipped_texts(), 12)[0][1]
+    assert not any("room" in keys or "0" in keys for keys, _ in help_lines(shipped_texts(), 0)), (
+        "no rooms before there is a game"
+    )
 
 
 def test_acts_without_a_key_have_none_printed():
     assert key_of(AnotherGame()) == "A"
     assert key_of(ChooseRoom(3)) == ""
+
+
+@pytest.mark.parametrize(
+    ("key", "english", "german"),
+    [
+        ("Ctrl+P", "Ctrl+P", "Strg+P"),
+        ("Shift+Tab", "Shift+Tab", "Umschalt+Tab"),
+        ("PageUp", "Page Up", "Bild auf"),
+        ("F1", "F1", "F1"),
+        ("?", "?", "?"),
+        ("+", "+", "+"),
+    ],
+)
+def test_keys_are_shown_as_the_languages_keyboard_has_them(key, english, german):
+    assert (shown_key(shipped_texts("en"), key), shown_key(shipped_texts("de"), key)) == (english, german)
+
+
+@pytest.mark.parametrize("binding", [*PLAYING, *CONSENT, *OVER, *QUESTION, HELP])
+def test_what_each_key_does_has_a_text(binding):
+    assert shipped_texts().has(binding.does)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.common.geometry import Pose2
+from thbridge.files.language_texts import shipped_texts
 from thbridge.files.map_files import read_map
 from thbridge.hunt.properties import PropertyDrawing
 from thbridge.roles.notices import FloorPlan, RoomOutline
@@ -377,7 +378,7 @@ def states() -> Mapping[str, Screen]:
             usual, popup=treasure(picture=True, verdict="No, it is not Blue bottle: 5 points lost.", points=-5)
         ),
         "question": replace(usual, confirmation=QUESTION),
-        "help": replace(usual, help=help_lines(8)),
+        "help": replace(usual, help=help_lines(shipped_texts(), 8)),
         "lost": replace(
             usual,
             banner=Banner("The connection to the game is lost for 12 s. It is tried again by itself.", "bad"),

@@ -66,7 +66,7 @@ class Texts:
     entries: Mapping[str, Text]
     forms: TextForms
 
-    def text(self, key: str, *, count: int | None = None, **values: str | float | Room) -> str:
+    def text(self, key: str, /, *, count: int | None = None, **values: str | float | Room) -> str:
         """Return a text with its values.
 
         Args:

@@ -177,10 +177,12 @@ def _not_now(act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
 
 def _help(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[tuple[str, str], ...]:
     if hunt is None:
-        return help_lines(0)
+        return help_lines(memory.texts, 0)
     properties = any(not each.is_found for each in hunt.view.properties)
     argues = hunt.view.has_last_word is not None
-    return help_lines(len(hunt.view.rooms), why_silent(memory, hunt), properties=properties, numbered=argues)
+    return help_lines(
+        hunt.texts, len(hunt.view.rooms), why_silent(memory, hunt), properties=properties, numbered=argues
+    )
 
 
 def _sound(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[Action, ...]:

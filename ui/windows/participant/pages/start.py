@@ -4,7 +4,8 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 
-from ui.model.keys import HELP
+from thbridge.files.language_texts import shipped_texts
+from ui.model.keys import HELP, help_line
 from ui.windows import look
 from ui.windows.look import GAP, spaced
 from ui.windows.participant.pages.pages import PAGE_KEYS, HelpSheet
@@ -131,7 +132,7 @@ class StartPage(QWidget):
             *([(f"{digits[0]} to {digits[-1]}", "Choose how many robots")] if asks else []),
             ("T", "Try it out first: a short practice game"),
             ("Enter", "Start"),
-            (" or ".join(HELP.keys), HELP.does),
+            help_line(shipped_texts(), HELP),
             ("Tab", "Go to the next button"),
             *PAGE_KEYS,
         )
