@@ -3,11 +3,9 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from PySide6.QtWidgets import QApplication
-
 from pictured.hunt import PicturedHunt
 from pictured.participant import CONSENT, RecordedLink
-from pictured.shot import Shot, Story
+from pictured.shot import Shot, Story, unkept_preferences
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.steps import PracticeTerm, StepKind
@@ -37,7 +35,6 @@ from ui.model.screen import ChooseRoom, ShowHelp
 from ui.model.theme import Palette
 from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.window import KioskWindow
-from ui.windows.look import Appearance
 
 SIZE = (1200, 800)
 STEPS = 12
@@ -53,10 +50,7 @@ ALL_KINDS = (
 def at_the_kiosk() -> Iterator[Shot]:
     """The pages, in the order of a study."""
     seconds = 0.0
-    application = QApplication.instance()
-    if not isinstance(application, QApplication):
-        raise TypeError("there is no application")
-    window = KioskWindow(Appearance(application, "light"), lambda _: None, lambda: seconds)
+    window = KioskWindow(unkept_preferences(), lambda _: None, lambda: seconds)
     window.resize(*SIZE)
     window.show()
     window.receive(TextToRead(1, words.WELCOME, words.WELCOME_PARTICIPANT, "Begin"))

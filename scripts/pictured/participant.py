@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from msgspec import structs
-from PySide6.QtWidgets import QApplication
 
 from pictured.hunt import PicturedHunt, with_robot
-from pictured.shot import Shot, Story
+from pictured.shot import Shot, Story, unkept_preferences
 from sim.common.geometry import Pose2
 from sim.inputs import KidnapRobot, SetPoseEstimate
 from thbridge.dialogue.conditions import DialogueCondition
@@ -45,7 +44,6 @@ from ui.model.screen import (
 )
 from ui.model.theme import LIGHT
 from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
-from ui.windows.look import Appearance
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant_program import GamePage, ParticipantMainWindow
 
@@ -86,7 +84,7 @@ def shot(name: str, window: ParticipantWindow) -> Shot:
 
 def before() -> Iterator[Shot]:
     """Start page, being made ready, connecting."""
-    window = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None)
+    window = ParticipantMainWindow(unkept_preferences(), lambda _: None)
     window.resize(*SIZE)
     window.show()
     window.receive(Offer(1, 4, 2))
@@ -113,7 +111,7 @@ def practice() -> Iterator[Shot]:
     hunt = PicturedHunt(PRACTICE)
     hunt.send(ChooseRoom(1))
     hunt.reached()
-    game = GamePage(RecordedLink(hunt), Appearance(_application(), "light"), True, lambda: None, lambda: hunt.now)
+    game = GamePage(RecordedLink(hunt), unkept_preferences(), True, lambda: None, lambda: hunt.now)
     game.resize(*SIZE)
     game.show()
     game.setFocus()
@@ -139,13 +137,6 @@ class RecordedLink(ParticipantLink):
         """Return all events at once."""
         events, self._recorded = self._recorded, []
         return events
-
-
-def _application() -> QApplication:
-    application = QApplication.instance()
-    if not isinstance(application, QApplication):
-        raise RuntimeError("windows need an application")
-    return application
 
 
 # A hunt ---------------------------------------------------------------------------------------------------------------
@@ -378,7 +369,7 @@ def crowd() -> Iterator[Shot]:
 def leaving() -> Iterator[Shot]:
     """The question that closing the window asks in the middle of a game."""
     hunt = PicturedHunt(STANDARD)
-    window = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None, lambda: hunt.now)
+    window = ParticipantMainWindow(unkept_preferences(), lambda _: None, lambda: hunt.now)
     window.resize(*SIZE)
     window.show()
     window.join(RecordedLink(hunt))

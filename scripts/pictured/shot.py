@@ -2,10 +2,23 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import mkdtemp
 
-from PySide6.QtWidgets import QWidget
+from PySide6.QtCore import QSettings
+from PySide6.QtWidgets import QApplication, QWidget
 
 from ui.model.theme import Palette
+from ui.windows.preferences import Preferences
+
+
+def unkept_preferences() -> Preferences:
+    """Return preferences for pictures, in a file that nobody reads again."""
+    application = QApplication.instance()
+    if not isinstance(application, QApplication):
+        raise TypeError("windows need an application")
+    file = Path(mkdtemp()) / "settings.ini"
+    return Preferences(application, QSettings(str(file), QSettings.Format.IniFormat), "light")
 
 
 def nothing(_palette: Palette) -> None:

@@ -10,7 +10,8 @@ from PySide6.QtWidgets import QApplication, QHBoxLayout, QProgressBar, QPushButt
 
 from ui.windows import look
 from ui.windows.application import application
-from ui.windows.look import GAP, Appearance, TextSize, spaced, user_settings
+from ui.windows.look import GAP, spaced
+from ui.windows.preferences import preferences_of
 
 TITLE = "Starting thbridge"
 EXPLANATION = (
@@ -94,9 +95,7 @@ class FirstStartWindow(QWidget):
 def show() -> None:
     """Run the window as a program: lines `DONE TOTAL` on standard input; it prints `cancel` if people cancel."""
     app = application()
-    appearance = Appearance(app)
-    appearance.choose(sys.argv[1])  # type: ignore[arg-type]  # one of the choices of --look
-    TextSize(app, user_settings())
+    preferences_of(app, "participant", sys.argv[1])  # type: ignore[arg-type]  # one of the choices of --look
     window = FirstStartWindow()
     window.cancelled.connect(lambda: print("cancel", flush=True))  # noqa: T201 - to the program that opened it
 

@@ -8,28 +8,23 @@ widgets keep to them by `follow_text`.
 """
 
 from collections.abc import Callable
-from contextlib import suppress
-from functools import partial
-from pathlib import Path
 from typing import ClassVar, Literal, TypeVar, cast
 from weakref import WeakKeyDictionary
 
-from PySide6.QtCore import QEvent, QFileSystemWatcher, QObject, QSettings, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QSize, Qt
 from PySide6.QtGui import (
     QColor,
     QFont,
     QFontDatabase,
-    QKeySequence,
     QPaintDevice,
     QPainter,
     QPalette,
     QResizeEvent,
-    QShortcut,
 )
 from PySide6.QtWidgets import QApplication, QBoxLayout, QLabel, QLayout, QWidget
 from shiboken6 import Shiboken
 
-from ui.model.theme import DARK, LIGHT, Palette, contrast
+from ui.model.theme import LIGHT, Palette, contrast
 from ui.windows.words_of_others import PlainLabel, PlainTextStyle
 
 L = TypeVar("L", bound=QLayout)
@@ -47,12 +42,6 @@ RADIUS = 8
 RING = 2
 """Width of the ring around the widget with the focus, logical pixels."""
 
-TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
-"""Sizes of text that may be chosen, percent of the usual one."""
-
-_TEXT_KEY = "text/percent"
-_TEXT_KEYS_OF = "textKeysOf"
-"""Property of windows whose keys choose the size of text: the identity of their `TextSize`."""
 _SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 1.9}
 _SMALLEST_BODY = 10.5
 _USUAL_WINDOW = QSize(1200, 800)
@@ -180,100 +169,6 @@ def qt_palette(palette: Palette) -> QPalette:
     for one in (role.WindowText, role.Text, role.ButtonText):
         made.setColor(QPalette.ColorGroup.Disabled, one, QColor(palette.muted))
     return made
-
-
-class Appearance(QObject):
-    """The application's palette: follows the system's light and dark, or stays as asked.
-
-    Attributes:
-        changed: the new palette, for widgets that paint themselves.
-    """
-
-    changed = Signal(object)
-
-    def __init__(self, app: QApplication, choice: Choice = "system") -> None:
-        super().__init__(app)
-        self._app = app
-        self._choice = choice
-        app.styleHints().colorSchemeChanged.connect(self._wear)
-        self._wear()
-
-    def choose(self, choice: Choice) -> None:
-        """Switch to light, to dark, or to the system's setting."""
-        self._choice = choice
-        self._wear()
-
-    def _wear(self) -> None:
-        dark = self._choice == "dark" or (
-            self._choice == "system" and self._app.styleHints().colorScheme() == Qt.ColorScheme.Dark
-        )
-        palette = DARK if dark else LIGHT
-        apply_palette(self._app, palette)
-        self.changed.emit(palette)
-
-
-class TextSize(QObject):
-    """The size of all text, chosen by Ctrl +, Ctrl - and Ctrl 0 in any of the user's windows, and followed by all.
-
-    Args:
-        app: the application.
-        settings: where the size is kept; another program that writes the same file is followed at once.
-
-    Attributes:
-        percent: of the usual size; see `usual_growth` for what is usual.
-    """
-
-    def __init__(self, app: QApplication, settings: QSettings) -> None:
-        super().__init__(app)
-        self._app = app
-        self._settings = settings
-        self._growth = usual_growth(app.primaryScreen().availableSize())
-        self.percent = 0
-        folder = Path(settings.fileName()).parent
-        with suppress(OSError):  # then it is as usual, and not kept
-            folder.mkdir(parents=True, exist_ok=True)
-        # The folder is watched and not the file, because each writing puts another file in its place.
-        self._watcher = QFileSystemWatcher([str(folder)], self)
-        self._watcher.directoryChanged.connect(self._read)
-        self._read()
-        app.focusWindowChanged.connect(self._add_keys_to_box)
-
-    def add_keys(self, window: QWidget) -> None:
-        """Let a window's keys choose the size, and those of boxes that open over it."""
-        window.setProperty(_TEXT_KEYS_OF, id(self))
-        for keys, step in ((("Ctrl++", "Ctrl+="), 1), (("Ctrl+-",), -1), (("Ctrl+0",), 0)):
-            shortcut = QShortcut(window)
-            shortcut.setKeys([QKeySequence(key) for key in keys])
-            shortcut.activated.connect(partial(self.step, step))
-
-    def _add_keys_to_box(self) -> None:
-        """Let the keys of a box that has become active do the same: it may shut out its window with all its keys."""
-        box = self._app.activeWindow()
-        opener = None if box is None else box.parentWidget()
-        if box is None or opener is None or box.property(_TEXT_KEYS_OF) == id(self):
-            return
-        if opener.window().property(_TEXT_KEYS_OF) == id(self):
-            self.add_keys(box)
-
-    def step(self, by: int) -> None:
-        """Choose the next larger size (1), the next smaller one (-1), or the usual one (0)."""
-        at = TEXT_SIZES.index(self.percent if by else 100) + by
-        self._settings.setValue(_TEXT_KEY, TEXT_SIZES[min(max(at, 0), len(TEXT_SIZES) - 1)])
-        self._settings.sync()
-        self._read()
-
-    def _read(self) -> None:
-        self._settings.sync()
-        kept = str(self._settings.value(_TEXT_KEY, 100))
-        percent = min(TEXT_SIZES, key=lambda size: abs(size - int(kept))) if kept.isdecimal() else 100
-        if percent != self.percent:
-            self.percent = percent
-            apply_text_size(self._app, self._growth * percent / 100.0)
-
-
-def user_settings(name: str = "windows") -> QSettings:
-    """The settings of the user for all windows, or others of this name; in the user's own folder for settings."""
-    return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "thbridge", name)
 
 
 def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: bool = False) -> QLabel:

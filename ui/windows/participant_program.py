@@ -7,7 +7,7 @@ It connects the window (`ParticipantWindow`), its model (`Participant`) and the 
 import time
 from collections.abc import Callable
 
-from PySide6.QtCore import QSettings, Qt, QTimer, Signal
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QApplication,
@@ -37,7 +37,7 @@ from ui.model.lobby import (
 )
 from ui.model.participant import Participant
 from ui.model.practice import advice
-from ui.model.screen import CloseWindow, Phase
+from ui.model.screen import CloseWindow, Phase, SwitchSound
 from ui.terminal import DECLINED
 from ui.windows import look, pointer
 from ui.windows.application import application
@@ -49,10 +49,9 @@ from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.panels import set_text
 from ui.windows.participant.window import ParticipantWindow
+from ui.windows.preferences import Preferences, preferences_of
 from ui.windows.sounds import SoundPlayer, system_player
 
-SOUND_KEY = "sound"
-"""Name of the participant's choice among the settings of the windows."""
 DONE = "You have tried out what you need. Go on when you are ready."
 """Sentence for people who may go on from practice now."""
 FRAME = 15
@@ -64,13 +63,12 @@ class GamePage(QWidget):
 
     Args:
         link: to the server, not started yet.
-        appearance: colours.
+        preferences: of the participant.
         practice: it is the practice game, whose strip says what to do next.
         back: goes back to the start page; None where there is none.
         clock: monotonic seconds.
         way_back: label of that button.
         once: True where one game is played and something else follows: its end is shown as it was when it came.
-        settings: where the participant's choice of sound is kept; None: with those of all windows.
 
     Attributes:
         seen_over: the end of the game is shown.
@@ -81,13 +79,12 @@ class GamePage(QWidget):
     def __init__(
         self,
         link: ParticipantLink,
-        appearance: look.Appearance,
+        preferences: Preferences,
         practice: bool,
         back: Callable[[], None] | None,
         clock: Callable[[], float],
         way_back: str = "Back to the start page",
         once: bool = False,
-        settings: QSettings | None = None,
     ) -> None:
         super().__init__()
         self._link = link
@@ -95,15 +92,14 @@ class GamePage(QWidget):
         self._practice = practice
         self._once = once
         self._is_over = False
-        command, self._settings = system_player(), look.user_settings() if settings is None else settings
-        self._model = Participant(
-            sound_on=bool(self._settings.value(SOUND_KEY, True, bool)), can_sound=command is not None, once=once
-        )
+        self._preferences, command = preferences, system_player()
+        self._model = Participant(sound_on=preferences.sound_on, can_sound=command is not None, once=once)
         self._sound_on = self._model.sound_on
         self._sounds = SoundPlayer(self, command)
         self.window_of_game = ParticipantWindow(self._model, clock, look.colours())
         self.window_of_game.sounded.connect(self._sounds.play)
-        appearance.changed.connect(self.window_of_game.set_palette)
+        preferences.changed.connect(self.window_of_game.set_palette)
+        preferences.sound_chosen.connect(self._choose_sound)
         rows = spaced(QVBoxLayout(self), 0, 0)
         self._strip, self._advice, self._to_do = QWidget(), look.label(), look.label(size="small", muted=True)
         self._way_back: tuple[ActionButton, str] | None = None
@@ -202,10 +198,15 @@ class GamePage(QWidget):
         """Leave the server, and go on showing the end of the game."""
         self._link.stop()
 
+    def _choose_sound(self, on: bool) -> None:
+        """Take a choice of the settings."""
+        if on != self._model.sound_on:
+            self.window_of_game.do(SwitchSound())
+
     def _keep_sound(self, on: bool) -> None:
         """Keep the participant's choice for other games; be silent at once where it is that."""
         self._sound_on = on
-        self._settings.setValue(SOUND_KEY, on)
+        self._preferences.choose_sound(on)
         if not on:
             self._sounds.stop()
 
@@ -224,20 +225,20 @@ class ParticipantMainWindow(QMainWindow):
     """The participant's main window, which shows one page at a time.
 
     Args:
-        appearance: colours.
+        preferences: of the participant.
         send: sends to the host; None where there is none.
         clock: monotonic seconds.
     """
 
     def __init__(
         self,
-        appearance: look.Appearance,
+        preferences: Preferences,
         send: Callable[[FromWindow], None] | None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         super().__init__()
         self._clock = clock
-        self._appearance = appearance
+        self._preferences = preferences
         self._send_to_host = send
         self._leaving = False
         self.declined = False
@@ -277,7 +278,7 @@ class ParticipantMainWindow(QMainWindow):
     def join(self, link: ParticipantLink, practice: bool = False, once: bool = False) -> None:
         """Show a game; `once` where no other follows."""
         back = None if self._send_to_host is None else lambda: self._send(Back())
-        game = GamePage(link, self._appearance, practice, back, self._clock, once=once)
+        game = GamePage(link, self._preferences, practice, back, self._clock, once=once)
         game.window_of_game.declined.connect(self._decline)
         self._show(game)
         self.game = game
@@ -382,7 +383,8 @@ def play_hosted(choice: look.Choice) -> int:
 
 def _table(app: QApplication, choice: look.Choice, send: Callable[[FromWindow], None] | None) -> ParticipantMainWindow:
     """Return the main window in the style and the size of text that the user wants."""
-    appearance, text_size = look.Appearance(app, choice), look.TextSize(app, look.user_settings())
-    table = ParticipantMainWindow(appearance, send)
-    text_size.add_keys(table)
+    preferences = preferences_of(app, "participant", choice, has_sound=True)
+    table = ParticipantMainWindow(preferences, send)
+    preferences.add_keys(table)
+    preferences.keep_place(table)
     return table

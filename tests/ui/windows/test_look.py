@@ -1,22 +1,10 @@
 """Windows are light or dark as the system or the person wants, and legible."""
 
 import pytest
-from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QApplication
-from pytestqt.qtbot import QtBot
 
 from ui.model.theme import DARK, LIGHT, contrast
 from ui.windows import look
-
-
-def test_a_choice_is_worn_and_told(qapp: QApplication, qtbot: QtBot) -> None:
-    appearance = look.Appearance(qapp, "light")
-    assert look.colours() is LIGHT
-    with qtbot.waitSignal(appearance.changed) as told:
-        appearance.choose("dark")
-    assert told.args == [DARK]
-    assert qapp.palette().color(QPalette.ColorRole.Window).name() == DARK.window
-    appearance.choose("light")
 
 
 def test_type_is_never_smaller_than_what_reads_well(qapp: QApplication) -> None:

@@ -6,7 +6,8 @@ from sim.common.grid import OccupancyGrid
 from thbridge.offline.arena import Arena
 from ui.windows.application import application
 from ui.windows.arena.window import ArenaWindow
-from ui.windows.look import Appearance, Choice, TextSize, user_settings
+from ui.windows.look import Choice
+from ui.windows.preferences import preferences_of
 
 
 def draw_arena(
@@ -29,9 +30,10 @@ def draw_arena(
         is_saved: True when the arena to begin with is in a file already.
     """
     app = application()
-    look, text_size = Appearance(app, choice), TextSize(app, user_settings())
+    preferences = preferences_of(app, "arena", choice)
     window = ArenaWindow(name, grid, arena, write, is_saved=is_saved)
-    look.changed.connect(window.repaint_all)
-    text_size.add_keys(window)
+    preferences.changed.connect(window.repaint_all)
+    preferences.add_keys(window)
+    preferences.keep_place(window)
     window.show()
     return app.exec()

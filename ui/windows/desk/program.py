@@ -9,7 +9,8 @@ from ui.windows.application import application
 from ui.windows.desk.window import DeskWindow
 from ui.windows.editing.background import BackgroundWorker
 from ui.windows.host_pipe import HostPipe
-from ui.windows.look import Appearance, Choice, TextSize, user_settings
+from ui.windows.look import Choice
+from ui.windows.preferences import preferences_of
 
 POLL = 1000
 """Milliseconds between two looks at a log."""
@@ -77,9 +78,10 @@ class LogWatch(QObject):
 def show_hosted(folder: ExperimentFolder, choice: Choice) -> int:
     """Open the desk for the host at standard input and output; returns when it is closed."""
     app = application()
-    _appearance, text_size = Appearance(app, choice), TextSize(app, user_settings())
+    preferences = preferences_of(app, "desk", choice)
     desk = DeskWindow(CLOSING, folder)
-    text_size.add_keys(desk)
+    preferences.add_keys(desk)
+    preferences.keep_place(desk)
     pipe = HostPipe(DESK)
     desk.asked.connect(pipe.send)
     pipe.listen(desk)
@@ -90,9 +92,10 @@ def show_hosted(folder: ExperimentFolder, choice: Choice) -> int:
 def show_folder(source: ExperimentSource, choice: Choice) -> int:
     """Open the desk on a study's folder, to watch only; returns when it is closed."""
     app = application()
-    _appearance, text_size = Appearance(app, choice), TextSize(app, user_settings())
+    preferences = preferences_of(app, "desk", choice)
     desk = DeskWindow(folder=source.folder)
-    text_size.add_keys(desk)
+    preferences.add_keys(desk)
+    preferences.keep_place(desk)
     watch = LogWatch(desk, source)
     desk.show()
     code = app.exec()

@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QEvent, QSettings, Qt, QTimer
+from PySide6.QtCore import QEvent, Qt, QTimer
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QCloseEvent, QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QProgressBar, QStackedWidget, QVBoxLayout, QWidget
 
@@ -49,13 +49,12 @@ from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, Help
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set_text
 from ui.windows.participant_program import GamePage
+from ui.windows.preferences import Preferences, preferences_of
 
 END_KEYS = "Ctrl+Alt+Shift+Q"
 """The researcher's keys that close the window at once."""
 BEGIN_KEYS = "Ctrl+Alt+Shift+N"
 """The researcher's keys that begin the run of the next person."""
-CHOICES = "kiosk"
-"""Name of the settings that last as long as a person is there."""
 STOP_KEYS = "Alt+F4"
 """Anybody's keys that ask whether to leave, where no window manager has them."""
 HELP_KEY = HELP.keys[0]
@@ -185,11 +184,9 @@ class KioskWindow(QMainWindow):
     """The window of one laboratory's computer.
 
     Args:
-        appearance: colours.
+        preferences: of the person who takes part; they are forgotten when the next one comes.
         send: sends to the host.
         clock: monotonic seconds.
-        choices: where the size of text and the sound that a person chose are kept until the next one comes; None: in
-            the user's own folder for settings.
 
     Attributes:
         game: the game that is shown; None on other pages.
@@ -197,14 +194,12 @@ class KioskWindow(QMainWindow):
 
     def __init__(
         self,
-        appearance: look.Appearance,
+        preferences: Preferences,
         send: Callable[[FromKiosk], None],
         clock: Callable[[], float] = time.monotonic,
-        choices: QSettings | None = None,
     ) -> None:
         super().__init__()
-        self._choices = look.user_settings(CHOICES) if choices is None else choices
-        self._appearance = appearance
+        self._preferences = preferences
         self._send = send
         self._clock = clock
         self._page = 0
@@ -254,7 +249,7 @@ class KioskWindow(QMainWindow):
         match message:
             case TextToRead(page=page, anew=anew):
                 if anew:
-                    self._forget_choices()
+                    self._preferences.forget()
                 self._show_text(page, message)
             case ConsentToAsk(page=page):
                 self._show(page, self._consent(message), message.progress)
@@ -329,9 +324,7 @@ class KioskWindow(QMainWindow):
         """Show a game by a link to its server."""
         on = partial(self._go_on, game.page)
         back = on if game.practice else None
-        shown = GamePage(
-            link, self._appearance, game.practice, back, self._clock, "Go on with the study", True, self._choices
-        )
+        shown = GamePage(link, self._preferences, game.practice, back, self._clock, "Go on with the study", True)
         shown.window_of_game.went_on.connect(on)
         shown.window_of_game.declined.connect(shown.decline)
         shown.window_of_game.help.instructions = self._instructions
@@ -413,14 +406,6 @@ class KioskWindow(QMainWindow):
         if self.game is not None:
             self.game.pump()
 
-    def _forget_choices(self) -> None:
-        """Let the next person begin with what the user's other windows have."""
-        usual = look.user_settings()
-        self._choices.clear()
-        for key in usual.allKeys():
-            self._choices.setValue(key, usual.value(key))
-        self._choices.sync()
-
     # Leaving
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -488,9 +473,9 @@ def open_kiosk(choice: look.Choice, *, windowed: bool, title: str = "") -> int:
     """Open the window for the host at standard input and output; returns when it is closed."""
     app = application()
     pipe = HostPipe(KIOSK)
-    appearance, choices = look.Appearance(app, choice), look.user_settings(CHOICES)
-    text_size, window = look.TextSize(app, choices), KioskWindow(appearance, pipe.send, choices=choices)
-    text_size.add_keys(window)
+    preferences = preferences_of(app, "kiosk", choice, has_sound=True)
+    window = KioskWindow(preferences, pipe.send)
+    preferences.add_keys(window)
     successor = Successor(window.give_way)
     successor.setParent(window)
     pipe.listen(window)

@@ -8,7 +8,8 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from thbridge.files.errors import BadFile
 from ui.windows.application import application
-from ui.windows.look import Appearance, Choice, TextSize, colours, user_settings
+from ui.windows.look import Choice, colours
+from ui.windows.preferences import Preferences, preferences_of, user_settings
 from ui.windows.researcher.feeds.opening import OpenedFeed, open_feed
 from ui.windows.researcher.memory import WatchMemory
 from ui.windows.researcher.open_dialog import OpenDialog
@@ -23,8 +24,7 @@ class WatchProgram(QObject):
 
     Args:
         app: the application.
-        appearance: its palette.
-        text_size: its size of text.
+        preferences: of the user.
         memory: what was opened before.
 
     Attributes:
@@ -32,9 +32,9 @@ class WatchProgram(QObject):
         dialog: *Open*, the latest; None before the first.
     """
 
-    def __init__(self, app: QApplication, appearance: Appearance, text_size: TextSize, memory: WatchMemory) -> None:
+    def __init__(self, app: QApplication, preferences: Preferences, memory: WatchMemory) -> None:
         super().__init__(app)
-        self._appearance, self._text_size, self._memory = appearance, text_size, memory
+        self._preferences, self._memory = preferences, memory
         self.windows: list[ResearcherWindow] = []
         self.dialog: OpenDialog | None = None
 
@@ -42,8 +42,9 @@ class WatchProgram(QObject):
         """Show a recording or session in a window of its own."""
         self._memory.add(opened.source)
         window = ResearcherWindow(opened.feed, opened.title, colours(), time.monotonic)
-        self._appearance.changed.connect(window.set_palette)
-        self._text_size.add_keys(window)
+        self._preferences.changed.connect(window.set_palette)
+        self._preferences.add_keys(window)
+        self._preferences.keep_place(window)
         window.open_wanted.connect(lambda: self.ask(window))
         window.source_chosen.connect(lambda path: self._open_from(window, path))
         window.closed.connect(lambda: self.windows.remove(window))
@@ -81,8 +82,7 @@ def show(opened: OpenedFeed | None, choice: Choice) -> None:
         choice: light, dark, or as the system has it.
     """
     app = application()
-    settings = user_settings()
-    program = WatchProgram(app, Appearance(app, choice), TextSize(app, settings), WatchMemory(settings))
+    program = WatchProgram(app, preferences_of(app, "watch", choice), WatchMemory(user_settings("watch")))
     if opened is None:
         program.ask(None)
     else:

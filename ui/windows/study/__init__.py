@@ -7,7 +7,8 @@ from thbridge.study.study_file import Study
 from ui.model.study_form.noise import preview_of
 from ui.start_bar import START_BAR
 from ui.windows.application import application
-from ui.windows.look import Appearance, Choice, TextSize, user_settings
+from ui.windows.look import Choice
+from ui.windows.preferences import preferences_of
 from ui.windows.study.window import StudyWindow
 
 
@@ -29,10 +30,11 @@ def edit(path: Path, choice: Choice = "system") -> int:
         BadFile: the file cannot be read.
     """
     app = application()
-    look, text_size = Appearance(app, choice), TextSize(app, user_settings())
+    preferences = preferences_of(app, "study", choice)
     window = study_window(path)
-    look.changed.connect(window.repaint_all)
-    text_size.add_keys(window)
+    preferences.changed.connect(window.repaint_all)
+    preferences.add_keys(window)
+    preferences.keep_place(window)
     START_BAR.close()
     window.show()
     return app.exec()

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from ui.windows.application import application
-from ui.windows.look import Appearance, Choice, TextSize, user_settings
+from ui.windows.look import Choice
+from ui.windows.preferences import preferences_of
 from ui.windows.templates.window import TemplateWindow
 
 
@@ -14,9 +15,10 @@ def edit_templates(folder: Path, choice: Choice = "system") -> int:
         BadFile: one of its files cannot be read.
     """
     app = application()
-    look, text_size = Appearance(app, choice), TextSize(app, user_settings())
+    preferences = preferences_of(app, "templates", choice)
     window = TemplateWindow(folder)
-    look.changed.connect(window.update)
-    text_size.add_keys(window)
+    preferences.changed.connect(window.update)
+    preferences.add_keys(window)
+    preferences.keep_place(window)
     window.show()
     return app.exec()

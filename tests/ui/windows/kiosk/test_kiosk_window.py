@@ -6,12 +6,13 @@ from pathlib import Path
 
 import pytest
 from msgspec import structs
-from PySide6.QtCore import QEvent, QMimeData, QPoint, QSettings, Qt
+from PySide6.QtCore import QEvent, QMimeData, QPoint, Qt
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QScrollArea, QToolTip, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.ui.model.views import view
 from tests.ui.windows.fitting import misfits, settle
+from tests.ui.windows.preferred import preferred
 from tests.ui.windows.walking import nameless
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from ui.model.kiosk import (
@@ -47,7 +48,8 @@ from ui.windows.kiosk.window import BEGIN_KEYS, KioskWindow
 from ui.windows.participant.pages.pages import ConsentPage
 from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.participant.widgets.reading import ReadingText
-from ui.windows.participant_program import SOUND_KEY, GamePage
+from ui.windows.participant_program import GamePage
+from ui.windows.preferences import Preferences
 
 SEVEN = ("not at all", "", "", "", "", "", "completely")
 ITEMS = (
@@ -68,7 +70,7 @@ class Opened:
     """The window, its clock, and what it told its host."""
 
     window: KioskWindow
-    choices: QSettings
+    preferences: Preferences
     told: list[FromKiosk] = field(default_factory=list)
     now: float = 10.0
 
@@ -91,9 +93,9 @@ class Opened:
 def opened(qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Opened]:
     monkeypatch.setattr(QApplication, "quit", lambda: None)
     told: list[FromKiosk] = []
-    choices = QSettings(str(tmp_path / "kiosk.ini"), QSettings.Format.IniFormat)
-    window = KioskWindow(look.Appearance(qapp, "light"), told.append, lambda: made.now, choices)
-    made = Opened(window, choices, told)
+    preferences = preferred(qapp, tmp_path)
+    window = KioskWindow(preferences, told.append, lambda: made.now)
+    made = Opened(window, preferences, told)
     made.window.resize(1024, 600)
     made.window.show()
     made.window.activateWindow()
@@ -319,19 +321,14 @@ def test_of_several_answers_it_is_told_that_there_may_be(opened: Opened) -> None
     assert "You may choose more than one." not in told["hand"]
 
 
-def test_the_next_person_begins_with_text_and_sound_as_usual(
-    opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    usual = QSettings(str(tmp_path / "windows.ini"), QSettings.Format.IniFormat)
-    usual.setValue("text", 125)
-    monkeypatch.setattr(look, "user_settings", lambda: usual)
-    opened.choices.setValue("text", 200)
-    opened.choices.setValue(SOUND_KEY, False)
+def test_the_next_person_begins_with_text_and_sound_as_usual(opened: Opened) -> None:
+    preferences = opened.preferences
+    preferences.choose_text_size(200)
+    preferences.choose_sound(False)
     opened.window.receive(TextToRead(8, "Thank you", "You may go.", "Finish", code="AB23CD45"))
-    assert opened.choices.value("text") == 200, "whoever reads the code is still there"
+    assert preferences.percent == 200, "the person who reads the code is still there"
     opened.window.receive(TextToRead(9, "Welcome", "Please begin.", "Begin", anew=True))
-    assert (opened.choices.value("text"), opened.choices.value(SOUND_KEY)) == (125, None)
-    assert usual.value("text") == 125
+    assert (preferences.percent, preferences.sound_on) == (100, True)
 
 
 def test_closing_asks_and_only_the_researcher_closes(opened: Opened, qtbot: QtBot) -> None:

@@ -3,6 +3,7 @@
 import gc
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QEvent
@@ -12,9 +13,9 @@ from pytestqt.qtbot import QtBot
 from tests.ui.model.views import view
 from tests.ui.windows import samples
 from tests.ui.windows.participant.test_window import press
+from tests.ui.windows.preferred import preferred
 from ui.model.lobby import FromWindow, WindowClosed
 from ui.model.theme import LIGHT
-from ui.windows import look
 from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant_program import ParticipantMainWindow
@@ -53,11 +54,11 @@ class Table:
 
 
 @pytest.fixture
-def at_table(qtbot: QtBot, qapp: QApplication) -> Callable[[bool], Table]:
+def at_table(qtbot: QtBot, qapp: QApplication, tmp_path: Path) -> Callable[[bool], Table]:
     def sit(hosted: bool) -> Table:
         table = Table()
         send = table.told.append if hosted else None
-        window = ParticipantMainWindow(look.Appearance(qapp, "light"), send, lambda: table.now)
+        window = ParticipantMainWindow(preferred(qapp, tmp_path), send, lambda: table.now)
         table.window = window
         qtbot.addWidget(window, before_close_func=lambda it: it.leave())
         window.join(ArrivedLink())

@@ -1,6 +1,7 @@
 """The participant's window can be used at all sizes, with text of all sizes."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
@@ -12,6 +13,7 @@ from tests.ui.windows import samples
 from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.participant.conftest import Opened
 from tests.ui.windows.participant.test_window import STATES, Open
+from tests.ui.windows.preferred import preferred
 from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.link import ParticipantLink
@@ -117,9 +119,9 @@ def test_the_pages_before_a_game_fit(qtbot: QtBot, qapp: QApplication, text: flo
 
 
 @pytest.mark.parametrize("text", TEXTS, indirect=True)
-def test_the_practice_game_fits(qtbot: QtBot, qapp: QApplication, text: float) -> None:
+def test_the_practice_game_fits(qtbot: QtBot, qapp: QApplication, tmp_path: Path, text: float) -> None:
     look.apply_palette(qapp, LIGHT)
-    window = ParticipantMainWindow(look.Appearance(qapp, "light"), lambda _message: None)
+    window = ParticipantMainWindow(preferred(qapp, tmp_path), lambda _message: None)
     qtbot.addWidget(window)
     window.join(ParticipantLink("127.0.0.1", 1, "token"), practice=True)
     look.apply_text_size(qapp, text)

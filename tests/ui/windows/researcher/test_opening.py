@@ -9,8 +9,8 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 
+from tests.ui.windows.preferred import preferred
 from tests.ui.windows.researcher.hunts import record
-from ui.windows.look import Appearance, TextSize
 from ui.windows.researcher.memory import RECENT, WatchMemory
 from ui.windows.researcher.show import WatchProgram
 
@@ -27,8 +27,7 @@ def memory(tmp_path: Path) -> WatchMemory:
 
 @pytest.fixture
 def program(qapp: QApplication, tmp_path: Path, memory: WatchMemory) -> Iterator[WatchProgram]:
-    settings = QSettings(str(tmp_path / "windows.ini"), QSettings.Format.IniFormat)
-    made = WatchProgram(qapp, Appearance(qapp, "light"), TextSize(qapp, settings), memory)
+    made = WatchProgram(qapp, preferred(qapp, tmp_path), memory)
     yield made
     for window in tuple(made.windows):
         window.close()

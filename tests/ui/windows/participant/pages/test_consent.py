@@ -1,14 +1,15 @@
 """The text that participants agree to, before anything else."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
+from tests.ui.windows.preferred import preferred
 from ui.model.lobby import Agreed, Declined, FromWindow, Offer, Thanks, WindowClosed
-from ui.windows import look
 from ui.windows.participant.pages.pages import ConsentPage, ThanksPage
 from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant_program import ParticipantMainWindow
@@ -18,10 +19,10 @@ Seen = tuple[ParticipantMainWindow, list[FromWindow]]
 
 
 @pytest.fixture
-def seen(qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Seen]:
+def seen(qtbot: QtBot, qapp: QApplication, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Seen]:
     monkeypatch.setattr(QApplication, "quit", lambda: None)
     sent: list[FromWindow] = []
-    window = ParticipantMainWindow(look.Appearance(qapp, "light"), sent.append)
+    window = ParticipantMainWindow(preferred(qapp, tmp_path), sent.append)
     qtbot.addWidget(window)
     window.receive(ASKED)
     window.show()
@@ -59,8 +60,10 @@ def test_no_is_thanked_and_ends(seen: Seen, qtbot: QtBot, by: str) -> None:
     assert not window.isVisible()
 
 
-def test_a_window_opened_again_after_a_no_thanks_and_asks_nothing(qtbot: QtBot, qapp: QApplication) -> None:
-    window = ParticipantMainWindow(look.Appearance(qapp, "light"), lambda _message: None)
+def test_a_window_opened_again_after_a_no_thanks_and_asks_nothing(
+    qtbot: QtBot, qapp: QApplication, tmp_path: Path
+) -> None:
+    window = ParticipantMainWindow(preferred(qapp, tmp_path), lambda _message: None)
     qtbot.addWidget(window, before_close_func=lambda it: it.leave())
     window.receive(Thanks())
     window.show()

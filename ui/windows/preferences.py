@@ -1,0 +1,244 @@
+"""Preferences of a window's user: light or dark, size of text, sound, and where the window is on the screen.
+
+Each kind of window keeps its own, in a file of the user's folder for settings, and no running window follows another:
+a participant's choice changes nothing at the researcher's desk.
+"""
+
+from functools import partial
+from typing import Literal
+from weakref import WeakSet
+
+from PySide6.QtCore import QByteArray, QEvent, QObject, QSettings, Qt, Signal
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QApplication,
+    QCheckBox,
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QFormLayout,
+    QVBoxLayout,
+    QWidget,
+)
+
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.files.language_texts import shipped_texts
+from ui.model.theme import DARK, LIGHT
+from ui.windows import look
+from ui.windows.look import GAP, Choice, spaced
+
+TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
+"""Sizes of text that may be chosen, percent of the usual one."""
+SETTINGS_KEYS = "Ctrl+,"
+"""Keys that open the settings in each window."""
+
+WindowKind = Literal["participant", "kiosk", "watch", "desk", "study", "templates", "arena"]
+"""Kind of a window, and name of the file of its settings."""
+
+_LOOK, _TEXT, _SOUND, _GEOMETRY = "look", "text/percent", "sound", "geometry"
+_KEYS_OF = "keysOf"
+"""Property of windows that have the keys: the identity of their preferences."""
+
+
+def user_settings(name: str) -> QSettings:
+    """Return the user's settings of this name, which are a file in their folder for settings."""
+    return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "thbridge", name)
+
+
+def preferences_of(
+    app: QApplication, kind: WindowKind, choice: Choice = "system", *, has_sound: bool = False
+) -> "Preferences":
+    """Return the user's preferences for a kind of window.
+
+    Args:
+        app: the application.
+        kind: of the window.
+        choice: light or dark for this run; "system": as kept, or else as the desktop is.
+        has_sound: True where windows of this kind sound.
+    """
+    return Preferences(app, user_settings(kind), choice, has_sound=has_sound)
+
+
+class Preferences(QObject):
+    """Preferences for one kind of window, in force for all windows of this process and kept for the next one.
+
+    Args:
+        app: the application.
+        settings: where they are kept.
+        choice: light or dark for this run; "system": as kept, or else as the desktop is.
+        has_sound: True where windows of this kind sound.
+
+    Attributes:
+        changed: the new palette, for widgets that paint themselves.
+        sound_chosen: True when the user wants sounds, False when they do not.
+        percent: the size of text, of the usual one; see `look.usual_growth` for what is usual.
+        texts: of the page of settings; None: English.
+    """
+
+    changed = Signal(object)
+    sound_chosen = Signal(bool)
+
+    def __init__(
+        self,
+        app: QApplication,
+        settings: QSettings,
+        choice: Choice = "system",
+        *,
+        has_sound: bool = False,
+    ) -> None:
+        super().__init__(app)
+        self._app, self._settings = app, settings
+        self._given: Choice | None = None if choice == "system" else choice
+        self._growth = look.usual_growth(app.primaryScreen().availableSize())
+        self.has_sound = has_sound
+        self._placed: WeakSet[QWidget] = WeakSet()
+        self.percent = 0
+        self.texts: Texts | None = None
+        app.styleHints().colorSchemeChanged.connect(self._apply_look)
+        app.focusWindowChanged.connect(self._add_keys_to_box)
+        self._apply_look()
+        self._apply_text_size()
+
+    # What is chosen
+
+    @property
+    def look(self) -> Choice:
+        """Light, dark, or as the desktop is."""
+        kept = self._value(_LOOK, "system")
+        chosen: Choice = "light" if kept == "light" else "dark" if kept == "dark" else "system"
+        return self._given or chosen
+
+    def choose_look(self, choice: Choice) -> None:
+        """Switch to light, to dark, or to the desktop's setting."""
+        self._given = None
+        self._keep(_LOOK, choice)
+        self._apply_look()
+
+    def choose_text_size(self, percent: int) -> None:
+        """Give all text another size, one of `TEXT_SIZES`."""
+        self._keep(_TEXT, percent)
+        self._apply_text_size()
+
+    def step_text_size(self, by: int) -> None:
+        """Choose the next larger size (1), the next smaller one (-1), or the usual one (0)."""
+        at = TEXT_SIZES.index(self.percent if by else 100) + by
+        self.choose_text_size(TEXT_SIZES[min(max(at, 0), len(TEXT_SIZES) - 1)])
+
+    @property
+    def sound_on(self) -> bool:
+        """True while the user wants sounds."""
+        return self._value(_SOUND, "true") != "false"
+
+    def choose_sound(self, on: bool) -> None:
+        """Switch sounds on or off."""
+        self._keep(_SOUND, "true" if on else "false")
+        self.sound_chosen.emit(on)
+
+    def forget(self) -> None:
+        """Let the next person begin with what is usual."""
+        self._settings.clear()
+        self._settings.sync()
+        self._apply_look()
+        self._apply_text_size()
+
+    # Windows
+
+    def keep_place(self, window: QWidget) -> None:
+        """Give a window the size and place that the last closed one of its kind had, and keep its own."""
+        kept = self._settings.value(_GEOMETRY)
+        if isinstance(kept, QByteArray) and not any(each.isVisible() for each in self._placed):
+            window.restoreGeometry(kept)
+        self._placed.add(window)
+        window.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Keep the place of a window that is closed."""
+        if event.type() == QEvent.Type.Close and isinstance(watched, QWidget):
+            self._keep(_GEOMETRY, watched.saveGeometry())
+        return False
+
+    def add_keys(self, window: QWidget) -> None:
+        """Let a window's keys choose the size of text and open the settings, also in boxes that open over it."""
+        window.setProperty(_KEYS_OF, id(self))
+        for keys, step in ((("Ctrl++", "Ctrl+="), 1), (("Ctrl+-",), -1), (("Ctrl+0",), 0)):
+            shortcut = QShortcut(window)
+            shortcut.setKeys([QKeySequence(key) for key in keys])
+            shortcut.activated.connect(partial(self.step_text_size, step))
+        if not isinstance(window, SettingsDialog):
+            QShortcut(QKeySequence(SETTINGS_KEYS), window).activated.connect(partial(self.open, window))
+
+    def open(self, window: QWidget) -> "SettingsDialog":
+        """Open the page of settings over a window."""
+        dialog = SettingsDialog(self, window)
+        dialog.open()
+        return dialog
+
+    def _add_keys_to_box(self) -> None:
+        """Give the keys to a box that has become active: it may shut out its window with all its keys."""
+        box = self._app.activeWindow()
+        opener = None if box is None else box.parentWidget()
+        if box is None or opener is None or box.property(_KEYS_OF) == id(self):
+            return
+        if opener.window().property(_KEYS_OF) == id(self):
+            self.add_keys(box)
+
+    # Keeping and applying
+
+    def _value(self, key: str, default: str) -> str:
+        return str(self._settings.value(key, default))
+
+    def _keep(self, key: str, value: object) -> None:
+        self._settings.setValue(key, value)
+        self._settings.sync()
+
+    def _apply_look(self) -> None:
+        system_is_dark = self._app.styleHints().colorScheme() == Qt.ColorScheme.Dark
+        palette = DARK if self.look == "dark" or (self.look == "system" and system_is_dark) else LIGHT
+        look.apply_palette(self._app, palette)
+        self.changed.emit(palette)
+
+    def _apply_text_size(self) -> None:
+        kept = self._value(_TEXT, "100")
+        percent = min(TEXT_SIZES, key=lambda size: abs(size - int(kept))) if kept.isdecimal() else 100
+        if percent != self.percent:
+            self.percent = percent
+            look.apply_text_size(self._app, self._growth * percent / 100.0)
+
+
+class SettingsDialog(QDialog):
+    """The page of settings. What is chosen counts at once.
+
+    Args:
+        preferences: to be changed.
+        parent: the window.
+    """
+
+    def __init__(self, preferences: Preferences, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        say = (preferences.texts or shipped_texts()).text
+        self.setWindowTitle(say("settings.title"))
+        self.look, self.text_size, self.sound = QComboBox(), QComboBox(), QCheckBox(say("settings.sound_on"))
+        for name, choice in (("system", "system"), ("light", "light"), ("dark", "dark")):
+            self.look.addItem(say(f"settings.look_{name}"), choice)
+        self.look.setCurrentIndex(self.look.findData(preferences.look))
+        self.look.activated.connect(lambda _: preferences.choose_look(self.look.currentData()))
+        for percent in TEXT_SIZES:
+            self.text_size.addItem(say("words.percent", number=percent), percent)
+        self.text_size.setCurrentIndex(self.text_size.findData(preferences.percent))
+        self.text_size.activated.connect(lambda _: preferences.choose_text_size(self.text_size.currentData()))
+        self.sound.setChecked(preferences.sound_on)
+        self.sound.toggled.connect(preferences.choose_sound)
+        form = QFormLayout()
+        form.setSpacing(2 * GAP)
+        form.addRow(say("settings.look"), self.look)
+        form.addRow(say("settings.text_size"), self.text_size)
+        if preferences.has_sound:
+            form.addRow(say("settings.sound"), self.sound)
+        done = QDialogButtonBox()
+        done.addButton(say("settings.close"), QDialogButtonBox.ButtonRole.RejectRole)
+        done.rejected.connect(self.reject)
+        rows = spaced(QVBoxLayout(self), 3 * GAP, 3 * GAP)
+        rows.addLayout(form)
+        rows.addWidget(look.label(say("settings.kept"), "small", muted=True))
+        rows.addWidget(done)
