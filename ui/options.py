@@ -144,7 +144,7 @@ class ColourScheme(StrEnum):
     DARK = "dark"
 
 
-LookOption = Annotated[ColourScheme, typer.Option("--look", help="Light or dark windows; `system`: as the desktop is.")]
+LookOption = Annotated[ColourScheme, typer.Option("--look", help="Light or dark windows. `system`: as in the settings of the window, or else as on the desktop.")]
 
 
 class ParticipantKind(StrEnum):

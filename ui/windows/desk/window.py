@@ -89,6 +89,7 @@ KEYS: tuple[tuple[str, KeyLines], ...] = (
         (
             ("F6", "to the next part of the window; with Shift the one before"),
             ("Ctrl +, Ctrl -", "larger text, smaller text; Ctrl 0: the usual size"),
+            ("Ctrl+,", "settings: colors, text size"),
             ("F1", "this sheet"),
         ),
     ),

@@ -42,6 +42,7 @@ from ui.model.watching.tools import Shape
 from ui.windows.controls import ChoiceBox
 from ui.windows.key_sheet import KeySheet
 from ui.windows.look import open_within_screen
+from ui.windows.preferences import SETTINGS_KEYS
 from ui.windows.researcher.docks.arguments import ArgumentsDock
 from ui.windows.researcher.docks.displays import SWITCHES, DisplaysPanel
 from ui.windows.researcher.docks.log import LogView
@@ -97,6 +98,7 @@ class DockedWindow(QMainWindow):
         section_wanted: save a section of the recording as a bag.
         map_chosen: show the map of this `map.yaml`.
         open_wanted: a person wants to open something else.
+        settings_wanted: a person wants to open the settings.
         source_chosen: a person wants to open this path: they dropped it here, or the session has ended.
         closed: the window is closed.
     """
@@ -118,6 +120,7 @@ class DockedWindow(QMainWindow):
     section_wanted = Signal()
     map_chosen = Signal(object)
     open_wanted = Signal()
+    settings_wanted = Signal()
     source_chosen = Signal(str)
     closed = Signal()
 
@@ -371,6 +374,8 @@ class DockedWindow(QMainWindow):
             menu.addSeparator()
             menu.addAction(self._action("Save a section as a video…", "", self.video_wanted.emit))
             menu.addAction(self._action("Save a section as a bag…", "", self.section_wanted.emit))
+        menu.addSeparator()
+        menu.addAction(self._action(f"Settings… ({SETTINGS_KEYS})", "", self.settings_wanted.emit))
         return menu
 
     def _copy(self, name: str, part: QWidget) -> None:

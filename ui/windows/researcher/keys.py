@@ -46,6 +46,7 @@ GROUPS: tuple[tuple[str, KeyLines], ...] = (
             ("Ctrl+F", "filter the list on view"),
             ("Ctrl+C", "copy the rows selected"),
             ("Ctrl +, Ctrl -", "larger text, smaller text; Ctrl 0: the usual size"),
+            ("Ctrl+,", "settings: colors, text size"),
             ("F1", "this sheet"),
         ),
     ),

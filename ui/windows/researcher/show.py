@@ -45,6 +45,7 @@ class WatchProgram(QObject):
         self._preferences.changed.connect(window.set_palette)
         self._preferences.add_keys(window)
         self._preferences.keep_place(window)
+        window.settings_wanted.connect(lambda: self._preferences.open(window))
         window.open_wanted.connect(lambda: self.ask(window))
         window.source_chosen.connect(lambda path: self._open_from(window, path))
         window.closed.connect(lambda: self.windows.remove(window))
