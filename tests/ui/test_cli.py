@@ -351,7 +351,7 @@ def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
         ),
         ("world: {laser: {rate: 15}}\n", "line 1, world.laser.rate: 15 does not divide"),
         ("- a\n- b\n", "line 1: a section of 'key: value' lines is needed"),
-        ("robots: [1\n", "line 2: not YAML"),
+        ("robots: [1\n", "line 1: not YAML"),
     ],
 )
 def test_a_broken_study_is_told_with_its_line(study: str, message: str) -> None:
