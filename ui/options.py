@@ -144,7 +144,12 @@ class ColourScheme(StrEnum):
     DARK = "dark"
 
 
-LookOption = Annotated[ColourScheme, typer.Option("--look", help="Light or dark windows. `system`: as in the settings of the window, or else as on the desktop.")]
+LookOption = Annotated[
+    ColourScheme,
+    typer.Option(
+        "--look", help="Light or dark windows. `system`: as in the window's settings, or else as the desktop."
+    ),
+]
 
 
 class ParticipantKind(StrEnum):
