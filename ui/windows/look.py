@@ -16,12 +16,23 @@ from PySide6.QtGui import (
     QColor,
     QFont,
     QFontDatabase,
+    QIcon,
     QPaintDevice,
     QPainter,
     QPalette,
+    QPixmap,
     QResizeEvent,
 )
-from PySide6.QtWidgets import QApplication, QBoxLayout, QLabel, QLayout, QWidget
+from PySide6.QtWidgets import (
+    QApplication,
+    QBoxLayout,
+    QLabel,
+    QLayout,
+    QStyle,
+    QStyleHintReturn,
+    QStyleOption,
+    QWidget,
+)
 from shiboken6 import Shiboken
 
 from ui.model.theme import LIGHT, Palette, contrast
@@ -45,6 +56,8 @@ RING = 2
 _SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 1.9}
 _SMALLEST_BODY = 10.5
 _USUAL_WINDOW = QSize(1200, 800)
+_SIGN = 48
+"""Side of the signs in boxes, logical pixels."""
 FRAME = QSize(16, 48)
 """Width and height that a window's frame and title bar take at most, logical pixels; they are not known before."""
 
@@ -56,6 +69,53 @@ class _Current:
     usual: float = _SMALLEST_BODY
     body: float = _SMALLEST_BODY
     following: ClassVar[WeakKeyDictionary[QWidget, list[Callable[[QWidget], object]]]] = WeakKeyDictionary()
+
+
+class WindowStyle(PlainTextStyle):
+    """The style of all widgets: buttons of boxes without icons, and flat signs beside the text of boxes."""
+
+    def styleHint(
+        self,
+        hint: QStyle.StyleHint,
+        option: QStyleOption | None = None,
+        widget: QWidget | None = None,
+        data: QStyleHintReturn | None = None,
+    ) -> int:
+        """Return a hint of the style."""
+        if hint is QStyle.StyleHint.SH_DialogButtonBox_ButtonsHaveIcons:
+            return 0
+        return super().styleHint(hint, option, widget, data)
+
+    def standardIcon(
+        self, icon: QStyle.StandardPixmap, option: QStyleOption | None = None, widget: QWidget | None = None
+    ) -> QIcon:
+        """Return an icon of the style."""
+        palette, kinds = colours(), QStyle.StandardPixmap
+        signs = {
+            kinds.SP_MessageBoxQuestion: ("?", palette.accent, palette.on_accent),
+            kinds.SP_MessageBoxInformation: ("i", palette.accent, palette.on_accent),
+            kinds.SP_MessageBoxWarning: ("!", palette.bad, palette.panel),
+            kinds.SP_MessageBoxCritical: ("!", palette.bad, palette.panel),
+        }
+        return _sign_icon(*signs[icon]) if icon in signs else super().standardIcon(icon, option, widget)
+
+
+def _sign_icon(letter: str, ground: str, ink: str) -> QIcon:
+    """A letter on a disc."""
+    pixmap = QPixmap(2 * _SIGN, 2 * _SIGN)
+    pixmap.setDevicePixelRatio(2.0)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = smooth_painter(pixmap)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(ground))
+    painter.drawEllipse(2, 2, _SIGN - 4, _SIGN - 4)
+    heavy = font(bold=True)
+    heavy.setPixelSize(_SIGN // 2)
+    painter.setFont(heavy)
+    painter.setPen(QColor(ink))
+    painter.drawText(0, 0, _SIGN, _SIGN, int(Qt.AlignmentFlag.AlignCenter), letter)
+    painter.end()
+    return QIcon(pixmap)
 
 
 def colours() -> Palette:
@@ -88,7 +148,7 @@ def apply_palette(app: QApplication, palette: Palette) -> None:
     if not app.property("dressed"):
         _Current.usual = _Current.body = max(_SMALLEST_BODY, app.font().pointSizeF())
         app.setProperty("dressed", True)
-        app.setStyle(PlainTextStyle())
+        app.setStyle(WindowStyle())
     elif palette is _Current.palette:
         return
     _Current.palette = palette

@@ -1,7 +1,8 @@
 """Windows are light or dark as the system or the person wants, and legible."""
 
 import pytest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMessageBox
+from pytestqt.qtbot import QtBot
 
 from ui.model.theme import DARK, LIGHT, contrast
 from ui.windows import look
@@ -20,3 +21,13 @@ def test_the_number_on_a_robots_chip_can_be_read(qapp: QApplication, palette) ->
     look.apply_palette(qapp, palette)
     assert all(contrast(look.text_colour_on(robot), robot) >= 4.5 for robot in palette.robots)
     look.apply_palette(qapp, LIGHT)
+
+
+def test_boxes_have_flat_signs_and_buttons_without_icons(qapp: QApplication, qtbot: QtBot) -> None:
+    look.apply_palette(qapp, LIGHT)
+    box = QMessageBox(QMessageBox.Icon.Warning, "Desk", "Close the desk?")
+    qtbot.addWidget(box)
+    cancel = box.addButton(QMessageBox.StandardButton.Cancel)
+    box.show()
+    assert cancel.icon().isNull()
+    assert box.iconPixmap().toImage().pixelColor(12, 48).name() == LIGHT.bad
