@@ -32,16 +32,16 @@ PRACTICE = Study(map="practice", templates="practice", robots=1)
 
 
 def practice_setting(game: StudySetting) -> StudySetting:
-    """Return the setting of the practice game before a game, with its random seed, server, sound and answers."""
+    """Return the setting of the practice game before a game, with its seed, server, sound, answers and language."""
     study = game.study
     told = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
     own = setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=told), None)
     dialogue = dataclasses.replace(own.templates.dialogue, answers=game.templates.dialogue.answers)
-    return dataclasses.replace(own, templates=dataclasses.replace(own.templates, dialogue=dialogue))
+    return dataclasses.replace(own, templates=dataclasses.replace(own.templates, dialogue=dialogue), texts=game.texts)
 
 
 def offer_of(setting: StudySetting, given: bool) -> Offer:
-    """Return the numbers of robots that a participant may choose, the rules of the game, and what they agree to.
+    """Return the texts, the numbers of robots that may be chosen, the rules of the game, and what is agreed to.
 
     Args:
         setting: its study gives them, as `participant: robots`.
@@ -57,9 +57,9 @@ def offer_of(setting: StudySetting, given: bool) -> Offer:
         properties=setting.templates.properties,
     )
     if study.participant.robots is None or given:
-        return Offer(study.robots, study.robots, study.robots, rules, consent)
+        return Offer(setting.texts, study.robots, study.robots, study.robots, rules, consent)
     least, most = study.participant.robots
-    return Offer(least, most, min(max(study.robots, least), most), rules, consent)
+    return Offer(setting.texts, least, most, min(max(study.robots, least), most), rules, consent)
 
 
 @dataclass(frozen=True, slots=True)

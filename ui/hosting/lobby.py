@@ -84,7 +84,7 @@ async def host(
 
     Args:
         window: the participant's window; it is opened here.
-        offer: numbers of robots that may be chosen, and the text to agree to.
+        offer: numbers of robots that may be chosen, the text to agree to, and the texts of the study's language.
         token: secret by which the server recognises the window.
         play: gives a game with so many robots.
         practise: gives the practice game.
@@ -101,7 +101,7 @@ async def host(
                 case WindowClosed():
                     return Answer.NONE if offer.consent else Answer.YES
                 case Declined() if offer.consent:
-                    await window.send(Thanks())
+                    await window.send(Thanks(offer.texts))
                     while not isinstance(await window.next_request(), WindowClosed):
                         pass
                     return Answer.NO
@@ -112,11 +112,10 @@ async def host(
                 case _ if offer.consent:
                     continue
                 case Begin(robots) if offer.least <= robots <= offer.most:
-                    number = "robot is" if robots == 1 else f"{robots} robots are"
-                    await window.send(Preparing(f"The {number} being made ready."))
+                    await window.send(Preparing(offer.texts.text("pages.preparing", count=robots)))
                     visit, game = GameVisit(window, token, practice=False, agreed_at=agreed_at), play(robots)
                 case Practise():
-                    await window.send(Preparing("The practice game is being made ready."))
+                    await window.send(Preparing(offer.texts.text("pages.preparing_practice")))
                     visit, game = GameVisit(window, token, practice=True, agreed_at=""), practise()
                 case _:
                     continue

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 import msgspec
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.window_protocol import WindowProtocol
 
 
@@ -15,6 +16,7 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
     """Host: show the start page.
 
     Attributes:
+        texts: of the study's language, for all pages from now on.
         least: smallest number of robots that may be chosen.
         most: largest number.
         usual: number in the study.
@@ -22,6 +24,7 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
         consent: text to agree to before anything else; empty: nothing, or no more.
     """
 
+    texts: Texts
     least: int
     most: int
     usual: int
@@ -54,7 +57,13 @@ class Join(msgspec.Struct, frozen=True, tag=True):
 
 
 class Thanks(msgspec.Struct, frozen=True, tag=True):
-    """Host: thank the participant, who does not take part; nothing more is asked of them."""
+    """Host: thank the participant, who does not take part; nothing more is asked of them.
+
+    Attributes:
+        texts: of the study's language.
+    """
+
+    texts: Texts
 
 
 class Agreed(msgspec.Struct, frozen=True, tag=True):

@@ -19,7 +19,7 @@ from thbridge.files.keys.key_file import ClientKey
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.view import GiveConsent, ParticipantRequest, View
-from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost
 from thbridge.sockets.text.client import TextClient
 
 POLL_PERIOD = 0.005
@@ -35,23 +35,7 @@ class ServerReached:
     """The server is reached (again)."""
 
 
-@dataclass(frozen=True, slots=True)
-class ServerLost:
-    """The connection to the server is lost; `sentence` says why."""
-
-    sentence: str
-
-
-LOSS_SENTENCES = {
-    LossReason.UNREACHABLE: "",
-    LossReason.BROKEN: "",
-    LossReason.REFUSED: "Somebody else plays it just now.",
-    LossReason.STOPPED: "Its server has stopped.",
-    LossReason.UNTRUSTED: "It is not the server that your key is for.",
-}
-"""Sentences for the player about a lost connection; empty where there is nothing to add."""
-
-ServerEvent: TypeAlias = ParticipantUpdate | ServerReached | ServerLost
+ServerEvent: TypeAlias = ParticipantUpdate | ServerReached | ConnectionLost
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,16 +125,12 @@ class ParticipantLink:
                 if player.requested != self._requested:
                     player.requested = self._requested
                     role.poll_player()
-                exchange(runner, self._client, self._lost)
+                exchange(runner, self._client, self._report)
                 await asyncio.sleep(POLL_PERIOD)
 
     def observe(self, level: ParticipantUpdate) -> None:
         """Pass on a notice that the role received; see `thbridge.roles.participant.tabui.ParticipantObserver`."""
         self._report(level)
-
-    def _lost(self, lost: ConnectionLost) -> None:
-        refused = lost.reason is LossReason.REFUSED and lost.detail
-        self._report(ServerLost(f"Its server says: {lost.detail}." if refused else LOSS_SENTENCES[lost.reason]))
 
     def _report(self, event: ServerEvent) -> None:
         self._events.append(ReceivedEvent(time.monotonic(), event))

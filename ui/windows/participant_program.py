@@ -18,8 +18,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.keys.key_file import ClientKey
+from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.view import GiveConsent
+from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from ui.model.lobby import (
     LOBBY,
     Agreed,
@@ -38,11 +41,12 @@ from ui.model.lobby import (
 from ui.model.participant import Participant
 from ui.model.practice import advice
 from ui.model.screen import CloseWindow, Phase, SwitchSound
+from ui.model.theme import Palette
 from ui.terminal import DECLINED
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe
-from ui.windows.link import ParticipantLink, ServerLost, ServerReached
+from ui.windows.link import ParticipantLink, ServerReached
 from ui.windows.look import GAP, spaced
 from ui.windows.participant.pages.pages import ConnectingPage, ThanksPage, consent_page
 from ui.windows.participant.pages.start import StartPage
@@ -52,8 +56,6 @@ from ui.windows.participant.window import ParticipantWindow
 from ui.windows.preferences import Preferences, preferences_of
 from ui.windows.sounds import SoundPlayer, system_player
 
-DONE = "You have tried out what you need. Go on when you are ready."
-"""Sentence for people who may go on from practice now."""
 FRAME = 15
 """Milliseconds between two polls of the link."""
 
@@ -61,29 +63,39 @@ FRAME = 15
 class GamePage(QWidget):
     """A game at a server: the participant's window, its model and link, and a strip with advice or a way back.
 
+    Its language is the game's, once the server has told it.
+
     Args:
         link: to the server, not started yet.
+        texts: until then.
         preferences: of the participant.
         practice: it is the practice game, whose strip says what to do next.
         back: goes back to the start page; None where there is none.
         clock: monotonic seconds.
-        way_back: label of that button.
+        way_back: label of that button; its language does not change.
         once: True where one game is played and something else follows: its end is shown as it was when it came.
 
     Attributes:
         seen_over: the end of the game is shown.
+        declined: the participant does not take part in the study.
+        went_on: the participant goes on with what comes after the game.
+        help_shown: the sheet of rules and keys was opened, or closed.
     """
 
     seen_over = Signal()
+    declined = Signal()
+    went_on = Signal()
+    help_shown = Signal(bool)
 
     def __init__(
         self,
         link: ParticipantLink,
+        texts: Texts,
         preferences: Preferences,
         practice: bool,
         back: Callable[[], None] | None,
         clock: Callable[[], float],
-        way_back: str = "Back to the start page",
+        way_back: str = "",
         once: bool = False,
     ) -> None:
         super().__init__()
@@ -93,29 +105,59 @@ class GamePage(QWidget):
         self._once = once
         self._is_over = False
         self._preferences, command = preferences, system_player()
-        self._model = Participant(sound_on=preferences.sound_on, can_sound=command is not None, once=once)
+        self._model = Participant(texts=texts, sound_on=preferences.sound_on, can_sound=command is not None, once=once)
         self._sound_on = self._model.sound_on
         self._sounds = SoundPlayer(self, command)
-        self.window_of_game = ParticipantWindow(self._model, clock, look.colours())
-        self.window_of_game.sounded.connect(self._sounds.play)
-        preferences.changed.connect(self.window_of_game.set_palette)
+        self._texts = texts
+        preferences.changed.connect(self._set_palette)
         preferences.sound_chosen.connect(self._choose_sound)
-        rows = spaced(QVBoxLayout(self), 0, 0)
+        self._rows = spaced(QVBoxLayout(self), 0, 0)
         self._strip, self._advice, self._to_do = QWidget(), look.label(), look.label(size="small", muted=True)
         self._way_back: tuple[ActionButton, str] | None = None
         self._must_do: tuple[str, ...] = ()
         self._build_strip(back, way_back)
-        rows.addWidget(self._strip)
-        rows.addWidget(self.window_of_game, 1)
-        self.setFocusProxy(self.window_of_game)
+        self._rows.addWidget(self._strip)
+        self._open_window()
         link.start()
+
+    def _open_window(self) -> None:
+        """Open the game's window in the language of the model."""
+        texts = self._preferences.texts = self._texts
+        self.setWindowTitle(texts.text("window.title"))
+        self._strip.setAccessibleName(texts.text("pages.practice_game" if self._practice else "pages.this_game"))
+        self.window_of_game = window = ParticipantWindow(self._model, self._clock, look.colours())
+        window.sounded.connect(self._sounds.play)
+        window.declined.connect(self.declined)
+        window.went_on.connect(self.went_on)
+        window.help_shown.connect(self.help_shown)
+        self._rows.addWidget(window, 1)
+        self.setFocusProxy(window)
+
+    def _follow_language(self) -> None:
+        """Open the game's window again where the server has told another language than the window has."""
+        if self._model.texts is self._texts:
+            return
+        before, self._texts = self._texts, self._model.texts
+        if self._texts == before:
+            return
+        gone = self.window_of_game
+        had_focus = gone.isAncestorOf(QApplication.focusWidget() or self) or gone.hasFocus()
+        self._open_window()
+        self.window_of_game.help.instructions = gone.help.instructions
+        gone.close()
+        self._rows.removeWidget(gone)
+        gone.deleteLater()
+        if had_focus:
+            self.setFocus()
+
+    def _set_palette(self, palette: Palette) -> None:
+        self.window_of_game.set_palette(palette)
 
     def _build_strip(self, back: Callable[[], None] | None, way_back: str) -> None:
         row = QHBoxLayout(self._strip)
         row.setContentsMargins(2 * GAP, GAP, 2 * GAP, GAP)
-        self._strip.setAccessibleName("Practice game" if self._practice else "This game")
         if self._practice:
-            title = look.label("Practice", bold=True)
+            title = look.label(self._texts.text("pages.practice"), bold=True)
             title.setWordWrap(False)
             row.addWidget(title)
             row.addSpacing(2 * GAP)
@@ -127,7 +169,7 @@ class GamePage(QWidget):
         self._to_do.hide()
         row.addLayout(said, 1)
         if back is not None:
-            button = ActionButton()
+            button = ActionButton(self._texts)
             button.show_face(ButtonFace(way_back, "F10"), way_back)
             button.clicked.connect(lambda: None if self._must_do else back())
             key = QShortcut(QKeySequence("F10"), self)
@@ -143,12 +185,18 @@ class GamePage(QWidget):
             return
         self._must_do = to_do
         button, label = self._way_back
-        said = f"Before you go on: {', '.join(to_do)}." if to_do else DONE
+        texts = self._texts
+        said = texts.text("pages.before_you_go_on", to_do=", ".join(to_do)) if to_do else texts.text("pages.done")
         button.show_face(ButtonFace(label, "F10", not to_do, said if to_do else ""), label)
         set_text(self._to_do, said)
         self._to_do.show()
         if not to_do:
             QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, said))
+
+    @property
+    def texts(self) -> Texts:
+        """All that is read in the game, in its language."""
+        return self._texts
 
     @property
     def in_progress(self) -> bool:
@@ -173,16 +221,17 @@ class GamePage(QWidget):
             match received.event:
                 case ServerReached():
                     self._model.connected(received.time)
-                case ServerLost(sentence):
-                    self._model.lost(sentence, received.time)
+                case ConnectionLost() as lost:
+                    self._model.lost(why_lost(self._model.texts, lost), received.time)
                 case notice:
                     self._model.receive(notice, received.time)
+        self._follow_language()
         self._link.request(self._model.requests())
         if self._model.sound_on != self._sound_on:
             self._keep_sound(self._model.sound_on)
         screen = self._model.screen(now)
         if self._practice:
-            set_text(self._advice, advice(screen))
+            set_text(self._advice, advice(self._texts, screen))
         elif not self._once:
             self._strip.setVisible(screen.phase is Phase.OVER)
         if screen.phase is Phase.OVER and not self._is_over:
@@ -228,13 +277,17 @@ class ParticipantMainWindow(QMainWindow):
         preferences: of the participant.
         send: sends to the host; None where there is none.
         clock: monotonic seconds.
+        texts: of the window's language; None: the first message of the host tells them.
     """
+
+    _texts: Texts
 
     def __init__(
         self,
         preferences: Preferences,
         send: Callable[[FromWindow], None] | None,
         clock: Callable[[], float] = time.monotonic,
+        texts: Texts | None = None,
     ) -> None:
         super().__init__()
         self._clock = clock
@@ -243,9 +296,9 @@ class ParticipantMainWindow(QMainWindow):
         self._leaving = False
         self.declined = False
         """True once the participant has said that they do not take part."""
-        self._offer: Offer | None = None
         self.game: GamePage | None = None
-        self.setWindowTitle("Treasure hunt")
+        if texts is not None:
+            self._learn(texts)
         self.setMinimumSize(800, 480)
         look.open_within_screen(self)
         self._pages = QStackedWidget()
@@ -260,26 +313,34 @@ class ParticipantMainWindow(QMainWindow):
         """Act on a message of the host."""
         match message:
             case Offer():
-                self._offer = message
+                self._learn(message.texts)
                 if message.consent:
                     self._ask_for_consent(message.consent)
                 else:
                     self._show_start(message)
             case Preparing(sentence):
-                page = ConnectingPage()
+                page = ConnectingPage(self._texts)
                 page.show_waiting(sentence)
                 self._show(page)
             case Join(host, port, token, practice, agreed_at):
                 consent = GiveConsent(agreed_at) if agreed_at else None
                 self.join(ParticipantLink(host, port, token, consent), practice)
-            case Thanks() if not isinstance(self._pages.currentWidget(), ThanksPage):
+            case Thanks(texts) if not isinstance(self._pages.currentWidget(), ThanksPage):
+                self._learn(texts)
                 self._show_thanks()
+
+    def _learn(self, texts: Texts) -> None:
+        """Use the texts of a language from now on."""
+        self._texts = self._preferences.texts = texts
+        self.setWindowTitle(texts.text("window.title"))
 
     def join(self, link: ParticipantLink, practice: bool = False, once: bool = False) -> None:
         """Show a game; `once` where no other follows."""
         back = None if self._send_to_host is None else lambda: self._send(Back())
-        game = GamePage(link, self._preferences, practice, back, self._clock, once=once)
-        game.window_of_game.declined.connect(self._decline)
+        way_back = self._texts.text("pages.back_to_start")
+        game = GamePage(link, self._texts, self._preferences, practice, back, self._clock, way_back, once)
+        game.declined.connect(self._decline)
+        game.windowTitleChanged.connect(self.setWindowTitle)
         self._show(game)
         self.game = game
 
@@ -313,7 +374,7 @@ class ParticipantMainWindow(QMainWindow):
                 self._decline()
             sent = True
 
-        self._show(consent_page(text, answer, "The window thanks you and ends."))
+        self._show(consent_page(self._texts, text, answer, self._texts.text("pages.decline_hint")))
 
     def _decline(self) -> None:
         """Thank the participant, who does not take part; nothing more is asked of them."""
@@ -324,14 +385,14 @@ class ParticipantMainWindow(QMainWindow):
         self._show_thanks()
 
     def _show_thanks(self) -> None:
+        texts = self._texts if self.game is None else self.game.texts
         hosted = self._send_to_host is not None
-        recorded = " Nothing was recorded." if hosted else ""
-        page = ThanksPage(f"You do not take part.{recorded} You can close this window.")
+        page = ThanksPage(texts, texts.text("pages.not_recorded" if hosted else "pages.not_taking_part"))
         page.close_button.clicked.connect(self.leave)
         self._show(page)
 
     def _show_start(self, offer: Offer) -> None:
-        page = StartPage(offer.least, offer.most, offer.usual, offer.rules)
+        page = StartPage(offer.texts, offer.least, offer.most, offer.usual, offer.rules)
         page.start.connect(lambda robots: self._send(Begin(robots)))
         page.tutorial.connect(lambda: self._send(Practise()))
         self._show(page)
@@ -360,10 +421,25 @@ class ParticipantMainWindow(QMainWindow):
                 self.leave()
 
 
+def why_lost(texts: Texts, lost: ConnectionLost) -> str:
+    """Return a sentence for the player about a lost connection; empty where there is nothing to add."""
+    match lost.reason:
+        case LossReason.REFUSED if lost.detail:
+            return texts.text("window.server_says", words=lost.detail)
+        case LossReason.REFUSED:
+            return texts.text("window.played_by_another")
+        case LossReason.STOPPED:
+            return texts.text("window.server_stopped")
+        case LossReason.UNTRUSTED:
+            return texts.text("window.other_server")
+        case LossReason.UNREACHABLE | LossReason.BROKEN:
+            return ""
+
+
 def play_at(host: str, port: int, token: str, choice: look.Choice, key: ClientKey | None = None) -> int:
     """Open the window at a server, with a key, if any; return the exit code when it is closed."""
     app = application()
-    table = _table(app, choice, None)
+    table = _table(app, choice, None, shipped_texts())
     # A participant's key is good for one game: the window offers no other.
     table.join(ParticipantLink(host, port, token, key=key), once=key is not None)
     table.show()
@@ -381,10 +457,12 @@ def play_hosted(choice: look.Choice) -> int:
     return app.exec()
 
 
-def _table(app: QApplication, choice: look.Choice, send: Callable[[FromWindow], None] | None) -> ParticipantMainWindow:
+def _table(
+    app: QApplication, choice: look.Choice, send: Callable[[FromWindow], None] | None, texts: Texts | None = None
+) -> ParticipantMainWindow:
     """Return the main window in the style and the size of text that the user wants."""
     preferences = preferences_of(app, "participant", choice, has_sound=True)
-    table = ParticipantMainWindow(preferences, send)
+    table = ParticipantMainWindow(preferences, send, texts=texts)
     preferences.add_keys(table)
     preferences.keep_place(table)
     return table

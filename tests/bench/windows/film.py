@@ -9,6 +9,7 @@ from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.notices import FloorPlan
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.view import ParticipantRequest, View
@@ -119,6 +120,10 @@ class Shown:
         while self._at < len(heard) and heard[self._at][0] <= now - self._begin:
             self._model.receive(heard[self._at][1], self._begin + heard[self._at][0])
             self._at += 1
+
+    @property
+    def texts(self) -> Texts:
+        return self._model.texts
 
     @property
     def floor_plan(self) -> FloorPlan | None:

@@ -4,12 +4,13 @@ import asyncio
 import sys
 from pathlib import Path
 
+from thbridge.files.language_texts import shipped_texts
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.lobby import Answer, GameVisit, LobbyWindow, host
 from ui.hosting.window_process import WindowProcess
 from ui.model.lobby import LOBBY, Offer
 
-OFFER = Offer(least=1, most=4, usual=2)
+OFFER = Offer(shipped_texts(), least=1, most=4, usual=2)
 
 
 def window(folder: Path, script: str) -> LobbyWindow:
@@ -42,7 +43,7 @@ def hosted(process: LobbyWindow, offer: Offer = OFFER, answer: Answer = Answer.Y
     return played
 
 
-CONSENT = Offer(least=1, most=4, usual=2, consent="We record you.")
+CONSENT = Offer(shipped_texts(), least=1, most=4, usual=2, consent="We record you.")
 
 
 def test_nothing_is_played_before_the_participant_has_agreed(tmp_path):

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.common.geometry import Pose2
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.files.map_files import read_map
 from thbridge.hunt.properties import PropertyDrawing
@@ -399,6 +400,7 @@ class SampleModel:
 
     shown: Screen
     floor_plan: FloorPlan | None = None
+    texts: Texts = field(default_factory=shipped_texts)
     followed: int | None = None
     done: list[Act] = field(default_factory=list)
 

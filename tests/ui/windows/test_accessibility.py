@@ -9,6 +9,7 @@ from tests.ui.windows import samples
 from tests.ui.windows.participant.conftest import Opened, opened
 from tests.ui.windows.participant.test_window import STATES, Open
 from tests.ui.windows.walking import against_the_eye, nameless, stops
+from thbridge.files.language_texts import shipped_texts
 from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant.widgets.focus import reachable
 
@@ -37,7 +38,7 @@ def test_the_focus_goes_as_the_eye_does_in_each_region(opened: Open) -> None:
 
 
 def test_the_page_before_a_game(qtbot: QtBot) -> None:
-    page = StartPage(1, 12, 2)
+    page = StartPage(shipped_texts(), 1, 12, 2)
     qtbot.addWidget(page)
     page.resize(1200, 800)
     with qtbot.waitExposed(page):

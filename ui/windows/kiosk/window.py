@@ -9,6 +9,7 @@ from PySide6.QtCore import QEvent, Qt, QTimer
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QCloseEvent, QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QProgressBar, QStackedWidget, QVBoxLayout, QWidget
 
+from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.view import GiveConsent
 from ui.model.keys import HELP
 from ui.model.kiosk import (
@@ -103,12 +104,12 @@ class ProgressStrip(QWidget):
         self._time.setWordWrap(False)
         self._seconds: int | None = None
         row.addWidget(self._time)
-        self.again = ActionButton("small")
+        self.again = ActionButton(shipped_texts(), "small")
         self.again.show_face(ButtonFace("Instructions", HELP_KEY), "Read the instructions again")
         self.again.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.again.hide()
         row.addWidget(self.again)
-        self.stop = ActionButton("small")
+        self.stop = ActionButton(shipped_texts(), "small")
         self.stop.show_face(ButtonFace("Stop taking part", STOP_KEYS), "Stop taking part")
         # Pages have their own order of Tab, and get the focus back.
         self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -150,11 +151,12 @@ class LeavingPanel(TitledPanel):
     """
 
     def __init__(self) -> None:
-        super().__init__("Leave the study?")
+        super().__init__(shipped_texts(), "Leave the study?")
         self.text = look.label()
         self.rows.addWidget(self.text, 1)
-        self.stay = ActionButton("main", hints=True)
-        self.stop, self.close_button = ActionButton(hints=True), ActionButton(hints=True)
+        self.stay = ActionButton(shipped_texts(), "main", hints=True)
+        self.stop = ActionButton(shipped_texts(), hints=True)
+        self.close_button = ActionButton(shipped_texts(), hints=True)
         self.stop.show_face(
             ButtonFace("Stop taking part", hint="The study ends here for you."),
             "Stop taking part: the study ends here for you",
@@ -216,7 +218,8 @@ class KioskWindow(QMainWindow):
         rows.addWidget(self.progress)
         rows.addWidget(self.pages, 1)
         self.setCentralWidget(inside)
-        self.overlay, self.leaving_panel, self.instructions = ModalOverlay(inside), LeavingPanel(), HelpSheet()
+        self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel()
+        self.instructions = HelpSheet(shipped_texts())
         self._build_leaving()
         # Until they are shown they are nobody's children.
         self.destroyed.connect(self.leaving_panel.deleteLater)
@@ -261,7 +264,7 @@ class KioskWindow(QMainWindow):
                 self._show(page, form, message.progress)
                 form.start()
             case GamePrepared(page=page, sentence=sentence):
-                waiting = ConnectingPage()
+                waiting = ConnectingPage(shipped_texts())
                 waiting.show_waiting(sentence)
                 self._show(page, waiting, message.progress)
             case GameToJoin():
@@ -314,7 +317,9 @@ class KioskWindow(QMainWindow):
                 self._page = -1
                 self._send(ConsentReply(page, agrees, time.monotonic_ns()))
 
-        return consent_page(asked.text, answer, "The study ends here for you.", markdown=asked.markdown)
+        return consent_page(
+            shipped_texts(), asked.text, answer, "The study ends here for you.", markdown=asked.markdown
+        )
 
     def _join(self, game: GameToJoin) -> None:
         consent = GiveConsent(game.agreed_at) if game.agreed_at else None
@@ -324,11 +329,20 @@ class KioskWindow(QMainWindow):
         """Show a game by a link to its server."""
         on = partial(self._go_on, game.page)
         back = on if game.practice else None
-        shown = GamePage(link, self._preferences, game.practice, back, self._clock, "Go on with the study", True)
-        shown.window_of_game.went_on.connect(on)
-        shown.window_of_game.declined.connect(shown.decline)
+        shown = GamePage(
+            link,
+            shipped_texts(),
+            self._preferences,
+            game.practice,
+            back,
+            self._clock,
+            "Go on with the study",
+            True,
+        )
+        shown.went_on.connect(on)
+        shown.declined.connect(shown.decline)
         shown.window_of_game.help.instructions = self._instructions
-        shown.window_of_game.help_shown.connect(self._tell_reading)
+        shown.help_shown.connect(self._tell_reading)
         shown.seen_over.connect(lambda: self._send(GameSeenOver(game.page)))
         shown.require(game.to_do)
         self._show(game.page, shown, game.progress)

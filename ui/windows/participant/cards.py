@@ -4,7 +4,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
 
-from thbridge.hunt.costs import energy_text
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import Action, RobotCard
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ParticipantButton
@@ -36,8 +36,8 @@ BETWEEN = 3.0
 class CardFace(ParticipantButton):
     """A card without its buttons; pressing it selects the robot."""
 
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent)
+    def __init__(self, texts: Texts, parent: QWidget) -> None:
+        super().__init__(texts, parent)
         self.setCheckable(True)
         self._card: RobotCard | None = None
         self._button_width = 0
@@ -53,7 +53,7 @@ class CardFace(ParticipantButton):
             self.updateGeometry()
         self._card, self._button_width = card, button_width
         self.setChecked(card.selected)
-        self.bind(card.select, spoken_card(card))
+        self.bind(card.select, spoken_card(self._texts, card))
         self.update()
 
     def sizeHint(self) -> QSize:
@@ -126,10 +126,10 @@ class CardFace(ParticipantButton):
         bold = font("body", bold=True)
         metrics = QFontMetricsF(bold)
         at = left + size + GAP
-        key_wide, key_high = key_size(card.select.key)
+        key_wide, key_high = key_size(self._shown_key)
         taken = metrics.horizontalAdvance(card.name) + GAP + (key_wide + GAP if key_wide else 0.0)
         taken += px(40) if card.waits else 0.0
-        words = fitting(energy_words(card), right - at - taken, metrics)
+        words = fitting(energy_words(self._texts, card), right - at - taken, metrics)
         wide = metrics.horizontalAdvance(words)
         row = QRectF(at, middle - size, right - at, 2.0 * size)
         right_end = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
@@ -140,7 +140,7 @@ class CardFace(ParticipantButton):
         write(painter, row, card.name, bold, palette.text)
         at += metrics.horizontalAdvance(card.name) + GAP
         if key_wide:
-            key_cap(painter, QRectF(at, middle - key_high / 2.0, key_wide, key_high), card.select.key, palette.muted)
+            key_cap(painter, QRectF(at, middle - key_high / 2.0, key_wide, key_high), self._shown_key, palette.muted)
             at += key_wide + GAP
         if card.waits:
             self._waits(painter, card.waits, at, middle)
@@ -178,12 +178,13 @@ class Card(ActionWidget):
     up again what was left where it stands.
     """
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.face = CardFace(self)
-        self.stop = ActionButton("small", parent=self)
-        self.ask_back = ActionButton("small", parent=self)
-        self.take_up = ActionButton("small", parent=self)
+        self._texts = texts
+        self.face = CardFace(texts, self)
+        self.stop = ActionButton(texts, "small", parent=self)
+        self.ask_back = ActionButton(texts, "small", parent=self)
+        self.take_up = ActionButton(texts, "small", parent=self)
         for part in (self.face, self.stop, self.ask_back, self.take_up):
             part.requested.connect(self.requested)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
@@ -203,9 +204,10 @@ class Card(ActionWidget):
         card = self._card
         if card is None:
             return
-        wide = self._offer(self.stop, card.stop, f"Stop {card.name}")
-        wide += self._offer(self.ask_back, card.ask_back, f"Ask for {card.name} back")
-        wide += self._offer(self.take_up, card.take_up, f"Take up again what {card.name} left")
+        texts = self._texts
+        wide = self._offer(self.stop, card.stop, texts.text("window.stop", robot=card.robot))
+        wide += self._offer(self.ask_back, card.ask_back, texts.text("window.ask_back", robot=card.robot))
+        wide += self._offer(self.take_up, card.take_up, texts.text("window.take_up", robot=card.robot))
         self.face.show_card(card, wide)
         self.setMaximumHeight(self.sizeHint().height())
         self._place()
@@ -214,7 +216,7 @@ class Card(ActionWidget):
         """Show an action on a button, or hide the button; return the width it needs. There is never more than one."""
         if action is not None:
             button.show_action(action)
-            button.setAccessibleName(spoken if action.enabled else f"{spoken}, asked for")
+            button.setAccessibleName(spoken if action.enabled else self._texts.text("window.asked_for", name=spoken))
         elif button.hasFocus():
             self.face.setFocus()
         button.setVisible(action is not None)
@@ -247,8 +249,9 @@ class Cards(ActionWidget):
 
     reveal = Signal(object)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         self._rows = spaced(QVBoxLayout(self), GAP - 2, 0)
         self._shown: tuple[RobotCard, ...] = ()
         self._others_command = False
@@ -283,7 +286,7 @@ class Cards(ActionWidget):
             self.reveal.emit(self.cards[chosen[0]])
 
     def _made(self) -> Card:
-        card = Card(self)
+        card = Card(self._texts, self)
         card.requested.connect(self.requested)
         card.face.focused.connect(lambda _face: self.reveal.emit(card))
         self._rows.addWidget(card)
@@ -333,28 +336,36 @@ def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
     painter.restore()
 
 
-def energy_words(card: RobotCard) -> tuple[str, ...]:
+def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
     """Return the energy left; while a move is considered, also its cost: the full words, and shorter ones."""
-    energy = energy_text(card.energy)
-    if card.cost is not None and not card.affordable:
-        energy = f"{energy} of {energy_text(card.cost)} needed"
-    elif card.cost is not None:
-        energy = f"{energy} − {energy_text(card.cost)} = {energy_text(max(0.0, card.energy - card.cost))}"
-    return f"Energy: {energy} units", f"Energy: {energy}", energy
+    energy = texts.number(card.energy)
+    if card.cost is None:
+        shown = energy
+    elif card.affordable:
+        shown = f"{energy} − {texts.number(card.cost)} = {texts.number(max(0.0, card.energy - card.cost))}"
+    else:
+        keys = ("window.lacking_units", "window.lacking", "window.lacking_short")
+        return tuple(texts.text(key, energy=energy, cost=card.cost) for key in keys)
+    return texts.text("window.energy_units", energy=shown), texts.text("window.energy", energy=shown), shown
 
 
-def spoken_card(card: RobotCard) -> str:
+def spoken_card(texts: Texts, card: RobotCard) -> str:
     """Return a card as screen readers say it."""
     parts = [
         card.name,
-        "selected" if card.selected else "",
-        card.commanded,
-        f"energy {energy_text(card.energy)} of {energy_text(card.energy_at_start)}",
-        f"this move costs {energy_text(card.cost)}" if card.cost is not None else "",
-        "" if card.affordable else "which it cannot pay",
+        texts.text("window.selected") if card.selected else "",
+        texts.text("window.commanded", commander=card.commander) if card.commander else "",
+        texts.text("window.energy_of", energy=card.energy, full=card.energy_at_start),
+        _spoken_cost(texts, card),
         card.state,
         card.place,
         card.warning,
-        f"{card.waits} waiting for you" if card.waits else "",
+        texts.text("window.waits", count=card.waits) if card.waits else "",
     ]
     return ", ".join(part for part in parts if part)
+
+
+def _spoken_cost(texts: Texts, card: RobotCard) -> str:
+    if card.cost is None:
+        return ""
+    return texts.text("window.move_costs" if card.affordable else "window.move_too_dear", cost=card.cost)

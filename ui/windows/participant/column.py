@@ -6,6 +6,7 @@ from PySide6.QtCore import QEvent, QObject, QSize, Qt
 from PySide6.QtGui import QFontMetricsF, QResizeEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.windows import look
 from ui.windows.look import GAP, px
 from ui.windows.participant.cards import Cards
@@ -20,17 +21,17 @@ _SECTION = int(1.5 * GAP)
 class SideColumn(ActionWidget):
     """Robots above rooms: where height is short, robots come closer, rooms fold, and only then something scrolls."""
 
-    def __init__(self) -> None:
+    def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self.cards, self.tiles = Cards(), Tiles()
+        self.cards, self.tiles = Cards(texts), Tiles(texts)
         self.card_area, self.rooms = ColumnScrollArea(self.cards, self), QWidget(self)
         self.tile_area = ColumnScrollArea(self.tiles, self.rooms)
-        self.dont_know = ActionButton(parent=self.rooms)
+        self.dont_know = ActionButton(texts, parent=self.rooms)
         self.hint = look.label(size="small", muted=True)
         self.hint.setParent(self.rooms)
         self.hint.setAlignment(Qt.AlignmentFlag.AlignTop)
-        make_region(self.cards, "Robots")
-        make_region(self.rooms, "Rooms")
+        make_region(self.cards, texts.text("window.robots"))
+        make_region(self.rooms, texts.text("window.rooms"))
         for part in (self.cards, self.tiles, self.dont_know):
             part.requested.connect(self.requested)
         self.cards.reveal.connect(lambda card: self.card_area.ensureWidgetVisible(card, 0, GAP))

@@ -4,7 +4,7 @@ from PySide6.QtCore import QSize
 from PySide6.QtGui import QColor, QFont, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import QFrame, QPlainTextEdit, QWidget
 
-from sim.common.robot_numbers import robot_name
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import HistoryLine
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, font, px
@@ -16,10 +16,11 @@ MAX_LINES = 500
 class HistoryView(QPlainTextEdit):
     """All sentences and events of the game, the newest at the bottom, as text that can be copied."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         look.style_as_panel(self)
-        self.setAccessibleName("History")
+        self.setAccessibleName(texts.text("window.history"))
         self.setReadOnly(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         follow_text(self, HistoryView._fit)
@@ -67,7 +68,7 @@ class HistoryView(QPlainTextEdit):
         cursor.movePosition(QTextCursor.MoveOperation.End)
         if not self.document().isEmpty():
             cursor.insertBlock()
-        speaker = _speaker(line)
+        speaker = _speaker(self._texts, line)
         if speaker:
             cursor.insertText(f"{speaker}: ", strong)
         cursor.insertText(line.text, plain)
@@ -84,10 +85,9 @@ def _new(shown: tuple[HistoryLine, ...], history: tuple[HistoryLine, ...]) -> tu
     return history
 
 
-def _speaker(line: HistoryLine) -> str:
+def _speaker(texts: Texts, line: HistoryLine) -> str:
     if line.speaker == "game":
         return ""
-    robot = robot_name(line.robot) if line.robot is not None else ""
-    if line.speaker == "you":
-        return f"You to {robot}" if robot else "You"
-    return robot.capitalize()
+    if line.robot is None:
+        return texts.text("window.you")
+    return texts.text("window.you_to" if line.speaker == "you" else "window.robot", robot=line.robot)

@@ -6,6 +6,7 @@ from PySide6.QtCore import QEvent, QPoint, QRect, QSize
 from PySide6.QtGui import QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.windows.look import GAP, px
 from ui.windows.map import MapView
 from ui.windows.participant.history import HistoryView
@@ -28,11 +29,11 @@ class MapArea(QWidget):
     is about that robot, unless robot or room would be hidden. Any other panel is in the middle. Nothing moves the map.
     """
 
-    def __init__(self, map_view: MapView) -> None:
+    def __init__(self, texts: Texts, map_view: MapView) -> None:
         super().__init__()
         self._map = map_view
         map_view.setParent(self)
-        self.history = HistoryView(self)
+        self.history = HistoryView(texts, self)
         self.history.hide()
         self.banner = BannerLine(self)
         self._panel: TitledPanel | None = None

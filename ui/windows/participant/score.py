@@ -4,6 +4,7 @@ from PySide6.QtCore import QEasingCurve, QRectF, QSize, QVariantAnimation
 from PySide6.QtGui import QColor, QFontMetricsF, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.windows.look import GAP, colours, font, smooth_painter
 from ui.windows.participant.widgets.painting import write
 
@@ -14,8 +15,9 @@ COUNT_DURATION = 900
 class ScoreLabel(QWidget):
     """The score. When it changes it counts to the new one, and the gain is shown beside it for a moment."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts, self._word = texts, texts.text("window.score")
         self._score: int | None = None
         self._from = 0
         self._counting = QVariantAnimation(self, startValue=0.0, endValue=1.0, duration=COUNT_DURATION)
@@ -29,7 +31,7 @@ class ScoreLabel(QWidget):
             return
         self._from = self._score if self._score is not None else score
         self._score = score
-        self.setAccessibleName(f"Score {score}")
+        self.setAccessibleName(self._texts.text("window.score_is", score=score))
         self._counting.stop()
         if moving and self._from != score:
             self._counting.start()
@@ -40,7 +42,8 @@ class ScoreLabel(QWidget):
         hero = QFontMetricsF(font("hero", bold=True))
         small = QFontMetricsF(font("small"))
         return QSize(
-            int(small.horizontalAdvance("Score") + hero.horizontalAdvance("−0000  +00")) + 3 * GAP, int(hero.height())
+            int(small.horizontalAdvance(self._word) + hero.horizontalAdvance("−0000  +00")) + 3 * GAP,
+            int(hero.height()),
         )
 
     def minimumSizeHint(self) -> QSize:
@@ -53,8 +56,8 @@ class ScoreLabel(QWidget):
         palette = colours()
         painter = smooth_painter(self)
         rect = QRectF(self.rect())
-        write(painter, rect, "Score", font("small"), palette.muted)
-        left = rect.left() + QFontMetricsF(font("small")).horizontalAdvance("Score") + GAP
+        write(painter, rect, self._word, font("small"), palette.muted)
+        left = rect.left() + QFontMetricsF(font("small")).horizontalAdvance(self._word) + GAP
         share = self._share()
         now, target = round(self._from + share * ((self._score or 0) - self._from)), self._score or 0
         hero = font("hero", bold=True)

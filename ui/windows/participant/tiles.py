@@ -4,8 +4,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Signal
 from PySide6.QtGui import QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from sim.common.robot_numbers import robot_name
-from thbridge.hunt.costs import energy_text
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.scene import RoomState
 from ui.model.screen import RoomTile
 from ui.windows.look import GAP, RADIUS, colours, font, px, smooth_painter
@@ -18,13 +17,6 @@ SIGNS: dict[RoomState, Sign] = {
     "visited": "dot",
     "won": "tick",
     "lost": "cross",
-}
-STATES: dict[RoomState, str] = {
-    "unvisited": "not visited yet",
-    "reserved": "a robot is under way",
-    "visited": "visited",
-    "won": "visited, won",
-    "lost": "visited, lost",
 }
 
 SPACE = GAP - 2
@@ -46,8 +38,8 @@ class Tile(ParticipantButton):
 
     looked_at = Signal()
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
+        super().__init__(texts, parent)
         self._tile: RoomTile | None = None
         self._folded = False
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
@@ -57,7 +49,7 @@ class Tile(ParticipantButton):
         if tile == self._tile:
             return
         self._tile = tile
-        self.bind(tile.choose, spoken_tile(tile))
+        self.bind(tile.choose, spoken_tile(self._texts, tile))
         self.update()
 
     def fold(self, folded: bool) -> None:
@@ -150,8 +142,7 @@ class Tile(ParticipantButton):
             name = fitting((tile.name, ""), room, QFontMetricsF(font("small")))
             write(painter, QRectF(at, line.top(), room, line.height()), name, font("small"), palette.muted)
 
-    @staticmethod
-    def _below(painter: QPainter, tile: RoomTile, line: QRectF) -> None:
+    def _below(self, painter: QPainter, tile: RoomTile, line: QRectF) -> None:
         palette = colours()
         small = font("small")
         if tile.warning:
@@ -159,7 +150,7 @@ class Tile(ParticipantButton):
             sign(painter, QRectF(line.left(), line.center().y() - side / 2, side, side), "trouble", palette.text)
             line = line.adjusted(side + 4.0, 0.0, 0.0, 0.0)
         metrics = QFontMetricsF(small)
-        text = fitting(below(tile), line.width(), metrics)
+        text = fitting(below(self._texts, tile), line.width(), metrics)
         strong = tile.choose.enabled or tile.found or tile.warning
         write(painter, line, text, small, palette.text if strong else palette.muted)
 
@@ -185,8 +176,9 @@ class Tiles(ActionWidget):
     reveal = Signal(QWidget)
     looked_at = Signal()
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         self._shown: tuple[RoomTile, ...] = ()
         self.tiles: list[Tile] = []
         self._columns = 1
@@ -253,7 +245,7 @@ class Tiles(ActionWidget):
 
     def _match(self, number: int) -> None:
         while len(self.tiles) < number:
-            tile = Tile(self)
+            tile = Tile(self._texts, self)
             tile.requested.connect(self.requested)
             tile.focused.connect(self.reveal)
             tile.looked_at.connect(self.looked_at)
@@ -274,25 +266,33 @@ class Tiles(ActionWidget):
             tile.setGeometry(edges[column], row * (high + space), edges[column + 1] - edges[column] - space, high)
 
 
-def below(tile: RoomTile) -> tuple[str, ...]:
+def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
     """Return the line below a room's number, and shorter ones: the finding there, or the cost to go there."""
     if tile.found:
         name, _, points = tile.found.partition(", ")
         return tile.found, name, points or name.removeprefix("something ")
+    if tile.state == "reserved":
+        return texts.text("window.on_the_way"), texts.text("window.taken")
     if tile.state != "unvisited":
-        return ("on the way", "taken") if tile.state == "reserved" else ("",)
+        return ("",)
     if tile.cost is None:
-        return ("",) if tile.choose.enabled else ("no way",)
-    cost = energy_text(tile.cost)
-    return f"costs {cost} units of energy", f"costs {cost} units", f"{cost} units", cost
+        return ("" if tile.choose.enabled else texts.text("window.no_way"),)
+    keys = ("window.costs_energy", "window.costs_units", "window.units")
+    return *(texts.text(key, cost=tile.cost) for key in keys), texts.number(tile.cost)
 
 
-def spoken_tile(tile: RoomTile) -> str:
+def spoken_tile(texts: Texts, tile: RoomTile) -> str:
     """Return a room as screen readers say it."""
-    who = robot_name(tile.robot) if tile.robot is not None else ""
-    state = STATES[tile.state]
-    if who and tile.state != "unvisited":
-        state = f"{who} is under way" if tile.state == "reserved" else state.replace("visited", f"visited by {who}")
-    cost = f"costs {energy_text(tile.cost)}" if tile.cost is not None and tile.state == "unvisited" else ""
-    parts = [f"Room {tile.room}", tile.name, state, tile.found, cost, tile.warning]
+    if tile.robot is None or tile.state == "unvisited":
+        state = texts.text(f"window.{tile.state}")
+    else:
+        state = texts.text(f"window.{tile.state}_by", robot=tile.robot)
+    parts = [
+        texts.text("window.room", room=tile.room),
+        tile.name,
+        state,
+        tile.found,
+        "" if tile.cost is None or tile.state != "unvisited" else texts.text("window.costs", cost=tile.cost),
+        tile.warning,
+    ]
     return ", ".join(part for part in parts if part)

@@ -4,6 +4,7 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QFontMetricsF, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import Action, Banner
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter, spaced
@@ -19,11 +20,12 @@ _SPARE = 50
 class TopStrip(ActionWidget):
     """Score, time and rooms left at the left, tools at the right, or below where the window is too narrow for both."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         self._game = look.label(size="small", muted=True)
         self._game.setWordWrap(False)
-        self.score = ScoreLabel()
+        self.score = ScoreLabel(texts)
         self._progress = look.label()
         self._progress.setWordWrap(False)
         score, tools = spaced(QHBoxLayout(), 2 * GAP), spaced(QHBoxLayout(), GAP // 2)
@@ -34,11 +36,11 @@ class TopStrip(ActionWidget):
         score.addWidget(self._progress)
         score.addStretch(1)
         tools.addStretch(1)
-        self.tools = ActionRow(tools, self.requested, "quiet")
+        self.tools = ActionRow(texts, tools, self.requested, "quiet")
 
     def show_strip(self, game: int, score: int, progress: str, *, moving: bool, tools: tuple[Action, ...]) -> None:
         """Show this."""
-        set_text(self._game, f"Game {game}" if game else "")
+        set_text(self._game, self._texts.text("window.game", number=game) if game else "")
         self._game.setVisible(bool(game))
         self.score.show_score(score, moving=moving)
         set_text(self._progress, progress)

@@ -4,6 +4,7 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QFontMetricsF, QPaintEvent, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import WaitingItem
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
@@ -15,8 +16,8 @@ from ui.windows.participant.widgets.panels import set_text
 class WaitingChip(ParticipantButton):
     """One thing that waits: its robot, and what it is, in two lines."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
+        super().__init__(texts, parent)
         self._waiting: WaitingItem | None = None
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
 
@@ -55,16 +56,14 @@ class WaitingChip(ParticipantButton):
         chip(painter, QPointF(rect.left() + GAP + chip_size() / 2, rect.center().y()), self._waiting.robot)
         area = rect.adjusted(1.75 * GAP + chip_size(), 2, -GAP - self._key_room(), -2)
         write(painter, area, self._waiting.text, font("small"), palette.text, WRAPPED)
-        key = self._waiting.show.key
-        if key:
-            wide, high = key_size(key)
+        if self._shown_key:
+            wide, high = key_size(self._shown_key)
             cap = QRectF(rect.right() - GAP - wide, rect.center().y() - high / 2.0, wide, high)
-            key_cap(painter, cap, key, palette.muted)
+            key_cap(painter, cap, self._shown_key, palette.muted)
 
     def _key_room(self) -> float:
         """Return the width that its key takes, logical pixels."""
-        key = self._waiting.show.key if self._waiting is not None else ""
-        return key_size(key)[0] + GAP / 2.0 if key else 0.0
+        return key_size(self._shown_key)[0] + GAP / 2.0 if self._shown_key else 0.0
 
 
 class HorizontalScrollArea(QScrollArea):
@@ -92,8 +91,9 @@ class WaitingStrip(ActionWidget):
         history: the button that opens the history.
     """
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         row = self._row = spaced(QHBoxLayout(self), GAP, 0)
         self._count = look.label(size="small", muted=True)
         row.addWidget(self._count)
@@ -105,9 +105,9 @@ class WaitingStrip(ActionWidget):
         self._area = area
         area.hide()
         row.addWidget(area, 1)
-        self.history = ActionButton()
+        self.history = ActionButton(texts)
         self.history.setCheckable(True)
-        self.history.show_face(ButtonFace("History"), "History: what was said and what happened")
+        self.history.show_face(ButtonFace(texts.text("window.history")), texts.text("window.history_hint"))
         row.addWidget(self.history)
         self.chips: list[WaitingChip] = []
         self._shown: tuple[WaitingItem, ...] | None = None
@@ -131,7 +131,7 @@ class WaitingStrip(ActionWidget):
 
     def show_waiting(self, waiting: tuple[WaitingItem, ...], nothing_waits: str) -> None:
         """Show these, or the sentence where there are none; does nothing for those that are shown already."""
-        set_text(self._count, f"Waiting for\nyou: {len(waiting)}" if waiting else nothing_waits)
+        set_text(self._count, self._texts.text("window.waiting", count=len(waiting)) if waiting else nothing_waits)
         if waiting == self._shown:
             return
         self._shown = waiting
@@ -140,7 +140,7 @@ class WaitingStrip(ActionWidget):
         self._area.setVisible(bool(waiting))
         self._row.setStretchFactor(self._count, 0 if waiting else 1)
         while len(self.chips) < len(waiting):
-            made = WaitingChip()
+            made = WaitingChip(self._texts)
             made.requested.connect(self.requested)
             made.focused.connect(self._area.ensureWidgetVisible)
             self._chips.insertWidget(len(self.chips), made)

@@ -22,8 +22,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.notices import FloorPlan
-from ui.model.keys import HELP
+from ui.model.keys import HELP, shown_key
 from ui.model.participant import Participant
 from ui.model.screen import (
     Act,
@@ -52,12 +53,12 @@ from ui.windows.participant.column import SideColumn
 from ui.windows.participant.keyboard import KeyboardShortcuts
 from ui.windows.participant.map_area import MapArea
 from ui.windows.participant.pages.pages import (
-    WINDOW_KEYS,
     ConnectingPage,
     ConsentPage,
     EndingPanel,
     HelpSheet,
     QuestionPanel,
+    window_keys,
 )
 from ui.windows.participant.popups.dialogue import DialoguePanel
 from ui.windows.participant.popups.finding import PicturePanel
@@ -83,7 +84,8 @@ ROBOT_SIZE = 40
 class ParticipantWindow(QWidget):
     """The map, the robots beside it, the rooms below them, pop-ups in a corner of the map.
 
-    It is a window, or a page of one. It follows the model while it is shown.
+    It is a window, or a page of one. It follows the model while it is shown, in the language that the model had when
+    it was made.
 
     Args:
         model: source of all that is shown.
@@ -104,6 +106,7 @@ class ParticipantWindow(QWidget):
     def __init__(self, model: Participant, clock: Callable[[], float], palette: Palette) -> None:
         super().__init__()
         self._model = model
+        self._texts = model.texts
         self._clock = clock
         self._screen: Screen | None = None
         self._floor_plan: FloorPlan | None = None
@@ -119,11 +122,11 @@ class ParticipantWindow(QWidget):
         self._acting = False
         # Time at which the pop-up had come that was there when the key held now was pressed.
         self._pressed_since = self._opened_at
-        self.setWindowTitle("Treasure hunt")
+        self.setWindowTitle(self._texts.text("window.title"))
         self.setMinimumSize(760, 420)
         self.resize(1200, 800)
         self.map = MapView(palette)
-        self._build()
+        self._build(self._texts)
         self._keyboard = KeyboardShortcuts(self, self.do)
         for keys, step in ((("F6", "Ctrl+Tab"), 1), (("Shift+F6", "Ctrl+Shift+Tab"), -1)):
             for key in keys:
@@ -139,15 +142,15 @@ class ParticipantWindow(QWidget):
 
     # Layout -----------------------------------------------------------------------------------------------------------
 
-    def _build(self) -> None:
-        self.connecting, self.consent = ConnectingPage(), ConsentPage()
-        self.top, self.column = TopStrip(), SideColumn()
-        self.map_area, self.waiting = MapArea(self.map), WaitingStrip()
+    def _build(self, texts: Texts) -> None:
+        self.connecting, self.consent = ConnectingPage(texts), ConsentPage(texts)
+        self.top, self.column = TopStrip(texts), SideColumn(texts)
+        self.map_area, self.waiting = MapArea(texts, self.map), WaitingStrip(texts)
         self.history = self.map_area.history
-        self.dialogue, self.treasure, self.ending = DialoguePanel(), TreasurePanel(), EndingPanel()
-        self.question, self.help, self.large = QuestionPanel(), HelpSheet(), PicturePanel()
-        focus.make_region(self.top, "Score and tools")
-        focus.make_region(self.waiting, "What waits for you")
+        self.dialogue, self.treasure, self.ending = DialoguePanel(texts), TreasurePanel(texts), EndingPanel(texts)
+        self.question, self.help, self.large = QuestionPanel(texts), HelpSheet(texts), PicturePanel(texts)
+        focus.make_region(self.top, texts.text("window.score_and_tools"))
+        focus.make_region(self.waiting, texts.text("window.what_waits"))
         self.waiting.history.toggled.connect(self.map_area.show_history)
         left = spaced(QVBoxLayout(), GAP)
         left.addWidget(self.map_area, 1)
@@ -287,7 +290,7 @@ class ParticipantWindow(QWidget):
         self.column.cards.show_cards(screen.cards)
         self.column.tiles.show_tiles(screen.tiles)
         self.column.dont_know.show_action(screen.ask_advice)
-        set_text(self.column.hint, _hint(screen))
+        set_text(self.column.hint, _hint(self._texts, screen))
         self.waiting.show_waiting(screen.waiting, screen.nothing_waits)
         self.history.show_history(screen.history)
         self._show_pops(screen, before, now)
@@ -319,7 +322,7 @@ class ParticipantWindow(QWidget):
             self.question.show_question(screen.confirmation)
             self.overlay.show_panel(self.question)
         elif screen.help:
-            self.help.show_help(screen.rules, (*screen.help, *WINDOW_KEYS), HELP.keys[0])
+            self.help.show_help(screen.rules, (*screen.help, *window_keys(self._texts)), HELP.keys[0])
             self.overlay.show_panel(self.help, 720)
         elif screen.enlarged is not None and screen.popup is not None:
             self.large.show_large(screen.enlarged, screen.popup.title, screen.popup.robot)
@@ -472,12 +475,12 @@ def _listed(screen: Screen) -> tuple[object, ...]:
     return subject, screen.confirmation, bool(screen.help)
 
 
-def _hint(screen: Screen) -> str:
+def _hint(texts: Texts, screen: Screen) -> str:
     """Return a remark about the room that is being considered, or the digits typed so far."""
     if screen.typed:
-        return f"Room {screen.typed}… one more digit, or Enter."
+        return texts.text("window.digits", digits=screen.typed, enter=shown_key(texts, "Enter"))
     tile: RoomTile | None = next((tile for tile in screen.tiles if tile.considered), None)
     if tile is None:
         return ""
     words = tile.warning or tile.choose.hint
-    return f"{tile.name}: {words}" if words else tile.name
+    return texts.text("window.remark", name=tile.name, remark=words) if words else tile.name

@@ -14,6 +14,7 @@ from tests.ui.windows.fitting import settle
 from tests.ui.windows.participant.test_hunt import Player
 from tests.ui.windows.participant.test_window import Open, press
 from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.events import RobotDeparted
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from ui.model.screen import Action, AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext, TypeDigit
@@ -227,7 +228,7 @@ def test_a_panel_that_fits_has_no_bar_whatever_size_it_had_before(qtbot: QtBot, 
     words = "Nobody has told me what to do for 12 seconds, so I am going to room 3 (South west)."
     close = Action(ShowNext(), "Close", "Esc")
     for width in range(300, 400, 2):
-        panel = DialoguePanel()
+        panel = DialoguePanel(shipped_texts())
         qtbot.addWidget(panel)
         panel.show_pop(DialoguePopup(1, "Robot 2: go to room 3?", (("robot", words),), (), close, ended=True))
         panel.resize(width, 60)

@@ -14,6 +14,7 @@ from tests.ui.model.views import view
 from tests.ui.windows import samples
 from tests.ui.windows.participant.test_window import press
 from tests.ui.windows.preferred import preferred
+from thbridge.files.language_texts import shipped_texts
 from ui.model.lobby import FromWindow, WindowClosed
 from ui.model.theme import LIGHT
 from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
@@ -58,7 +59,7 @@ def at_table(qtbot: QtBot, qapp: QApplication, tmp_path: Path) -> Callable[[bool
     def sit(hosted: bool) -> Table:
         table = Table()
         send = table.told.append if hosted else None
-        window = ParticipantMainWindow(preferred(qapp, tmp_path), send, lambda: table.now)
+        window = ParticipantMainWindow(preferred(qapp, tmp_path), send, lambda: table.now, shipped_texts())
         table.window = window
         qtbot.addWidget(window, before_close_func=lambda it: it.leave())
         window.join(ArrivedLink())

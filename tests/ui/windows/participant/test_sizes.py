@@ -14,6 +14,7 @@ from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.participant.conftest import Opened
 from tests.ui.windows.participant.test_window import STATES, Open
 from tests.ui.windows.preferred import preferred
+from thbridge.files.language_texts import shipped_texts
 from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.link import ParticipantLink
@@ -109,7 +110,7 @@ def test_the_history_leaves_room_for_the_map(opened: Open, qtbot: QtBot, qapp: Q
 def test_the_pages_before_a_game_fit(qtbot: QtBot, qapp: QApplication, text: float) -> None:
     look.apply_palette(qapp, LIGHT)
     look.apply_text_size(qapp, text)
-    for page in (StartPage(1, 12, 2), StartPage(2, 2, 2)):
+    for page in (StartPage(shipped_texts(), 1, 12, 2), StartPage(shipped_texts(), 2, 2, 2)):
         qtbot.addWidget(page)
         page.show()
         for size in sizes(text):
@@ -121,7 +122,7 @@ def test_the_pages_before_a_game_fit(qtbot: QtBot, qapp: QApplication, text: flo
 @pytest.mark.parametrize("text", TEXTS, indirect=True)
 def test_the_practice_game_fits(qtbot: QtBot, qapp: QApplication, tmp_path: Path, text: float) -> None:
     look.apply_palette(qapp, LIGHT)
-    window = ParticipantMainWindow(preferred(qapp, tmp_path), lambda _message: None)
+    window = ParticipantMainWindow(preferred(qapp, tmp_path), lambda _message: None, texts=shipped_texts())
     qtbot.addWidget(window)
     window.join(ParticipantLink("127.0.0.1", 1, "token"), practice=True)
     look.apply_text_size(qapp, text)

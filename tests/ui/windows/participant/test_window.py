@@ -17,6 +17,7 @@ from pytestqt.qtbot import QtBot
 from tests.ui.windows import samples
 from tests.ui.windows.fitting import settle
 from tests.ui.windows.participant.conftest import Opened
+from thbridge.files.language_texts import shipped_texts
 from ui.model.screen import (
     Act,
     AgreeToTakePart,
@@ -713,7 +714,7 @@ def test_who_commands_a_robot_is_read_beside_the_button_and_what_it_does_below(o
     for card in shown.window.column.cards.cards[:3]:
         button = card.ask_back.geometry()
         state = "" if card.ask_back.face.enabled else ", asked for"
-        assert card.ask_back.accessibleName() == f"Ask for {card.accessibleName()} back{state}"
+        assert card.ask_back.accessibleName() == f"Ask for {card.accessibleName().lower()} back{state}"
         assert button.left() - PAD - bold.height() - GAP >= bold.horizontalAdvance("Ground station 255")
         assert plain.horizontalAdvance("travelling to room 4 · from the corridor") <= card.width() - 2.0 * PAD
         assert button.bottom() + plain.height() <= card.height() - EDGE
@@ -885,7 +886,7 @@ def test_nobody_looks_while_it_is_hidden(qtbot: QtBot, opened: Open) -> None:
 
 
 def test_a_talk_that_fits_has_no_scroll_bar_that_would_break_its_lines(qtbot: QtBot) -> None:
-    talk = Transcript()
+    talk = Transcript(shipped_texts())
     qtbot.addWidget(talk)
     said = "I suggest room 3: room 7 costs me less now, but my whole round costs less with room 3 first. Shall I go?"
     talk.show_sentences((("you", "I don't know where to go."), ("robot", said)), 0)
@@ -902,5 +903,9 @@ def test_a_talk_that_fits_has_no_scroll_bar_that_would_break_its_lines(qtbot: Qt
 
 def test_a_finding_has_shorter_words_for_a_narrow_tile() -> None:
     tile = samples.tile(1, 8)
-    assert below(replace(tile, found="Orange bottle, +10")) == ("Orange bottle, +10", "Orange bottle", "+10")
-    assert below(replace(tile, found="something pink"))[-1] == "pink"
+    assert below(shipped_texts(), replace(tile, found="Orange bottle, +10")) == (
+        "Orange bottle, +10",
+        "Orange bottle",
+        "+10",
+    )
+    assert below(shipped_texts(), replace(tile, found="something pink"))[-1] == "pink"

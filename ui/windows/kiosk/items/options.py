@@ -6,6 +6,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
+from thbridge.files.language_texts import shipped_texts
 from ui.model.kiosk import Answer, FormItem
 from ui.windows import look
 from ui.windows.kiosk.items.field import AnswerField
@@ -33,7 +34,7 @@ class OptionButton(ActionButton):
     def __init__(
         self, field: AnswerField, label: str, name: str, key: str = "", weight: Weight = "plain", *, alone: bool = True
     ) -> None:
-        super().__init__(weight, hints=len(label) > _SHORT)
+        super().__init__(shipped_texts(), weight, hints=len(label) > _SHORT)
         self._field = field
         self._alone = alone
         self.setCheckable(True)

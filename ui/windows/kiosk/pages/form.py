@@ -14,6 +14,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QApplication, QFrame, QHBoxLayout, QScrollArea, QVBoxLayout, QWidget
 
+from thbridge.files.language_texts import shipped_texts
 from ui.model.kiosk import FormToFill, ItemNews
 from ui.windows import look
 from ui.windows.kiosk.items.panel import ItemPanel
@@ -79,8 +80,8 @@ class FormPage(QWidget):
         self._area.setWidget(inside)
         inside.setAutoFillBackground(False)
         self._count = look.label(muted=True)
-        self.go_on = ActionButton("main")
-        self.back = ActionButton() if form.back else None
+        self.go_on = ActionButton(shipped_texts(), "main")
+        self.back = ActionButton(shipped_texts()) if form.back else None
         self._build_foot(rows)
         self._limits = QTimer(self, interval=LIMIT_STEP)
         self._limits.timeout.connect(self._count_down)

@@ -7,6 +7,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import QLineEdit, QVBoxLayout, QWidget
 
+from thbridge.files.language_texts import shipped_texts
 from ui.model.kiosk import TextToRead
 from ui.windows import look
 from ui.windows.look import GAP, follow_text, px, spaced
@@ -56,7 +57,7 @@ class ReadingPage(QWidget):
             _add_code(rows, page.code)
         self.go_on: ActionButton | None = None
         if page.button:
-            self.go_on = ActionButton("main")
+            self.go_on = ActionButton(shipped_texts(), "main")
             self.go_on.show_face(ButtonFace(page.button, "Enter"), page.button)
             self.go_on.setAccessibleDescription(page.text[:SHORT] if is_short else "Key: Enter.")
             self.go_on.clicked.connect(self._leave)

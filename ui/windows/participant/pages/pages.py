@@ -6,7 +6,8 @@ from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QKeySequence, QPaintEvent, QShortcut
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QScrollArea, QVBoxLayout, QWidget
 
-from ui.model.keys import keyed
+from thbridge.dialogue.wording.texts import Texts
+from ui.model.keys import keyed, shown_key
 from ui.model.screen import Action, AgreeToTakePart, Confirmation, DeclineToTakePart, GameOverPage, ShowHelp
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
@@ -19,25 +20,32 @@ from ui.windows.participant.widgets.reading import ReadingText
 FILLS = 1000
 """Stretch of a text that takes the space that it needs, before what is empty around it gets any."""
 
-PAGE_KEYS = (
-    ("Arrows", "Go to the neighbouring button; Space or Enter presses it"),
-    ("Ctrl +, Ctrl -", "Larger text, smaller text; Ctrl 0: the usual size"),
-    ("Ctrl+Q", "Close the window"),
-)
-"""Keys of every page, for people who use it button by button."""
 
-WINDOW_KEYS = (("F6 or Ctrl+Tab", "Go to the next part of the window"), *PAGE_KEYS)
-"""Keys of the game's window beside those of the game."""
+def page_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
+    """Return the keys of every page, for people who use it button by button."""
+    ctrl, space, enter = (shown_key(texts, key) for key in ("Ctrl", "Space", "Enter"))
+    return (
+        (texts.text("pages.keys_arrows"), texts.text("pages.key_arrows", space=space, enter=enter)),
+        (texts.text("pages.keys_text", ctrl=ctrl), texts.text("pages.key_text", ctrl=ctrl)),
+        (shown_key(texts, "Ctrl+Q"), texts.text("pages.key_close")),
+    )
+
+
+def window_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
+    """Return the keys of the game's window beside those of the game."""
+    keys = texts.text("keys.one_or_other", key="F6", other_key=shown_key(texts, "Ctrl+Tab"))
+    return (keys, texts.text("pages.key_next_part")), *page_keys(texts)
 
 
 class ConnectingPage(QWidget):
     """The page before there is a game: says what it waits for."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        make_region(self, "Connecting")
+        make_region(self, texts.text("pages.connecting"))
         rows = spaced(QVBoxLayout(self), GAP, 4 * GAP)
-        self._title, self._what = look.label("One moment", "hero", bold=True), look.label(size="title", muted=True)
+        self._title = look.label(texts.text("pages.one_moment"), "hero", bold=True)
+        self._what = look.label(size="title", muted=True)
         rows.addStretch(2)
         for line in (self._title, self._what):
             line.setAlignment(Qt.AlignmentFlag.AlignCenter)
@@ -52,16 +60,16 @@ class ConnectingPage(QWidget):
 class ConsentPage(ActionWidget):
     """The text to agree to, and the buttons for yes and no."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        make_region(self, "Consent")
+        make_region(self, texts.text("pages.consent"))
         rows = spaced(page_column(self, 760), 2 * GAP, 0)
         rows.addStretch(2)
-        rows.addWidget(look.label("Before you take part", "hero", bold=True))
-        self._text = ReadingText("What you agree to")
+        rows.addWidget(look.label(texts.text("pages.before"), "hero", bold=True))
+        self._text = ReadingText(texts.text("pages.agree_to"))
         rows.addWidget(self._text, FILLS)
         # Both weigh the same: neither answer is the one to give.
-        self.decline, self.agree = ActionButton(hints=True), ActionButton(hints=True)
+        self.decline, self.agree = ActionButton(texts, hints=True), ActionButton(texts, hints=True)
         foot = _foot(rows)
         for button in (self.decline, self.agree):
             button.requested.connect(self.requested)
@@ -76,19 +84,20 @@ class ConsentPage(ActionWidget):
 
 
 def consent_page(
-    text: str, answered: Callable[[bool], None], hint_of_no: str, *, markdown: bool = False
+    texts: Texts, text: str, answered: Callable[[bool], None], hint_of_no: str, *, markdown: bool = False
 ) -> ConsentPage:
     """Return the page outside of a game, which has keys of its own.
 
     Args:
+        texts: of the window's language.
         text: to agree to.
         answered: called with the answer; True: the person takes part.
         hint_of_no: tells what follows from a no.
         markdown: True where the text is Markdown.
     """
-    page = ConsentPage()
-    agree = keyed(AgreeToTakePart(), "I agree", hint="You take part in the study.")
-    decline = keyed(DeclineToTakePart(), "I do not take part", hint=hint_of_no)
+    page = ConsentPage(texts)
+    agree = keyed(AgreeToTakePart(), texts.text("pages.agree"), hint=texts.text("pages.agree_hint"))
+    decline = keyed(DeclineToTakePart(), texts.text("pages.decline"), hint=hint_of_no)
     page.show_consent(text, agree, decline, markdown=markdown)
     page.requested.connect(lambda act: answered(isinstance(act, AgreeToTakePart)))
     for button in (page.agree, page.decline):
@@ -103,15 +112,15 @@ class ThanksPage(QWidget):
         close_button: closes the window.
     """
 
-    def __init__(self, text: str, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, text: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        make_region(self, "Thank you")
+        make_region(self, texts.text("pages.thanks"))
         rows = spaced(page_column(self, 680), 2 * GAP)
         rows.addStretch(2)
-        rows.addWidget(look.label("Thank you", "hero", bold=True))
+        rows.addWidget(look.label(texts.text("pages.thanks"), "hero", bold=True))
         rows.addWidget(look.label(text, "title"))
-        self.close_button = ActionButton("main")
-        self.close_button.show_face(ButtonFace("Close", "Enter"), "Close the window")
+        self.close_button = ActionButton(texts, "main")
+        self.close_button.show_face(ButtonFace(texts.text("window.close"), "Enter"), texts.text("pages.close_window"))
         for enter in ("Return", "Enter"):
             QShortcut(QKeySequence(enter), self).activated.connect(self.close_button.click)
         _foot(rows).addWidget(self.close_button)
@@ -121,13 +130,13 @@ class ThanksPage(QWidget):
 class QuestionPanel(TitledPanel):
     """The question whether an act is really meant."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__("Question", parent)
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
+        super().__init__(texts, texts.text("pages.question"), parent)
         self._text = look.label()
         self.rows.addWidget(self._text, 1)
         foot = _foot(self.rows)
         # What cannot be undone is never the button that stands out.
-        self.no, self.yes = ActionButton("main", hints=True), ActionButton(hints=True)
+        self.no, self.yes = ActionButton(texts, "main", hints=True), ActionButton(texts, hints=True)
         for button in (self.no, self.yes):
             button.requested.connect(self.requested)
             foot.addWidget(button)
@@ -143,12 +152,12 @@ class QuestionPanel(TitledPanel):
 class EndingPanel(TitledPanel):
     """The panel at the end of the game."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__("The game is over", parent)
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
+        super().__init__(texts, texts.text("pages.game_over"), parent)
         self._lines = look.label()
         self._lines.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self._area = _text_area(self._lines, "How it ended")
-        self.again = ActionButton("main")
+        self._area = _text_area(self._lines, texts.text("pages.how_it_ended"))
+        self.again = ActionButton(texts, "main")
         self.again.requested.connect(self.requested)
         self.rows.addWidget(self._area, 1)
         self.rows.addWidget(self.again)
@@ -192,24 +201,23 @@ class HelpSheet(TitledPanel):
         instructions: texts above the rules, and whether each is Markdown.
     """
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__("Rules and keys", parent)
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
+        super().__init__(texts, texts.text("pages.rules_and_keys"), parent)
         self.instructions: tuple[tuple[str, bool], ...] = ()
-        self.close_button = ActionButton()
+        self.close_button = ActionButton(texts)
         self.close_button.requested.connect(self.requested)
         self.top.addWidget(self.close_button)
-        self._area = _text_area(None, "The rules, the keys and what they do")
+        self._area = _text_area(None, texts.text("pages.rules_and_meanings"))
         self.rows.addWidget(self._area, 1)
         self._shown: tuple[object, ...] | None = None
 
     def show_help(self, rules: tuple[str, ...], lines: tuple[tuple[str, str], ...], key: str) -> None:
         """Show these rules and keys; `key` closes the sheet."""
-        self.close_button.show_action(Action(ShowHelp(), "Close", key))
+        self.close_button.show_action(Action(ShowHelp(), self._texts.text("window.close"), key))
         if (rules, lines, self.instructions) == self._shown:
             return
         self._shown = rules, lines, self.instructions
-        parts = [*(["instructions"] if self.instructions else []), *(["rules and keys"] if lines else [])]
-        title = ", ".join(parts).capitalize()
+        title = self._texts.text(self._title_key(has_keys=bool(lines)))
         self.entitle(title)
         self._area.setAccessibleName(title)
         inside = QWidget()
@@ -219,7 +227,7 @@ class HelpSheet(TitledPanel):
         grid.setVerticalSpacing(int(0.75 * GAP))
         grid.setColumnStretch(1, 1)
         for row, (text, markdown) in enumerate(self.instructions):
-            shown = ReadingText("Instructions", whole=True)
+            shown = ReadingText(self._texts.text("pages.instructions"), whole=True)
             shown.show_text(text, markdown=markdown)
             grid.addWidget(shown, row, 0, 1, 2)
         above = len(self.instructions)
@@ -230,6 +238,12 @@ class HelpSheet(TitledPanel):
             grid.addWidget(look.label(does), row, 1)
         self._area.setWidget(inside)
         inside.setAutoFillBackground(False)
+
+    def _title_key(self, *, has_keys: bool) -> str:
+        """Return the key of the title."""
+        if not self.instructions:
+            return "pages.rules_and_keys"
+        return "pages.instructions_and_rules" if has_keys else "pages.instructions"
 
     def wanted(self, width: int, height: int) -> QSize:
         """Return a size as high as its lines, if there is space."""

@@ -4,20 +4,14 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 
-from thbridge.files.language_texts import shipped_texts
-from ui.model.keys import HELP, help_line
+from thbridge.dialogue.wording.texts import Texts
+from ui.model.keys import HELP, help_line, shown_key
 from ui.windows import look
 from ui.windows.look import GAP, spaced
-from ui.windows.participant.pages.pages import PAGE_KEYS, HelpSheet
+from ui.windows.participant.pages.pages import HelpSheet, page_keys
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.panels import ModalOverlay, page_column
-
-INTRODUCTION = (
-    "Treasures are hidden in the rooms of this house. Your robots find them, and you decide together where each robot "
-    "goes, and what it has found. Every move costs energy, and so does every picture. Name a treasure right to win its "
-    "points; a wrong name loses some."
-)
 
 _LAST_DIGIT = 9
 _IN_A_ROW = 5
@@ -26,6 +20,14 @@ _IN_A_ROW = 5
 
 class StartPage(QWidget):
     """Asks how many robots shall play.
+
+    Args:
+        texts: of the window's language.
+        least: smallest number of robots that may be chosen.
+        most: largest number.
+        usual: number that is chosen at first.
+        rules: of the game, in sentences.
+        parent: as for any widget.
 
     Attributes:
         start: begin a game with so many robots.
@@ -36,18 +38,25 @@ class StartPage(QWidget):
     tutorial = Signal()
 
     def __init__(
-        self, least: int, most: int, usual: int, rules: tuple[str, ...] = (), parent: QWidget | None = None
+        self,
+        texts: Texts,
+        least: int,
+        most: int,
+        usual: int,
+        rules: tuple[str, ...] = (),
+        parent: QWidget | None = None,
     ) -> None:
         super().__init__(parent)
-        make_region(self, "Start")
+        self._texts = texts
+        make_region(self, texts.text("start.start"))
         self._number = usual
         rows = spaced(page_column(self, 680), 2 * GAP)
         rows.addStretch(2)
-        rows.addWidget(look.label("Treasure hunt", "hero", bold=True))
-        rows.addWidget(look.label(INTRODUCTION))
+        rows.addWidget(look.label(texts.text("window.title"), "hero", bold=True))
+        rows.addWidget(look.label(texts.text("start.introduction")))
         rows.addSpacing(GAP)
         asks = most > least
-        heading = "How many robots?" if asks else f"You will command {_robots(usual)}."
+        heading = texts.text("start.how_many") if asks else texts.text("start.you_command", count=usual)
         rows.addWidget(look.label(heading, "title", bold=asks))
         self.choices = {number: self._choice(number) for number in range(least, most + 1)}
         grid = spaced(QGridLayout(), GAP)
@@ -59,11 +68,12 @@ class StartPage(QWidget):
         for button in self.choices.values():
             button.setVisible(asks)
         rows.addSpacing(2 * GAP)
-        self.sheet, self.practise = ActionButton(hints=True), ActionButton(hints=True)
-        self.begin = ActionButton("main", hints=True)
-        self.sheet.show_face(ButtonFace("Rules and keys", HELP.keys[0]), "Rules and keys")
+        self.sheet, self.practise = ActionButton(texts, hints=True), ActionButton(texts, hints=True)
+        self.begin = ActionButton(texts, "main", hints=True)
+        sheet = texts.text("pages.rules_and_keys")
+        self.sheet.show_face(ButtonFace(sheet, HELP.keys[0]), sheet)
         self.sheet.clicked.connect(self._toggle_help)
-        self.practise.show_face(ButtonFace("Try it out first", "T"), "Try it out first: a short practice game")
+        self.practise.show_face(ButtonFace(texts.text("start.try_out"), "T"), texts.text("start.try_out_hint"))
         self.practise.clicked.connect(self.tutorial)
         self.begin.clicked.connect(lambda: self.start.emit(self._number))
         foot = spaced(QHBoxLayout(), GAP)
@@ -73,7 +83,7 @@ class StartPage(QWidget):
         rows.addLayout(foot)
         rows.addStretch(3)
         self._rules = rules
-        self.overlay, self.help = ModalOverlay(self), HelpSheet()
+        self.overlay, self.help = ModalOverlay(self), HelpSheet(texts)
         self.help.requested.connect(self._toggle_help)
         for help_key in HELP.keys:
             self._shortcut(help_key).activated.connect(self._toggle_help)
@@ -95,7 +105,7 @@ class StartPage(QWidget):
         self._number = number
         for other, button in self.choices.items():
             button.setChecked(other == number)
-        words = f"Start with {_robots(number)}"
+        words = self._texts.text("start.begin", count=number)
         self.begin.show_face(ButtonFace(words, "Enter"), words)
 
     def _toggle_help(self) -> None:
@@ -117,24 +127,26 @@ class StartPage(QWidget):
         self.overlay.setGeometry(self.rect())
 
     def _choice(self, number: int) -> ActionButton:
-        button = ActionButton("large")
+        button = ActionButton(self._texts, "large")
         button.setCheckable(True)
         # The number is its own key, so none is printed beside it.
-        button.show_face(ButtonFace(str(number)), _robots(number))
+        button.show_face(ButtonFace(str(number)), self._texts.text("words.robots", count=number))
         button.clicked.connect(lambda: self.choose(number))
         return button
 
     def _key_lines(self) -> tuple[tuple[str, str], ...]:
         """Keys of this page, for the sheet."""
+        texts = self._texts
         digits = [str(number) for number in self.choices if number <= _LAST_DIGIT]
         asks = len(self.choices) > 1 and digits
+        numbers = texts.text("keys.one_to_other", key=digits[0], other_key=digits[-1]) if asks else ""
         return (
-            *([(f"{digits[0]} to {digits[-1]}", "Choose how many robots")] if asks else []),
-            ("T", "Try it out first: a short practice game"),
-            ("Enter", "Start"),
-            help_line(shipped_texts(), HELP),
-            ("Tab", "Go to the next button"),
-            *PAGE_KEYS,
+            *([(numbers, texts.text("start.key_numbers"))] if asks else []),
+            ("T", texts.text("start.try_out_hint")),
+            (shown_key(texts, "Enter"), texts.text("start.key_begin")),
+            help_line(texts, HELP),
+            (shown_key(texts, "Tab"), texts.text("start.key_tab")),
+            *page_keys(texts),
         )
 
     def _enter(self) -> None:
@@ -152,7 +164,3 @@ class StartPage(QWidget):
         shortcut.setContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
         shortcut.setAutoRepeat(False)
         return shortcut
-
-
-def _robots(number: int) -> str:
-    return f"{number} robot{'s' if number > 1 else ''}"

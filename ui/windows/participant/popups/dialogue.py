@@ -3,7 +3,7 @@
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QBoxLayout, QVBoxLayout, QWidget
 
-from sim.common.robot_numbers import robot_name
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import DialoguePopup
 from ui.windows import look
 from ui.windows.look import GAP, px, spaced
@@ -15,19 +15,19 @@ from ui.windows.participant.widgets.panels import TitledPanel, Transcript
 class DialoguePanel(TitledPanel):
     """A dialogue with a robot: what it is about, sentences as bubbles, answers as buttons."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__("Dialogue", parent)
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
+        super().__init__(texts, texts.text("window.dialogue"), parent)
         self._pop: DialoguePopup | None = None
-        self.aside = ActionButton("quiet")
+        self.aside = ActionButton(texts, "quiet")
         self.aside.requested.connect(self.requested)
         self.top.addWidget(self.aside)
-        self.facts, self.picture = TreasureFacts(), TreasurePicture()
+        self.facts, self.picture = TreasureFacts(texts), TreasurePicture(texts)
         self._find = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight), GAP)
         self.rows.addLayout(self._find)
         self._find.addWidget(self.picture, 0, Qt.AlignmentFlag.AlignTop)
         self._find.addWidget(self.facts, 1, Qt.AlignmentFlag.AlignTop)
         self.picture.requested.connect(self.requested)
-        self.transcript = Transcript()
+        self.transcript = Transcript(texts)
         self.rows.addWidget(self.transcript, 1)
         self._state = look.label(muted=True)
         self.rows.addWidget(self._state)
@@ -38,7 +38,7 @@ class DialoguePanel(TitledPanel):
         answers = spaced(QVBoxLayout(), GAP)
         self.rows.addLayout(answers)
         # All alike: the window must not make one answer look better than another.
-        self.choices = ActionRow(answers, self.requested, hints=True)
+        self.choices = ActionRow(texts, answers, self.requested, hints=True)
         # The answer that led to the questions, which lead back to it.
         self._left_from = 0
 
@@ -54,11 +54,11 @@ class DialoguePanel(TitledPanel):
         self.picture.show_picture(pop.picture, enlarge=pop.enlarge)
         self.picture.setVisible(pop.picture is not None)
         self.transcript.show_sentences(pop.sentences, pop.robot)
-        self._state.setText(pop.note if pop.choices else f"{robot_name(pop.robot).capitalize()} is thinking …")
+        self._state.setText(pop.note if pop.choices else self._texts.text("window.thinking", robot=pop.robot))
         self._state.setVisible(not pop.ended and bool(pop.note or not pop.choices))
         self._outcome.setText(pop.outcome)
         self._outcome.setVisible(bool(pop.outcome))
-        self._warning.setText(f"⚠ {pop.warning}")
+        self._warning.setText(self._texts.text("window.warning", warning=pop.warning))
         self._warning.setVisible(bool(pop.warning))
         focused = self._focused()
         self.choices.show_actions(pop.choices)

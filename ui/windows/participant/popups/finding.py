@@ -12,7 +12,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import PropertyDrawing
+from ui.model.keys import shown_key
 from ui.model.screen import Act, Action, EnlargePicture, TellOfIt, TreasureFact
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
@@ -36,16 +38,18 @@ class TreasurePicture(ParticipantButton):
     """A treasure's picture, which a press enlarges or makes small again; or a frame with a note where there is none.
 
     Args:
+        texts: of the window's language.
         size: it always has; None: as large as there is space.
         parent: as for any widget.
     """
 
-    def __init__(self, size: QSize | None = PICTURE, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, texts: Texts, size: QSize | None = PICTURE, parent: QWidget | None = None) -> None:
+        super().__init__(texts, parent)
+        self._name = texts.text("window.picture_of_find")
         self._data: bytes | None = None
         self._note = ""
         self._pixmap = QPixmap()
-        self.setAccessibleName(_NAME_OF_PICTURE)
+        self.setAccessibleName(self._name)
         if size is None:
             self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         else:
@@ -70,14 +74,16 @@ class TreasurePicture(ParticipantButton):
         if data != self._data:
             self._pixmap = QPixmap()
             if data is not None and not self._pixmap.loadFromData(data):
-                note = "This picture cannot be shown."
+                note = self._texts.text("window.picture_broken")
         elif self._pixmap.isNull() and data is not None:
             note = self._note
         self._data, self._note = data, note
         if enlarge is not None and not self._pixmap.isNull():
-            self.bind(enlarge, _NAME_OF_PICTURE)
+            self.bind(enlarge, self._name)
         self.setEnabled(enlarge is not None and not self._pixmap.isNull())
-        self.setAccessibleName((note or "No picture yet") if self._pixmap.isNull() else _NAME_OF_PICTURE)
+        self.setAccessibleName(
+            (note or self._texts.text("window.no_picture_yet")) if self._pixmap.isNull() else self._name
+        )
         self.setCursor(Qt.CursorShape.PointingHandCursor if self.isEnabled() else Qt.CursorShape.ArrowCursor)
         self.update()
 
@@ -103,9 +109,6 @@ class TreasurePicture(ParticipantButton):
             ring(painter, rect, palette.accent)
 
 
-_NAME_OF_PICTURE = "Picture of what was found"
-
-
 class PicturePlace(QWidget):
     """The place of a picture; before there is one, the button that takes it.
 
@@ -116,9 +119,9 @@ class PicturePlace(QWidget):
         take: the button.
     """
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.picture, self.take = TreasurePicture(), ActionButton(hints=True)
+        self.picture, self.take = TreasurePicture(texts), ActionButton(texts, hints=True)
         grid = spaced(QGridLayout(self), 0, 0)
         grid.addWidget(self.picture, 0, 0, 1, 3, Qt.AlignmentFlag.AlignTop)
         grid.addWidget(self.take, 0, 1, Qt.AlignmentFlag.AlignVCenter)
@@ -158,18 +161,18 @@ class PicturePlace(QWidget):
 class PicturePanel(TitledPanel):
     """A picture shown large; a press on it makes it small again."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__("Picture", parent)
-        self.picture = TreasurePicture(None)
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
+        super().__init__(texts, texts.text("window.picture"), parent)
+        self.picture = TreasurePicture(texts, None)
         self.picture.requested.connect(self.requested)
-        self.close_button = ActionButton()
+        self.close_button = ActionButton(texts)
         self.close_button.requested.connect(self.requested)
         self.top.addWidget(self.close_button)
         self.rows.addWidget(self.picture, 1)
 
     def show_large(self, data: bytes, title: str, robot: int) -> None:
         """Show this picture of what a robot found."""
-        close = Action(EnlargePicture(), "Close", "Esc")
+        close = Action(EnlargePicture(), self._texts.text("window.close"), "Esc")
         self.entitle(title, robot)
         self.close_button.show_action(close)
         self.picture.show_picture(data, enlarge=close)
@@ -182,8 +185,9 @@ class PicturePanel(TitledPanel):
 class TreasureFacts(QWidget):
     """Lines on what is known of a treasure: a patch of a colour or a drawing of a shape beside it, or its label."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         # None while the robot still looks.
         self._facts: tuple[TreasureFact, ...] | None = None
         follow_text(self, lambda it: it.setMinimumWidth(px(FACTS_WIDTH)))
@@ -205,8 +209,10 @@ class TreasureFacts(QWidget):
         if known == self._facts and self.accessibleName():
             return
         self._facts = known
-        told = " ".join(f"{fact.label}: {fact.value}." for fact in known or ())
-        self.setAccessibleName("The robot is still looking." if known is None else told or "Nothing was sensed.")
+        texts = self._texts
+        told = [texts.text("window.fact_sentence", label=fact.label, value=fact.value) for fact in known or ()]
+        nothing = texts.text("window.still_looking" if known is None else "window.nothing_sensed")
+        self.setAccessibleName(" ".join(told) or nothing)
         self.updateGeometry()
         self.update()
 
@@ -216,7 +222,9 @@ class TreasureFacts(QWidget):
     def _height(self, fact: TreasureFact, width: float) -> float:
         """Return the height of a fact's words beside its drawing."""
         frame = QRectF(0.0, 0.0, max(width - self._beside(fact), 1.0), 10000.0)
-        return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), _words(fact)).height() + GAP
+        return (
+            QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), self._words(fact)).height() + GAP
+        )
 
     def _beside(self, fact: TreasureFact) -> float:
         """Return the width of a drawing and of the gap beside it."""
@@ -227,7 +235,7 @@ class TreasureFacts(QWidget):
         palette = colours()
         painter = smooth_painter(self)
         if not self._facts:
-            nothing = "Looking at it …" if self._facts is None else "Nothing was sensed."
+            nothing = self._texts.text("window.looking" if self._facts is None else "window.nothing_sensed")
             write(painter, QRectF(self.rect()), nothing, font(), palette.muted)
             return
         top = 0.0
@@ -243,7 +251,7 @@ class TreasureFacts(QWidget):
                 painter.drawRoundedRect(patch, 4, 4)
             elif fact.drawn is PropertyDrawing.SHAPE:
                 self._shape(painter, patch, fact.value.casefold())
-            write(painter, line.adjusted(self._beside(fact), 0, 0, 0), _words(fact), font(), palette.text, WRAPPED)
+            write(painter, line.adjusted(self._beside(fact), 0, 0, 0), self._words(fact), font(), palette.text, WRAPPED)
 
     @staticmethod
     def _shape(painter: QPainter, patch: QRectF, words: str) -> None:
@@ -257,10 +265,10 @@ class TreasureFacts(QWidget):
         elif "square" in words:
             painter.drawRect(shape)
 
-
-def _words(fact: TreasureFact) -> str:
-    """A fact in words: what is drawn needs no label."""
-    return f"{fact.label}: {fact.value}" if fact.drawn is PropertyDrawing.NONE else fact.value
+    def _words(self, fact: TreasureFact) -> str:
+        """A fact in words: what is drawn needs no label."""
+        drawn = fact.drawn is not PropertyDrawing.NONE
+        return fact.value if drawn else self._texts.text("window.fact", label=fact.label, value=fact.value)
 
 
 class FactActs(QWidget):
@@ -272,8 +280,9 @@ class FactActs(QWidget):
 
     requested = Signal(object)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         self._rows = spaced(QVBoxLayout(self), GAP, 0)
         # The acts shown, by the label of their property.
         self._acts: list[tuple[str, list[Act]]] = []
@@ -302,11 +311,11 @@ class FactActs(QWidget):
             row = QWidget(self)
             grid = spaced(QGridLayout(row), GAP // 2, 0)
             if fact.tell:
-                key = next((action.key for action in fact.tell if action.key), "")
-                asked = f"{fact.label}, as you see it on the picture? {key}".rstrip()
+                key = shown_key(self._texts, next((action.key for action in fact.tell if action.key), ""))
+                asked = f"{self._texts.text('window.as_you_see_it', label=fact.label)} {key}".rstrip()
                 grid.addWidget(look.label(asked, "small", muted=True), 0, 0, 1, _VALUES_A_ROW)
             for number in range(len(fact.acts)):
-                button = ActionButton(hints=fact.sense is not None)
+                button = ActionButton(self._texts, hints=fact.sense is not None)
                 button.requested.connect(self.requested)
                 grid.addWidget(button, 1 + number // _VALUES_A_ROW, number % _VALUES_A_ROW)
                 self._buttons.append(button)

@@ -9,8 +9,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.treasures import name_in_words
-from ui.model.playing.words import counted
 from ui.windows.look import GAP, px
 from ui.windows.participant.widgets import focus
 
@@ -24,9 +24,10 @@ class NameList(QListWidget):
 
     picked = Signal(str)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setAccessibleName("What it may be")
+        self._texts = texts
+        self.setAccessibleName(texts.text("window.possible_names"))
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setUniformItemSizes(True)
@@ -48,7 +49,10 @@ class NameList(QListWidget):
             self._fill()
             self.updateGeometry()
         self._pick()
-        self.setAccessibleDescription(f"Picked: {name_in_words(picked)}" if picked else "Nothing is picked")
+        texts = self._texts
+        none = texts.text("window.nothing_picked")
+        said = texts.text("window.picked", name=name_in_words(picked)) if picked else none
+        self.setAccessibleDescription(said)
 
     def sizeHint(self) -> QSize:
         """Return the size of three to eight names."""
@@ -57,7 +61,7 @@ class NameList(QListWidget):
     def widest(self) -> int:
         """Return the width in which every name is shown whole."""
         told = dict(zip(self._names, self._worth, strict=False))
-        words = (_words(name, told.get(name)) for name in self._names)
+        words = (self._words(name, told.get(name)) for name in self._names)
         bar = self.verticalScrollBar().sizeHint().width()
         wide = max((self.fontMetrics().horizontalAdvance(each) for each in words), default=0)
         return max(wide + bar + 4 * GAP, self.minimumSizeHint().width())
@@ -105,7 +109,7 @@ class NameList(QListWidget):
     def _fill(self) -> None:
         self.clear()
         told = dict(zip(self._names, self._worth, strict=False))
-        self.addItems([_words(name, told.get(name)) for name in self._names])
+        self.addItems([self._words(name, told.get(name)) for name in self._names])
         for row in range(self.count()):
             self.item(row).setToolTip(self.item(row).text())  # a narrow list cuts it off
         self._high = max(self.sizeHintForRow(0), self._high)
@@ -120,7 +124,9 @@ class NameList(QListWidget):
         else:
             self.setCurrentRow(row)
 
-
-def _words(name: str, points: int | None) -> str:
-    """A name as the list has it, with its points where they are known."""
-    return name_in_words(name) if points is None else f"{name_in_words(name)} · {counted(points, 'point')}"
+    def _words(self, name: str, points: int | None) -> str:
+        """A name as the list has it, with its points where they are known."""
+        words = name_in_words(name)
+        if points is None:
+            return words
+        return self._texts.text("window.name_points", name=words, points=self._texts.text("words.points", count=points))

@@ -7,6 +7,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import PickName, TreasurePopup
 from ui.windows import look
 from ui.windows.look import GAP, px, spaced
@@ -30,20 +31,21 @@ class TreasurePanel(TitledPanel):
     In a narrow panel the list is below picture and readings.
     """
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__("Treasure", parent)
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
+        super().__init__(texts, texts.text("window.treasure"), parent)
         self._pop: TreasurePopup | None = None
         self._columns: tuple[bool, bool] | None = None
-        self.aside = ActionButton("quiet")
+        self.aside = ActionButton(texts, "quiet")
         self.top.addWidget(self.aside)
         self.talk = look.label(muted=True)
         self.rows.addWidget(self.talk)
-        self.more = FactActs()
+        self.more = FactActs(texts)
         self.more.requested.connect(self.requested)
         self.rows.addWidget(self.more)
-        self.place, self.facts, self.names, self.verdict = PicturePlace(), TreasureFacts(), NameList(), NamingResult()
+        self.place, self.facts = PicturePlace(texts), TreasureFacts(texts)
+        self.names, self.verdict = NameList(texts), NamingResult()
         self.picture, self.take_picture = self.place.picture, self.place.take
-        self._asking = look.label("What is it?", bold=True)
+        self._asking = look.label(texts.text("window.what_is_it"), bold=True)
         self._naming = QWidget()
         naming = spaced(QVBoxLayout(self._naming), GAP, 0)
         naming.addWidget(self._asking)
@@ -53,8 +55,8 @@ class TreasurePanel(TitledPanel):
         naming.addWidget(self._stakes)
         self._grid = spaced(QGridLayout(), int(1.5 * GAP))
         self.rows.addLayout(self._grid, 1)
-        self.name_it, self.leave = ActionButton("main", hints=True), ActionButton("plain", hints=True)
-        self.unsure = ActionButton("plain", hints=True)
+        self.name_it, self.leave = ActionButton(texts, "main", hints=True), ActionButton(texts, hints=True)
+        self.unsure = ActionButton(texts, hints=True)
         others = spaced(QVBoxLayout(), GAP)
         self.foot.setContentsMargins(GAP, 0, GAP, GAP)
         self.foot.addWidget(self.name_it, 3)
@@ -115,12 +117,13 @@ class TreasurePanel(TitledPanel):
         self.talk.setVisible(bool(pop.talk))
         self.facts.show_facts(pop.facts)
         self.more.show_facts(pop.facts or ())
-        unseen = "No picture was taken" if pop.verdict is not None else "No picture yet"
+        unseen = self._texts.text("window.no_picture_yet" if pop.verdict is None else "window.no_picture")
         self.place.show_place(pop.picture, pop.picture_note or unseen, pop.take_picture, pop.enlarge)
         decided = pop.verdict is not None
         self.names.show_names(() if decided else pop.names, pop.picked, pop.worth)
         self.names.setVisible(not decided)
-        set_text(self._asking, f"What is it? {pop.typed}…" if pop.typed else "What is it?")
+        key = "window.what_is_it_typed" if pop.typed else "window.what_is_it"
+        set_text(self._asking, self._texts.text(key, typed=pop.typed))
         self._asking.setVisible(not decided)
         self.verdict.setVisible(decided)
         self._show_stakes()

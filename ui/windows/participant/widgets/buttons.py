@@ -7,6 +7,8 @@ from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal, SignalInstance
 from PySide6.QtGui import QFocusEvent, QFont, QFontMetricsF, QHideEvent, QHoverEvent, QKeyEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QBoxLayout, QPushButton, QSizePolicy, QToolTip, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
+from ui.model.keys import shown_key
 from ui.model.screen import Act, Action
 from ui.windows import pointer
 from ui.windows.look import GAP, Size, colours, font, px, smooth_painter
@@ -38,6 +40,10 @@ class ParticipantButton(QPushButton):
     A button that cannot be pressed just now stays reachable: it says why when it is pressed, and keeps the focus. It
     takes the focus from the keyboard only: after a click, Space and Enter must not press it again.
 
+    Args:
+        texts: of the window's language.
+        parent: as for any widget.
+
     Attributes:
         requested: the `Act` of the action shown.
         focused: the button itself, once it has the focus.
@@ -46,9 +52,12 @@ class ParticipantButton(QPushButton):
     requested = Signal(object)
     focused = Signal(QWidget)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         self.face: ButtonFace | None = None
+        # Its key as people read it.
+        self._shown_key = ""
         self.act: Act | None = None
         self._pointed = False
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -65,9 +74,11 @@ class ParticipantButton(QPushButton):
     def show_face(self, face: ButtonFace, name: str) -> None:
         """Keep the face, and tell assistive technology what this button is, and why it cannot be pressed."""
         self.face = face
-        state = "" if face.enabled else ", not possible just now"
-        self.setAccessibleName(f"{name}{', asked for' if face.busy else state}")
-        key = f"Key: {face.key}." if face.key else ""
+        self._shown_key = shown_key(self._texts, face.key)
+        state = "asked_for" if face.busy else "impossible"
+        usual = face.enabled and not face.busy
+        self.setAccessibleName(name if usual else self._texts.text(f"window.{state}", name=name))
+        key = self._texts.text("window.key", key=self._shown_key) if face.key else ""
         self.setAccessibleDescription(" ".join(part for part in (face.hint, key) if part))
         self.setToolTip(face.hint)
 
@@ -136,8 +147,10 @@ class ActionButton(ParticipantButton):
     A key that is not its own for a while leaves its space free, so that nothing moves.
     """
 
-    def __init__(self, weight: Weight = "plain", *, hints: bool = False, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(
+        self, texts: Texts, weight: Weight = "plain", *, hints: bool = False, parent: QWidget | None = None
+    ) -> None:
+        super().__init__(texts, parent)
         self._action: Action | None = None
         self._weight = weight
         self._hints = self._breaks = hints
@@ -179,8 +192,8 @@ class ActionButton(ParticipantButton):
     def show_face(self, face: ButtonFace, name: str) -> None:
         """Show this face."""
         before = self.face
-        self._last_key = face.key or self._last_key
         super().show_face(face, name)
+        self._last_key = self._shown_key or self._last_key
         if before is None or replace(before, enabled=face.enabled) != face:
             self.updateGeometry()
         self.update()
@@ -236,7 +249,7 @@ class ActionButton(ParticipantButton):
         if key_wide:
             cap = QRectF(text.right() - key_wide, rect.center().y() - key_high / 2.0, key_wide, key_high)
             if face.key:
-                key_cap(painter, cap, face.key, palette.on_accent if filled else palette.muted)
+                key_cap(painter, cap, self._shown_key, palette.on_accent if filled else palette.muted)
             text.setRight(cap.left() - GAP)
         if face.busy:
             side = key_size("X")[1]
@@ -295,6 +308,7 @@ class ActionRow:
     """Buttons in a layout, one for each action, and all alike; they are reused when the actions change.
 
     Args:
+        texts: of the window's language.
         layout: gets the buttons.
         requested: passes on their acts.
         weight: of each button.
@@ -302,8 +316,15 @@ class ActionRow:
     """
 
     def __init__(
-        self, layout: QBoxLayout, requested: SignalInstance, weight: Weight = "plain", *, hints: bool = False
+        self,
+        texts: Texts,
+        layout: QBoxLayout,
+        requested: SignalInstance,
+        weight: Weight = "plain",
+        *,
+        hints: bool = False,
     ) -> None:
+        self._texts = texts
         self._layout = layout
         self._requested = requested
         self._weight: Weight = weight
@@ -313,7 +334,7 @@ class ActionRow:
     def show_actions(self, actions: tuple[Action, ...]) -> None:
         """Show these, in order."""
         while len(self.buttons) < len(actions):
-            made = ActionButton(self._weight, hints=self._hints)
+            made = ActionButton(self._texts, self._weight, hints=self._hints)
             made.requested.connect(self._requested)
             self.buttons.append(made)
             self._layout.addWidget(made)

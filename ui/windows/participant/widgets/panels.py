@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from sim.common.robot_numbers import robot_name
+from thbridge.dialogue.wording.texts import Texts
 from ui.windows import look, pointer
 from ui.windows.look import GAP, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.focus import go_round, make_region
@@ -32,8 +32,9 @@ OVERLAY_COLOUR = "#0b0f14"
 class RobotChip(QWidget):
     """A robot's colour and number, beside a title."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         self._robot: int | None = None
         follow_text(self, lambda it: it.setFixedSize(int(chip_size()) + 2, int(chip_size()) + 2))
         self.hide()
@@ -43,7 +44,7 @@ class RobotChip(QWidget):
         if robot == self._robot:
             return
         self._robot = robot
-        self.setAccessibleName(robot_name(robot).capitalize() if robot is not None else "")
+        self.setAccessibleName("" if robot is None else self._texts.text("window.robot", robot=robot))
         self.setVisible(robot is not None)
         self.update()
 
@@ -57,6 +58,11 @@ class RobotChip(QWidget):
 class TitledPanel(QFrame):
     """A panel above everything else, with a title.
 
+    Args:
+        texts: of the window's language.
+        name: for screen readers.
+        parent: as for any widget.
+
     Attributes:
         requested: carries the `Act` of the pressed button, or of the picked name.
         top: the row of the title; what is added goes to its right.
@@ -67,8 +73,9 @@ class TitledPanel(QFrame):
 
     requested = Signal(object)
 
-    def __init__(self, name: str, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, name: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         look.style_as_panel(self)
         make_region(self, name)
         inside = OpaqueBackground()
@@ -79,7 +86,7 @@ class TitledPanel(QFrame):
         self.compact = False
         self.foot = spaced(QHBoxLayout(), GAP, 0)
         self._around.addLayout(self.foot)
-        self._chip = RobotChip()
+        self._chip = RobotChip(texts)
         self._title = look.label(size="title", bold=True)
         self.top = spaced(QHBoxLayout(), GAP)
         self.top.addWidget(self._chip, 0, Qt.AlignmentFlag.AlignVCenter)
@@ -180,14 +187,14 @@ class OpaqueBackground(QWidget):
 class SpeechBubble(QWidget):
     """A sentence in a bubble: a robot's at the left with its colour, the participant's at the right with the accent."""
 
-    def __init__(self, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
+    def __init__(self, texts: Texts, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
         super().__init__()
         self._speaker = speaker
         self._text = text
         self._robot = robot
         self._older = False
-        who = robot_name(robot).capitalize() if speaker == "robot" else "You"
-        self.setAccessibleName(f"{who}: {text}")
+        who = texts.text("window.robot", robot=robot) if speaker == "robot" else texts.text("window.you")
+        self.setAccessibleName(texts.text("window.said", who=who, words=text))
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
@@ -236,8 +243,9 @@ class SpeechBubble(QWidget):
 class Transcript(QScrollArea):
     """The sentences of a dialogue so far, the newest at the bottom and in sight."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._texts = texts
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -247,7 +255,7 @@ class Transcript(QScrollArea):
         self._lines = spaced(QVBoxLayout(inside), GAP, 0)
         self._lines.addStretch(1)
         self.setWidget(inside)
-        self.setAccessibleName("What was said")
+        self.setAccessibleName(texts.text("window.what_was_said"))
         self._sentences: tuple[tuple[Literal["robot", "you"], str], ...] = ()
         self._bubbles: list[SpeechBubble] = []
         self._robot: int | None = None
@@ -266,7 +274,7 @@ class Transcript(QScrollArea):
             gone.hide()
             gone.deleteLater()
         for speaker, text in sentences[keep:]:
-            self._bubbles.append(SpeechBubble(speaker, text, robot))
+            self._bubbles.append(SpeechBubble(self._texts, speaker, text, robot))
             self._lines.insertWidget(self._lines.count() - 1, self._bubbles[-1])
         for at, bubble in enumerate(reversed(self._bubbles)):
             bubble.show_older(at >= PROMINENT)

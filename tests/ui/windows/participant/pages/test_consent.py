@@ -9,12 +9,13 @@ from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.preferred import preferred
+from thbridge.files.language_texts import shipped_texts
 from ui.model.lobby import Agreed, Declined, FromWindow, Offer, Thanks, WindowClosed
 from ui.windows.participant.pages.pages import ConsentPage, ThanksPage
 from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant_program import ParticipantMainWindow
 
-ASKED = Offer(1, 4, 2, consent="We record you.")
+ASKED = Offer(shipped_texts(), 1, 4, 2, consent="We record you.")
 Seen = tuple[ParticipantMainWindow, list[FromWindow]]
 
 
@@ -42,7 +43,7 @@ def test_the_text_comes_before_the_start_page_and_yes_leads_there(seen: Seen, qt
     qtbot.keyClick(window, Qt.Key.Key_A)
     qtbot.keyClick(window, Qt.Key.Key_A)
     assert sent == [Agreed()], "once"
-    window.receive(Offer(1, 4, 2))
+    window.receive(Offer(shipped_texts(), 1, 4, 2))
     assert page(window, StartPage)
 
 
@@ -65,7 +66,7 @@ def test_a_window_opened_again_after_a_no_thanks_and_asks_nothing(
 ) -> None:
     window = ParticipantMainWindow(preferred(qapp, tmp_path), lambda _message: None)
     qtbot.addWidget(window, before_close_func=lambda it: it.leave())
-    window.receive(Thanks())
+    window.receive(Thanks(shipped_texts()))
     window.show()
     assert page(window, ThanksPage) and not window.findChildren(ConsentPage)
 

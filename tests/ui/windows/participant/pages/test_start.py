@@ -5,6 +5,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QLabel
 from pytestqt.qtbot import QtBot
 
+from thbridge.files.language_texts import shipped_texts
 from ui.model.rules_sheet import rules_lines
 from ui.windows.participant import StartPage
 from ui.windows.participant.pages.pages import KeyCap
@@ -12,7 +13,7 @@ from ui.windows.participant.pages.pages import KeyCap
 
 @pytest.fixture
 def page(qtbot: QtBot) -> StartPage:
-    made = StartPage(2, 6, 3, rules_lines(picture_cost=7.0, identify_cost=2.0))
+    made = StartPage(shipped_texts(), 2, 6, 3, rules_lines(picture_cost=7.0, identify_cost=2.0))
     qtbot.addWidget(made)
     made.show()
     made.activateWindow()
@@ -79,7 +80,7 @@ def test_the_open_sheet_has_enter_and_tab_to_itself(page: StartPage, qtbot: QtBo
 
 @pytest.mark.parametrize(("least", "most", "keys"), [(2, 6, "2 to 6"), (1, 12, "1 to 9"), (3, 3, None)])
 def test_the_sheet_lists_the_keys_of_this_page(qtbot: QtBot, least: int, most: int, keys: str | None) -> None:
-    page = StartPage(least, most, least)
+    page = StartPage(shipped_texts(), least, most, least)
     qtbot.addWidget(page)
     page.show()
     page.sheet.click()
@@ -96,7 +97,7 @@ def test_trying_it_out(page: StartPage, qtbot: QtBot) -> None:
 
 
 def test_one_size_of_team_is_no_question(qtbot: QtBot) -> None:
-    page = StartPage(1, 1, 1)
+    page = StartPage(shipped_texts(), 1, 1, 1)
     qtbot.addWidget(page)
     page.show()
     assert not page.choices[1].isVisible()
