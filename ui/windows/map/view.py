@@ -10,6 +10,8 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QFontMetricsF, QKeyEvent, QMouseEvent, QNativeGestureEvent, QResizeEvent
 from PySide6.QtWidgets import QGraphicsScene, QSizePolicy, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.notices import FloorPlan
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.theme import Palette
@@ -57,6 +59,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     Args:
         palette: the colors.
         parent: the widget that it lies on.
+        texts: for its description; None: English.
         axes: True for axes in meters, and for a menu of the right button that exports the map.
 
     Attributes:
@@ -78,7 +81,9 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     point_dragged = Signal(float, float)
     point_released = Signal(float, float)
 
-    def __init__(self, palette: Palette, parent: QWidget | None = None, *, axes: bool = False) -> None:
+    def __init__(
+        self, palette: Palette, parent: QWidget | None = None, texts: Texts | None = None, *, axes: bool = False
+    ) -> None:
         super().__init__(parent, background=None)
         self.box = MapBox(palette, self.font(), menu=axes)
         self._ground = Ground(self.box)
@@ -95,7 +100,8 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self.scene().sigMouseClicked.connect(self._click)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.viewport().setFocusPolicy(Qt.FocusPolicy.NoFocus)  # and of this widget, its proxy
-        self.setAccessibleName("Map")
+        self._texts = texts or shipped_texts()
+        self.setAccessibleName(self._texts.text("map.name"))
         self._describing = QTimer(self)
         self._describing.timeout.connect(self._describe)
         self._describing.start(DESCRIPTION_PERIOD)
@@ -337,6 +343,6 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     # In words ---------------------------------------------------------------------------------------------------------
 
     def _describe(self) -> None:
-        words = describe(self._rooms, self._robots.marks)
+        words = describe(self._texts, self._rooms, self._robots.marks)
         if words != self.accessibleDescription():
             self.setAccessibleDescription(words)

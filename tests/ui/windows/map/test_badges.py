@@ -3,11 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtGui import QFont
 
 from tests.ui.windows.map.houses import robot_at
+from thbridge.files.language_texts import shipped_texts
 from ui.model.theme import LIGHT
 from ui.windows.map.badges import SIGN_WIDTH, Anchor, Badges, BadgeText, place_labels
 from ui.windows.map.lettering import USUAL, fitting_font, text_scale
@@ -77,11 +79,17 @@ def test_a_label_grows_by_the_words_on_who_commands_its_robot(qtbot) -> None:
     assert wide.width > narrow.width + SIGN_WIDTH and badges.of(own, LIGHT, font, 1.0) is narrow
 
 
-def test_the_map_in_words_says_who_commands_a_robot() -> None:
-    taken = replace(robot_at(0, 0.0, 0.0), commander="ground station 255")
-    assert describe((), (taken, robot_at(1, 1.0, 1.0))) == (
-        "Map: 0 rooms; robot 1 in the corridor, commanded by ground station 255; robot 2 in the corridor."
-    )
+@pytest.mark.parametrize(
+    ("language", "words"),
+    [
+        ("en", "Map: 0 rooms; robot 1 in the corridor, commanded by QGC; robot 2 in the corridor, in trouble."),
+        ("de", "Karte: 0 Räume; Roboter 1 im Flur, gesteuert von QGC; Roboter 2 im Flur, in Schwierigkeiten."),
+    ],
+)
+def test_the_map_in_words_says_who_commands_a_robot(language: str, words: str) -> None:
+    taken = replace(robot_at(0, 0.0, 0.0), commander="QGC")
+    other = replace(robot_at(1, 1.0, 1.0), trouble=True)
+    assert describe(shipped_texts(language), (), (taken, other)) == words
 
 
 def test_a_label_is_as_large_as_the_text(qtbot) -> None:
