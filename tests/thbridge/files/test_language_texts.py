@@ -100,7 +100,7 @@ class Used(ast.NodeVisitor):
         self.words: set[str] = set()
 
     def visit_Call(self, node: ast.Call) -> None:
-        if isinstance(node.func, ast.Attribute) and node.func.attr == "text" and node.args:
+        if isinstance(node.func, ast.Attribute) and node.func.attr in {"text", "clause"} and node.args:
             given = {keyword.arg for keyword in node.keywords if keyword.arg is not None}
             open_ended = any(keyword.arg is None for keyword in node.keywords)
             keys = [node.args[0].body, node.args[0].orelse] if isinstance(node.args[0], ast.IfExp) else [node.args[0]]

@@ -1,6 +1,7 @@
 """Texts: all that participants read or hear beside dialogues, in one language."""
 
 import gettext
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -19,6 +20,7 @@ ROBOT_VALUES = frozenset({"robot", "other"})
 """Names of values that are robots, by their index in the team."""
 ROOM_VALUES = frozenset({"room", "place"})
 """Names of values that are rooms, or the corridor, by their number as people count."""
+_WITHIN = re.compile(r"[.?!…]\s*$")
 PREPOSITIONS = ("", "to", "from", "in")
 """Each room has a form for each: `£room£`, `£to_room£`, `£from_room£`, `£in_room£`."""
 
@@ -77,13 +79,11 @@ class Texts:
         Raises:
             KeyError: there is no such text; one that was checked has all texts of English.
         """
-        written = self.entries[key]
-        if not isinstance(written, str):
-            form = 0 if count is None else _plural_form(self.forms.plural)(abs(count))
-            written = written[min(form, len(written) - 1)]
-        if count is not None:
-            values[COUNT] = count
-        return fill(written, self._words(values)) if values else written
+        return fill(self._form(key, count), self._words(values, count))
+
+    def clause(self, key: str, *, count: int | None = None, **values: str | float | Room) -> str:
+        """Return a text within a sentence: a value at its beginning gets no capital. All else is as for `text`."""
+        return fill(self._form(key, count), self._words(values, count), _WITHIN)
 
     def has(self, key: str) -> bool:
         """Return True when there is a text of this key."""
@@ -109,8 +109,15 @@ class Texts:
         *first, last = things
         return f"{self.forms.between.join(first)}{self.forms.last}{last}" if first else last
 
-    def _words(self, values: Mapping[str, str | float | Room]) -> dict[str, str]:
-        words: dict[str, str] = {}
+    def _form(self, key: str, count: int | None) -> str:
+        text = self.entries[key]
+        if isinstance(text, str):
+            return text
+        form = 0 if count is None else _plural_form(self.forms.plural)(abs(count))
+        return text[min(form, len(text) - 1)]
+
+    def _words(self, values: Mapping[str, str | float | Room], count: int | None) -> dict[str, str]:
+        words: dict[str, str] = {} if count is None else {COUNT: str(count)}
         for name, value in values.items():
             if name in ROOM_VALUES and not isinstance(value, str):
                 room = value if isinstance(value, Room) else Room(int(value))

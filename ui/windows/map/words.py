@@ -22,16 +22,16 @@ def describe(texts: Texts, rooms: Sequence[RoomMark], robots: Sequence[RobotMark
 
 
 def _robot(texts: Texts, robot: RobotMark, rooms: Sequence[RoomMark]) -> str:
-    parts = [texts.text("map.robot", robot=robot.robot, room=_place(robot.pose, rooms))]
+    parts = [texts.clause("map.robot", robot=robot.robot, room=_place(robot.pose, rooms))]
     target = next((mark.room for mark in rooms if mark.state == "reserved" and mark.robot == robot.robot), None)
     if target is not None:
-        parts.append(texts.text("map.going", room=target))
+        parts.append(texts.clause("map.going", room=target))
     if robot.trouble:
-        parts.append(texts.text("map.trouble"))
+        parts.append(texts.clause("map.trouble"))
     if robot.commander:
-        parts.append(texts.text("map.commanded", commander=robot.commander))
+        parts.append(texts.clause("map.commanded", commander=robot.commander))
     if robot.selected:
-        parts.append(texts.text("map.selected"))
+        parts.append(texts.clause("map.selected"))
     return ", ".join(parts)
 
 
