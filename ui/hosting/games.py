@@ -50,6 +50,7 @@ def offer_of(setting: StudySetting, given: bool) -> Offer:
     study = setting.study
     game, consent = study.game, setting.consent or ""
     rules = rules_lines(
+        setting.texts,
         picture_cost=game.picture_cost,
         identify_cost=game.identify_cost,
         energy=game.energy,

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from sim.common.robot_numbers import index_of, number_of, robot_name
+from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.hunt.properties import Teller, TreasureProperty, properties_in_words
@@ -112,7 +113,7 @@ class TerminalPlayer:
                 for state in _state_lines(view, self.rooms()):
                     self.show(state)
             case ["rules"]:
-                for rule in rules_of(view):
+                for rule in rules_of(shipped_texts(), view):
                     self.show(f"  {rule}")
             case ["names"]:
                 self.show(f"  {_listed(view.names)}" if view.names else NO_NAMES)
@@ -280,7 +281,7 @@ def _changes(before: View | None, view: View, rooms: RoomNames) -> list[str]:
     for words in view.last_words:
         if words not in before.last_words:
             lines += _told(words, told.get(words.dialogue, 0))
-            lines += () if words.is_told else (outcome_of(words),)
+            lines += () if words.is_told else (outcome_of(shipped_texts(), words),)
     if view.refusal is not None and view.refusal != before.refusal:
         lines.append(view.refusal.sentence)
     if view.over is not None and before.over is None:
@@ -319,7 +320,7 @@ def _room_changes(view: View, old: RoomView, new: RoomView, rooms: RoomNames) ->
     if new.picture is not None and old.picture is None:
         lines.append(f"{room}: a picture is taken. A terminal cannot show it.")
     if new.verdict is not None and old.verdict is None:
-        lines.append(f"{room}: {verdict_words(new.verdict.name, new.verdict.points)}")
+        lines.append(f"{room}: {verdict_words(shipped_texts(), new.verdict.name, new.verdict.points)}")
     return lines
 
 

@@ -127,7 +127,8 @@ class Participant:
         """
         memory = self._memory
         if not memory.connection.is_lost and memory.hunt is not None:
-            memory.history.announce("The connection to the game is lost. It is tried again by itself.")
+            texts = memory.texts
+            memory.history.announce(f"{texts.text('game.connection_lost')} {texts.text('game.reconnecting')}")
         memory.connection.lose(sentence, now)
         self._due = -math.inf
 
@@ -176,7 +177,7 @@ class Participant:
         hunt = self._memory.hunt
         if self._marks is None or hunt is None:
             return ()
-        return self._marks.robots(self._playback.at(now), hunt.view, self._memory.selected)
+        return self._marks.robots(hunt.texts, self._playback.at(now), hunt.view, self._memory.selected)
 
     def requests(self) -> tuple[ParticipantRequest, ...]:
         """All requests to the game, oldest first; each is to be sent again until it is not in here any more."""
@@ -185,7 +186,7 @@ class Participant:
     def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
         """Take the robots' progress; return True when it changes the screen. This comes many times a second."""
         memory = self._memory
-        was_still = memory.connection.trouble(now) is not None
+        was_still = memory.connection.is_still(now)
         memory.connection.receive(now)
         before, memory.motions = memory.motions, self._until_arrived(motions)
         return was_still or _shown(before) != _shown(memory.motions)

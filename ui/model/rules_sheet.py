@@ -3,31 +3,18 @@
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-from thbridge.hunt.costs import energy_text
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import Teller, TreasureProperty
 from thbridge.roles.view import View
-from ui.model.playing.words import listed, percent
-
-GOAL = "A treasure lies in each room. Send robots to the rooms, and name what they find."
-ONE_VISIT = "A room is visited once by the team. Once you send its robot on, a treasure not named is left for good."
-CALLED_BACK = "If you stop a robot, it gets back the energy for the part of the move that it has not driven."
-ENDS = (
-    "The game ends when every room is visited, or no robot has the energy for another move, and nothing that was found "
-    "waits for your decision. You may end it earlier, while no robot is under way."
-)
-DECIDES = {
-    "both": "Robots have reasons of their own; nothing is done before you both agree. You may ask them, and argue.",
-    "participant": "Robots advise you and tell their reasons if you ask. The decision is yours.",
-    "robot": "Robots decide themselves. You may ask for their reasons, and change their minds.",
-}
-"""Sentences on who has the last word, where robots argue."""
+from ui.model.playing.words import percent
 
 
-def rules_of(view: View) -> tuple[str, ...]:
+def rules_of(texts: Texts, view: View) -> tuple[str, ...]:
     """The rules with the numbers of a game, as far as its participant is told them."""
     # Column 0 is the corridor, where no robot can be sent.
     moves = [cost for row in view.costs for cost in row[1:] if cost is not None]
     return rules_lines(
+        texts,
         picture_cost=view.picture_cost,
         identify_cost=view.identify_cost,
         wrong_share=view.wrong_share,
@@ -39,6 +26,7 @@ def rules_of(view: View) -> tuple[str, ...]:
 
 
 def rules_lines(
+    texts: Texts,
     *,
     picture_cost: float,
     identify_cost: float,
@@ -52,6 +40,7 @@ def rules_lines(
     """The rules with the numbers of a study.
 
     Args:
+        texts: of the players' language.
         picture_cost: energy of a picture.
         identify_cost: energy of naming a treasure.
         energy: of each robot at the start; None where it is not known.
@@ -61,39 +50,57 @@ def rules_lines(
         properties: of treasures.
         has_last_word: decides in the end where robots argue; None where they do not.
     """
-    start = "" if energy is None else f"Each robot starts with {energy_text(energy)} energy. "
-    between = ", from room to room" if by_position else ","
-    move = "" if moves is None else f"{between} between {energy_text(moves[0])} and {energy_text(moves[1])}"
-    work = f"a picture {energy_text(picture_cost)}, naming {energy_text(identify_cost)}"
+    start = "" if energy is None else f"{texts.text('rules.start', energy=energy)} "
+    decision = () if has_last_word is None else (texts.text(f"rules.decision_of_{has_last_word}"),)
     return (
-        GOAL,
-        f"{start}A move costs energy{move}, {work}.",
-        *_more(properties),
-        f"A right name wins the treasure's points. {_wrong(wrong_share)}",
-        *((DECIDES[has_last_word],) if has_last_word else ()),
-        ONE_VISIT,
-        CALLED_BACK,
-        ENDS,
+        texts.text("rules.goal"),
+        f"{start}{_costs(texts, picture_cost, identify_cost, moves, by_position=by_position)}",
+        *_more(texts, properties),
+        f"{texts.text('rules.right')} {_wrong(texts, wrong_share)}",
+        *decision,
+        texts.text("rules.one_visit"),
+        texts.text("rules.called_back"),
+        texts.text("rules.end"),
     )
 
 
-def _more(properties: Sequence[TreasureProperty]) -> Iterator[str]:
+def _costs(texts: Texts, picture: float, naming: float, moves: tuple[float, float] | None, *, by_position: bool) -> str:
+    if moves is None:
+        return texts.text("rules.costs", picture=picture, naming=naming)
+    return texts.text(
+        "rules.costs_from_room_to_room" if by_position else "rules.costs_between",
+        least=moves[0],
+        most=moves[1],
+        picture=picture,
+        naming=naming,
+    )
+
+
+def _more(texts: Texts, properties: Sequence[TreasureProperty]) -> Iterator[str]:
     """Sentences on what is found out of a treasure beyond what a robot senses as it finds it."""
-    measured = [f"the {each.label.lower()} for {energy_text(each.cost)}" for each in properties if each.is_measured]
+    measured = [
+        texts.text("rules.sensed_one", property=each.label.lower(), cost=each.cost)
+        for each in properties
+        if each.is_measured
+    ]
     if measured:
-        yield f"When you ask for it, a robot senses more of what it found: {listed(measured)} energy."
-    told = [f"the {each.label.lower()}" for each in properties if each.told_by is Teller.PERSON]
+        yield texts.text("rules.sensed", properties=texts.listed(measured))
+    told = [
+        texts.text("rules.told_one", property=each.label.lower())
+        for each in properties
+        if each.told_by is Teller.PERSON
+    ]
     if told:
-        yield f"What only people can tell, {listed(told)}, you may say once there is a picture. It costs nothing."
+        yield texts.text("rules.told", properties=texts.listed(told))
 
 
-def _wrong(share: float | None) -> str:
+def _wrong(texts: Texts, share: float | None) -> str:
     match share:
         case None:
-            return "A wrong name may lose some."
+            return texts.text("rules.wrong_may_lose")
         case 0.0:
-            return "A wrong name loses none."
+            return texts.text("rules.wrong_loses_none")
         case 1.0:
-            return "A wrong name loses as many."
+            return texts.text("rules.wrong_loses_all")
         case _:
-            return f"A wrong name loses {percent(share)} of them."
+            return texts.text("rules.wrong_loses_share", share=percent(texts, share))

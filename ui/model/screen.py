@@ -283,13 +283,14 @@ class RobotCard:
         cost: energy that the considered move costs; None where no move is considered.
         affordable: True when its energy covers the cost.
         place: place where it stands, in words; while it drives, the place that it left.
-        state: its activity in words: "travelling to room 4", "waiting for robot 2", "lost", "no energy left".
+        state: its activity in words: "traveling to room 4", "waiting for robot 2", "lost", "no energy left".
         trouble: True when the state is one to worry about.
         progress: driven share of its path, 0 to 1; None at rest.
         waits: number of its pop-ups that wait for the participant: an answer, a treasure.
         select: selects the robot.
         stop: calls it back; None at rest, and where somebody else commands it.
         commander: the other party that commands it, "ground station 255"; empty where the participant does.
+        commanded: that as part of a sentence, "commanded by ground station 255"; empty likewise.
         ask_back: asks the commander to give it back; None where the participant commands it, and once the game is over.
         take_up: takes up again what was left where it stands; None where nothing was, and beside `ask_back`.
         warning: what its energy will not suffice for where it is going, in words; empty where it suffices.
@@ -310,14 +311,10 @@ class RobotCard:
     select: Action
     stop: Action | None
     commander: str = ""
+    commanded: str = ""
     ask_back: Action | None = None
     take_up: Action | None = None
     warning: str = ""
-
-    @property
-    def commanded(self) -> str:
-        """The other commander as part of a sentence; empty where the participant commands the robot."""
-        return f"commanded by {self.commander}" if self.commander else ""
 
 
 @dataclass(frozen=True, slots=True)

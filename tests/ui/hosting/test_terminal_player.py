@@ -9,6 +9,7 @@ from tests.thbridge.roles.stage import Stage, templates
 from thbridge.app.compose.game import known_treasures
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.engine import DialogueEngine
+from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, TreasureIdentified, TreasuresHidden
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.notices import FloorPlan, RoomOutline
@@ -101,7 +102,7 @@ def test_the_name_of_a_room_stands_beside_its_number():
 
 def test_the_rules_are_those_of_the_windows_sheet(seat):
     view = seat.stage.tabui.view
-    assert seat.type("rules") == [f"  {rule}" for rule in rules_of(view)]
+    assert seat.type("rules") == [f"  {rule}" for rule in rules_of(shipped_texts(), view)]
     assert "  A right name wins the treasure's points. A wrong name may lose some." in seat.shown
 
 
@@ -112,7 +113,7 @@ def test_names_of_files_are_read_and_typed_as_words():
     seat.type("c", 20)
     assert seat.type("names") == ["  beer bottle, beer bottle opener, fuzzy die"]
     seat.type("n 3 beer bottle")
-    assert "Room 3: beer bottle is wrong" in seat.shown[-1]
+    assert "Room 3: Beer bottle is wrong" in seat.shown[-1]
     named = next(event for event in seat.stage.log.events if isinstance(event, TreasureIdentified))
     assert named.name == "beer_bottle", "the journal has the name of the file"
 

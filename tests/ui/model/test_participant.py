@@ -123,7 +123,7 @@ def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
     agree(seat)
     assert seat.screen.popup is None
     assert seat.view.robots[0].moving_to == 3
-    assert seat.screen.cards[0].state == "travelling to room 3"
+    assert seat.screen.cards[0].state == "traveling to room 3"
     sentences = [line.text for line in seat.screen.history if line.speaker != "game"]
     assert sentences == ["Go to room 3.", "It will cost me 17 to go to room 3", "Continue", "Are you sure?", "Continue"]
 
@@ -376,8 +376,8 @@ def test_a_refusal_is_told_and_takes_back_what_was_shown_for_it():
     seat.do(ChooseRoom(3))
     agree(seat)
     screen = seat.run(30)
-    assert (screen.banner.kind, screen.banner.text) == ("note", "There is no way.")
-    assert screen.announcement.endswith("There is no way.")
+    assert (screen.banner.kind, screen.banner.text) == ("note", "The robot did not get there.")
+    assert screen.announcement.endswith("The robot did not get there.")
     assert screen.tiles[2].choose.enabled
     assert seat.run(400).banner is None
 

@@ -140,7 +140,7 @@ def test_a_robot_of_others_is_asked_for_once_and_again_when_that_may_help():
     assert screen.cards[1].ask_back is None and act_for("B", screen) == AskForRobot()
     ask = offer(screen, AskForRobot())
     assert (ask.label, ask.key, ask.enabled) == ("Ask for it back", "B", True)
-    assert ask.hint == f"Ground station 255 commands robot 1. {BACK}"
+    assert ask.hint == f"Robot 1 is commanded by ground station 255. {BACK}"
     model.do(AskForRobot(), 0.0)
     ask = model.screen(0.0).cards[0].ask_back
     assert (model.requests(), ask.label, ask.enabled, ask.pending) == ((RequestHandback(0),), "Asked", False, True)

@@ -116,8 +116,8 @@ def test_before_there_is_a_game_it_says_what_it_waits_for():
     assert model.screen(0.2).waiting_for == "The game is there. Its robots are getting ready."
     model.lost("Nobody answers.", 1.0)
     screen = model.screen(1.0)
-    assert screen.waiting_for == "The game cannot be reached. Nobody answers. It is tried again by itself."
-    assert screen.banner.text.startswith("The connection to the game is lost. Nobody answers. It is tried again")
+    assert screen.waiting_for == "Cannot reach the game. Nobody answers. Reconnecting…"
+    assert screen.banner.text.startswith("The connection to the game is lost. Nobody answers. Reconnecting…")
     model.connected(2.0)
     model.receive(view(), 2.0)
     assert model.screen(2.0).phase is Phase.PLAYING
@@ -154,13 +154,13 @@ def test_the_screen_is_the_same_object_while_nothing_changes():
 @pytest.mark.parametrize(
     ("motion", "state"),
     [
-        (RobotMotion("driving", None, 0.5), "travelling to room 3"),
+        (RobotMotion("driving", None, 0.5), "traveling to room 3"),
         (RobotMotion("waiting", 1), "waiting for robot 2"),
         (RobotMotion("waiting"), "waiting for another robot"),
         (RobotMotion("waiting", 1, makes_way_for=1), "making way for robot 2"),
         (RobotMotion("driving", None, 0.5, makes_way_for=1), "making way for robot 2"),
         (RobotMotion("clearing"), "getting free"),
-        (RobotMotion("planning"), "looking for a way to room 3"),
+        (RobotMotion("planning"), "looking for a path to room 3"),
     ],
 )
 def test_what_a_robot_under_way_does_is_said_in_words(motion, state):
@@ -182,7 +182,7 @@ def test_a_robot_that_came_to_rest_is_at_the_end_of_its_way_until_the_game_knows
     model = model_of(UNDER_WAY, where(1, RobotMotion("driving", None, 0.98), RobotMotion()))
     model.receive(where(2), 0.04)
     card = model.screen(0.04).cards[0]
-    assert (card.progress, card.state) == (0.98, "travelling to room 3")
+    assert (card.progress, card.state) == (0.98, "traveling to room 3")
     model.receive(FOUND, 0.08)
     model.receive(where(3), 0.12)
     model.receive(with_robot(FOUND, 0, moving_to=2), 0.16)
@@ -506,7 +506,7 @@ def test_the_end_says_why_and_what_came_of_it():
         "No robot has the energy to go any further.",
         "2 of 3 rooms visited. 1 treasure named, 1 rightly.",
         "Room 1: left where it was.",
-        "Room 3: can is right, 20 points won.",
+        "Room 3: Can is right, 20 points won.",
         "Thank you for playing.",
     )
     model.do(AnotherGame(), 0.0)
@@ -535,9 +535,9 @@ def test_the_end_tells_what_was_in_the_rooms_and_what_was_possible_where_the_stu
     ending = model_of(structs.replace(played, score=-30, over="given-up", debrief=told)).screen(0.0).ending
     assert ending.lines[2:] == (
         "With the same energy, 60 points were possible.",
-        "Room 1: left where it was; it was beer bottle, 20 points.",
+        "Room 1: left where it was. It was beer bottle, 20 points.",
         "Room 2: not visited; there was can, 10 points.",
-        "Room 3: can is wrong, 30 points lost. It was ball, 30 points.",
+        "Room 3: Can is wrong, 30 points lost. It was ball, 30 points.",
         "Thank you.\nPlease fetch the researcher.",
     )
 
@@ -547,9 +547,9 @@ def test_points_are_told_before_a_name_is_given_where_the_study_tells():
     assert model.screen(0.0).popup.worth == (20, None)
     model.do(PickName("ball"), 0.0)
     hint = model.screen(0.0).popup.name_it.hint
-    assert "it wins 20 points; a wrong one loses 50% of the points of what it is." in hint
+    assert "If it is right, it wins 20 points. A wrong name loses 50% of the points of what it is." in hint
     model.do(PickName("can"), 0.0)
-    assert "A right name wins points; a wrong one loses 50%" in model.screen(0.0).popup.name_it.hint
+    assert "A right name wins points. A wrong name loses 50%" in model.screen(0.0).popup.name_it.hint
 
 
 def test_a_picture_is_shown_when_all_of_it_is_there():
@@ -628,11 +628,11 @@ def test_whoever_listens_is_told_what_matters_and_the_same_words_twice():
     model.receive(UNDER_WAY, 1.0)
     model.receive(FOUND, 2.0)
     assert model.screen(2.0).announcement == (
-        "Robot 1 sets out for room 3; it has 93 energy left. Robot 1 is in room 3. In room 3 is something pink, round "
-        "and large. Robot 1 found something in room 3"
+        "Robot 1 sets out for room 3; it has 93 energy left. Robot 1 is in room 3. Something pink, round and large "
+        "is in room 3. Robot 1 found something in room 3"
     )
     model.lost("", 3.0)
-    assert model.screen(3.0).announcement == "The connection to the game is lost. It is tried again by itself."
+    assert model.screen(3.0).announcement == "The connection to the game is lost. Reconnecting…"
 
 
 def test_everything_that_happened_is_in_the_history():
@@ -669,7 +669,7 @@ def test_a_change_of_goal_is_asked_without_the_price_that_the_room_has_told():
     model.do(ChooseRoom(1), 0.0)
     text = model.screen(0.0).confirmation.text
     assert text == (
-        "Robot 1 is on its way to room 3. If it stops, the energy for the rest of that way comes back, about 7. "
+        "Robot 1 is on its way to room 3. If it stops, the energy for the rest of that path comes back, about 7. "
         "Then it asks you about room 1."
     )
 

@@ -83,5 +83,5 @@ def test_a_hunt_with_robots_is_shown_as_it_goes():
             table.model.do(act, table.now)
     assert table.model.screen(table.now).phase is Phase.OVER
     assert sum(tile.state == "visited" for tile in table.model.screen(table.now).tiles) >= 6
-    assert {"travelling to", "ready", "found something"} <= states
+    assert {"traveling to", "ready", "found something"} <= states
     assert len(table.model.rooms(table.now)) == 8

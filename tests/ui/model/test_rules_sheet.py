@@ -4,11 +4,12 @@ import msgspec.structs as structs
 import pytest
 
 from tests.ui.model.views import view
+from thbridge.files.language_texts import shipped_texts
 from ui.model.rules_sheet import rules_of
 
 
 def sheet(**fields: object) -> str:
-    return " ".join(rules_of(structs.replace(view(), **fields)))
+    return " ".join(rules_of(shipped_texts(), structs.replace(view(), **fields)))
 
 
 @pytest.mark.parametrize(

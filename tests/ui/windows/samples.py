@@ -97,7 +97,7 @@ def floor_plan(name: str = "arena8") -> FloorPlan:
 
 def card(robot: int, *, selected: bool = False, state: str = "rest", cost: float | None = None) -> RobotCard:
     words = {
-        "driving": "travelling to room 4",
+        "driving": "traveling to room 4",
         "waiting": "waiting for robot 2",
         "lost": "lost, looking for its place",
         "empty": "no energy left",

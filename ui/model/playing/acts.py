@@ -1,6 +1,5 @@
 """Effects of the participant's acts. Each act is judged against the screen that the participant saw."""
 
-from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import name_in_words
@@ -20,6 +19,7 @@ from thbridge.roles.view import (
     TellProperty,
     View,
 )
+from ui.model.keys import shown_key
 from ui.model.playing.cards import card_sentence
 from ui.model.playing.memory.name_choice import NameChoice
 from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
@@ -39,15 +39,14 @@ from ui.model.playing.possible import (
     undecided_beside,
     why_not_ask,
     why_not_end,
+    why_not_find_out,
     why_not_go,
     why_not_name,
     why_not_picture,
-    why_not_request,
     why_not_stop,
 )
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.view_update import is_open, note, settle
-from ui.model.playing.words import UNSURE_NAME, name_request
 from ui.model.screen import (
     Act,
     AgreeToTakePart,
@@ -112,7 +111,7 @@ def _switch_sound(memory: ParticipantMemory, now: float) -> None:
         note(memory, why_not, now)
         return
     memory.sound_on = not memory.sound_on
-    note(memory, "Sound is on." if memory.sound_on else "Sound is off.", now)
+    note(memory, memory.texts.text("game.sound_on" if memory.sound_on else "game.sound_off"), now)
 
 
 def _in_game(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:
@@ -144,7 +143,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
             # It replaces any other question and the sheet of rules, which would keep its answers' keys.
             hunt.pending_step, memory.help_open = LeaveWindow(ends), False
         case _ if hunt.pending_step is not None:
-            note(memory, "Please answer the question first.", now)
+            note(memory, hunt.texts.text("hints.answer_first"), now)
         case ChooseRoom(room):
             _choose(memory, hunt, room, now)
         case TypeDigit(digit):
@@ -166,7 +165,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
         case EnlargePicture():
             hunt.enlarged = None if hunt.enlarged is not None else hunt.popups.shown
         case EndGame():
-            if not _refused(memory, why_not_end(hunt.known), now):
+            if not _refused(memory, why_not_end(hunt.texts, hunt.known), now):
                 hunt.pending_step = EndGameEarly()
         case _:
             _in_popup(memory, hunt, act, now)
@@ -198,34 +197,34 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 choice = (hunt.choice or NameChoice(item)).typing(letter, view.names, now)
                 _pick(memory, hunt, choice)
                 if choice.name is None:
-                    note(memory, f"No name begins with \u201c{choice.letters}\u201d.", now)
+                    note(memory, hunt.texts.text("hints.no_such_name", letters=choice.letters), now)
         case TakeThePicture():
             if view.room(room).picture is None and not _refused(
-                memory, why_not_picture(hunt.known, item.robot, room), now
+                memory, why_not_picture(hunt.texts, hunt.known, item.robot, room), now
             ):
                 _discuss(hunt, OpenDialogue(item.robot, "take-picture", room))
         case SenseMore(name):
             asked = MeasureProperty(room, name)
-            if not _refused(memory, why_not_request(hunt.known, item.robot, asked), now):
+            if not _refused(memory, why_not_find_out(hunt.texts, hunt.known, asked), now):
                 hunt.pending.ask(asked, view)
         case TellOfIt(name, value):
             told = TellProperty(room, name, value)
-            if not _refused(memory, why_not_request(hunt.known, item.robot, told), now):
+            if not _refused(memory, why_not_find_out(hunt.texts, hunt.known, told), now):
                 hunt.pending.ask(told, view)
         case SubmitName():
             name = hunt.picked
             if name is None:
-                note(memory, "Pick a name first.", now)
+                note(memory, hunt.texts.text("hints.pick_first"), now)
             elif name != memory.last_drawn.picked:
                 return
-            elif not _refused(memory, why_not_name(hunt.known, item.robot, room), now):
+            elif not _refused(memory, why_not_name(hunt.texts, hunt.known, item.robot, room), now):
                 hunt.submitted_names[room] = name
                 hunt.named.add(room)
-                memory.history.add_request(item.robot, name_request(name))
+                memory.history.add_request(item.robot, hunt.texts.text("popups.say_name", name=name_in_words(name)))
                 _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room, name if _argues(view) else None))
         case AskWhatItIs():
-            if _argues(view) and not _refused(memory, why_not_name(hunt.known, item.robot, room), now):
-                memory.history.add_request(item.robot, UNSURE_NAME)
+            if _argues(view) and not _refused(memory, why_not_name(hunt.texts, hunt.known, item.robot, room), now):
+                memory.history.add_request(item.robot, hunt.texts.text("popups.say_unsure"))
                 _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room, ""))
         case LeaveTreasure():
             if ends_game(hunt.known, TreasureLeft(Room(room))):
@@ -238,7 +237,7 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
 
 def _pick(memory: ParticipantMemory, hunt: HuntMemory, choice: NameChoice) -> None:
     if choice.name is not None and choice.name != hunt.picked:
-        memory.history.announce(f"{name_in_words(choice.name)} is picked.")
+        memory.history.announce(hunt.texts.text("game.picked", name=name_in_words(choice.name)))
     hunt.choice = choice
 
 
@@ -292,11 +291,11 @@ def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: int, now: float) 
     view, robot = hunt.view, memory.selected
     memory.typed = ""
     if not 0 < room <= len(view.rooms):
-        note(memory, f"There is no room {room}. The rooms are 1 to {len(view.rooms)}.", now)
+        note(memory, hunt.texts.text("hints.no_such_room", number=room, last=len(view.rooms)), now)
     elif hunt.destination_considered(robot) == room:
         if DestinationItem(robot) in (*hunt.popups.waiting, hunt.popups.shown):
             hunt.popups.show(DestinationItem(robot))
-    elif not _refused(memory, why_not_go(hunt.known, robot, room), now):
+    elif not _refused(memory, why_not_go(hunt.texts, hunt.known, robot, room), now):
         if view.robots[robot].moving_to is not None:
             hunt.pending_step = Reroute(robot, room)
         else:
@@ -309,7 +308,7 @@ def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None
     talk = hunt.destination_dialogue(robot)
     if talk is not None and talk.suggested:
         hunt.popups.show(DestinationItem(robot))
-    elif not already and not _refused(memory, why_not_ask(hunt.known, robot), now):
+    elif not already and not _refused(memory, why_not_ask(hunt.texts, hunt.known, robot), now):
         _ask_to_go(memory, hunt, RequestSuggestion(robot))
 
 
@@ -317,7 +316,7 @@ def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: SelectRoom 
     """Ask a robot to go, unless it would leave something behind that it can still name: then ask for confirmation."""
     view, robot = hunt.view, request.robot
     room = undecided_beside(hunt.known, robot)
-    if room is not None and view.room(room).found and why_not_name(hunt.known, robot, room) is None:
+    if room is not None and view.room(room).found and why_not_name(hunt.texts, hunt.known, robot, room) is None:
         hunt.pending_step = LeaveUndecided(request, room)
     else:
         memory.history.add_request(robot, hunt.ask_to_go(request))
@@ -353,7 +352,9 @@ def _type(memory: ParticipantMemory, hunt: HuntMemory, digit: int, now: float) -
     if len(memory.typed) >= len(str(len(hunt.view.rooms))):
         _finish(memory, hunt, now)
     else:
-        memory.history.announce(f"{memory.typed}, and another digit, or Enter.")
+        memory.history.announce(
+            hunt.texts.text("game.next_digit", digits=memory.typed, key=shown_key(hunt.texts, "Enter"))
+        )
 
 
 def _finish(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
@@ -362,7 +363,7 @@ def _finish(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
 
 
 def _stop(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:
-    if not 0 <= robot < len(hunt.view.robots) or _refused(memory, why_not_stop(hunt.known, robot), now):
+    if not 0 <= robot < len(hunt.view.robots) or _refused(memory, why_not_stop(hunt.texts, hunt.known, robot), now):
         return
     hunt.reroutes.pop(robot, None)
     hunt.pending.ask(CallBack(robot), hunt.view)
@@ -373,9 +374,9 @@ def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: floa
         return
     asked = hunt.view.robots[robot]
     if not asked.other_commander:
-        note(memory, f"You command {robot_name(robot)} yourself.", now)
+        note(memory, hunt.texts.text("hints.you_command", robot=robot), now)
     elif asked.asked_back:
-        note(memory, f"You have just asked for {robot_name(robot)}. You can ask again in some seconds.", now)
+        note(memory, hunt.texts.text("hints.asked_already", robot=robot), now)
     else:
         hunt.pending.ask(RequestHandback(robot), hunt.view)
 
@@ -383,7 +384,7 @@ def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: floa
 def _take_up(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:
     room = left_beside(hunt.known, robot)
     if room is None:
-        note(memory, f"There is nothing to undo: {robot_name(robot)} does not stand where you left something.", now)
+        note(memory, hunt.texts.text("hints.nothing_to_undo", robot=robot), now)
     else:
         hunt.pending.ask(TakeUpTreasure(room), hunt.view)
 

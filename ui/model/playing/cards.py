@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from sim.common.robot_numbers import robot_name
-from thbridge.hunt.costs import energy_text
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import affordable
 from thbridge.roles.notices import RobotMotion
@@ -11,11 +10,8 @@ from thbridge.roles.view import CallBack, RequestHandback, RobotView, TakeUpTrea
 from ui.model.keys import key_of
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import arrival_warning, is_allowed, left_beside, undecided_beside, why_not_command
-from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
+from ui.model.playing.words import commanded_words, commander_in_words
 from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot, TakeUpAgain
-
-READY = "ready"
-"""State of a robot that can be sent."""
 
 
 def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
@@ -30,13 +26,14 @@ def is_in_trouble(robot: RobotView) -> bool:
 
 def card_sentence(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> str:
     """The card of a robot as a sentence to be read out."""
-    card = _card(memory, hunt, hunt.view.robots[robot])
-    more = "".join(f", {words}" for words in (card.warning, card.commanded) if words)
-    return f"{card.name}: {card.place}, {card.state}, {energy_text(card.energy)} energy{more}."
+    texts, card = hunt.texts, _card(memory, hunt, hunt.view.robots[robot])
+    energy = texts.text("cards.energy", energy=card.energy)
+    things = (card.place, card.state, energy, card.warning, card.commanded)
+    return texts.text("cards.spoken", robot=robot, things=texts.forms.between.join(filter(None, things)))
 
 
 def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> RobotCard:
-    number = robot.robot
+    number, texts = robot.robot, hunt.texts
     selected = number == memory.selected
     considered = memory.considered() if selected else None
     if considered is None:
@@ -45,24 +42,25 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
     if considered is not None and robot.moving_to is None and hunt.view.room(considered).state == "unvisited":
         cost = hunt.view.costs_from(robot)[considered]
     motion = memory.motion(number)
-    place = place_name(robot.place)
+    commander = commander_in_words(texts, robot.commander, robot.commander_name)
     stranded, warning = _is_stranded(hunt, robot), _warning(hunt, robot)
     return RobotCard(
         robot=number,
-        name=titled(number),
+        name=texts.text("cards.robot", robot=number),
         selected=selected,
         energy=robot.energy,
         energy_at_start=hunt.most_energy,
         cost=cost,
         affordable=cost is None or cost <= robot.energy,
-        place=f"in {place}" if robot.moving_to is None else f"from {place}",
-        state="too little energy for any room" if stranded else _state(hunt, robot, motion),
+        place=texts.room(robot.place, "in" if robot.moving_to is None else "from"),
+        state=texts.text("cards.stranded") if stranded else _state(hunt, robot, motion),
         trouble=is_in_trouble(robot) or stranded,
         progress=None if robot.moving_to is None else round(min(max(motion.progress, 0.0), 1.0), 2),
         waits=sum(item.robot == number for item in hunt.popups.waiting),
         select=_select(memory, hunt, number, warning),
         stop=_stop(hunt, robot, selected),
-        commander=robot.other_commander,
+        commander=commander,
+        commanded=texts.text("cards.commanded", commander=commander) if commander else "",
         ask_back=_ask_back(hunt, robot, selected),
         take_up=_take_up(hunt, robot, selected),
         warning=warning,
@@ -76,17 +74,21 @@ def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int, warning: st
         if team > 1 and robot == (memory.selected + step) % team:
             key = key_of(NextRobot(step))
     chosen = robot == memory.selected
-    yours = f"You command {robot_name(robot)}." if chosen else f"Command {robot_name(robot)}."
-    arriving = f" On arrival: {warning}." if warning else ""
-    return Action(ChooseRobot(robot), titled(robot), key, hint=(why_not_command(hunt.known, robot) or yours) + arriving)
+    texts = hunt.texts
+    yours = texts.text("cards.you_command" if chosen else "cards.command", robot=robot)
+    hint = why_not_command(texts, hunt.known, robot) or yours
+    if warning:
+        hint += f" {texts.text('cards.on_arrival', warning=warning)}"
+    return Action(ChooseRobot(robot), texts.text("cards.robot", robot=robot), key, hint=hint)
 
 
 def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
     if not is_allowed(hunt.known, CallBack(robot.robot)):
         return None
-    stopping = _is_stopping(hunt, robot)
-    hint = f"{titled(robot.robot)} is about to stop." if stopping else "The energy for the rest of the way comes back."
-    return Action(StopRobot(robot.robot), "Stop", key_of(StopRobot()) if selected else "", not stopping, hint, stopping)
+    texts, stopping = hunt.texts, _is_stopping(hunt, robot)
+    hint = texts.text("cards.stopping_hint", robot=robot.robot) if stopping else texts.text("cards.stop_hint")
+    key = key_of(StopRobot()) if selected else ""
+    return Action(StopRobot(robot.robot), texts.text("cards.stop"), key, not stopping, hint, stopping)
 
 
 def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
@@ -94,13 +96,13 @@ def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | No
         return None
     busy = RequestHandback(robot.robot) in hunt.pending
     asked = robot.asked_back or busy
-    commander = as_sentence(f"{robot.other_commander} commands {robot_name(robot.robot)}")
-    hint = f"{commander} {how_it_comes_back(robot.commander)}"
+    texts = hunt.texts
+    hint = commanded_words(texts, robot.robot, robot.commander, robot.commander_name)
     if asked:
-        hint += " You have asked for it, and can ask again in some seconds."
+        hint += f" {texts.text('cards.asked_back_hint')}"
     return Action(
         AskForRobot(robot.robot),
-        "Asked" if asked else "Ask for it back",
+        texts.text("cards.asked_back" if asked else "cards.ask_back"),
         key_of(AskForRobot()) if selected else "",
         not asked,
         hint,
@@ -114,84 +116,82 @@ def _take_up(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | Non
         return None
     busy = TakeUpTreasure(room) in hunt.pending
     key = key_of(TakeUpAgain()) if selected else ""
-    hint = f"You left what is in room {room}. Until {robot_name(robot.robot)} sets out, you can take it up again."
-    return Action(TakeUpAgain(robot.robot), "Take it up again", key, not busy, hint, busy)
+    hint = hunt.texts.text("cards.take_up_hint", room=room, robot=robot.robot)
+    return Action(TakeUpAgain(robot.robot), hunt.texts.text("cards.take_up"), key, not busy, hint, busy)
 
 
 def _state(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
+    texts = hunt.texts
     if robot.condition is Condition.SILENT:
-        return "does not answer"
+        return texts.text("cards.silent")
     if robot.blocked and robot.moving_to is None:
-        return "no energy left"
+        return texts.text("cards.blocked")
     if robot.moving_to is not None:
-        return _moving(hunt, robot, motion, place_name(robot.moving_to))
+        return _driving(hunt, robot, motion, robot.moving_to)
     if robot.condition is Condition.LOST:
-        return "lost, does not know where it is"
+        return texts.text("cards.lost")
     return _resting(hunt, robot, motion)
 
 
-def _moving(hunt: HuntMemory, robot: RobotView, motion: RobotMotion, goal: str) -> str:
+def _driving(hunt: HuntMemory, robot: RobotView, motion: RobotMotion, goal: int) -> str:
+    texts = hunt.texts
     if _is_stopping(hunt, robot):
-        return "stopping"
+        return texts.text("cards.stopping")
     if robot.condition is Condition.LOST:
-        return "lost, looking for its place"
+        return texts.text("cards.lost_driving")
     if motion.makes_way_for is not None:
-        return _making_way(motion.makes_way_for)
+        return texts.text("cards.making_way", robot=motion.makes_way_for)
     match motion.doing:
         case "waiting" if motion.waits_for is not None:
-            return f"waiting for {robot_name(motion.waits_for)}"
-        case "waiting":
-            return "waiting for another robot"
-        case "clearing":
-            return "getting free"
+            return texts.text("cards.waiting_for", robot=motion.waits_for)
+        case "waiting" | "clearing":
+            return texts.text(f"cards.{motion.doing}")
         case "planning" | "resting":
-            return f"looking for a way to {goal}"
+            return texts.text("cards.planning", room=goal)
         case _:
-            return f"travelling to {goal}"
-
-
-def _making_way(robot: int) -> str:
-    return f"making way for {robot_name(robot)}"
+            return texts.text("cards.driving", room=goal)
 
 
 def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
-    number = robot.robot
+    number, texts = robot.robot, hunt.texts
     if hunt.view.over is not None:
-        return "done"
+        return texts.text("cards.over")
     if hunt.pending.destination_request(number) is not None:
-        return "is being asked"
+        return texts.text("cards.being_asked")
     if number in hunt.view.thinking:
-        return "is thinking about where to go"
+        return texts.text("cards.thinking_where")
     talk = hunt.destination_dialogue(number)
+    if talk is not None and not talk.choices:
+        return texts.text("cards.thinking")
     if talk is not None:
-        asks = "asks you something" if hunt.view.has_last_word is None else "waits for your answer"
-        return asks if talk.choices else "is thinking"
+        return texts.text("cards.asks" if hunt.view.has_last_word is None else "cards.waits_for_answer")
     goal = hunt.destination_considered(number)
     if goal is not None:
-        return f"about to set out for {place_name(goal)}"
+        return texts.text("cards.setting_out", room=goal)
     room = undecided_beside(hunt.known, number)
     if room is not None:
-        return "found something" if hunt.view.room(room).found else "looking at what is here"
+        return texts.text("cards.found" if hunt.view.room(room).found else "cards.looking")
     if motion.makes_way_for is not None:
-        return _making_way(motion.makes_way_for)
+        return texts.text("cards.making_way", robot=motion.makes_way_for)
     if robot.other_commander:
-        return "at rest"
-    return READY if affordable(hunt.known.state, number) else "nothing left to do"
+        return texts.text("cards.resting")
+    return texts.text("cards.ready" if affordable(hunt.known.state, number) else "cards.nothing_to_do")
 
 
-def nothing_waits(team: Sequence[RobotCard], *, answering: bool) -> str:
+def nothing_waits(texts: Texts, team: Sequence[RobotCard], *, answering: bool) -> str:
     """Return the sentence for people for whom no pop-up waits: which robots they may send.
 
     Args:
+        texts: of the game's language.
         team: the cards of all robots.
         answering: True while a pop-up is shown, which waits for them.
     """
-    ready = [card.robot for card in team if card.state == READY]
+    ready = [card.robot for card in team if card.state == texts.text("cards.ready")]
     if not ready:
-        return "" if answering else "Nothing waits for you"
+        return "" if answering else texts.text("cards.nothing_waits")
     if len(ready) == 1:
-        return f"{titled(ready[0])} is ready to be sent"
-    return f"{len(ready)} robots are ready to be sent"
+        return texts.text("cards.one_ready", robot=ready[0])
+    return texts.text("cards.several_ready", count=len(ready))
 
 
 def _is_stopping(hunt: HuntMemory, robot: RobotView) -> bool:
@@ -201,7 +201,7 @@ def _is_stopping(hunt: HuntMemory, robot: RobotView) -> bool:
 def _warning(hunt: HuntMemory, robot: RobotView) -> str:
     if robot.condition is not Condition.WELL or hunt.view.over is not None or _is_stopping(hunt, robot):
         return ""
-    return arrival_warning(hunt.known, robot.robot)
+    return arrival_warning(hunt.texts, hunt.known, robot.robot)
 
 
 def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from sim.common.robot_numbers import robot_name
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.roles.view import GiveConsent
 from ui.model.keys import HELP, WAITING_KEY, help_lines, is_letter, keyed
@@ -15,7 +15,7 @@ from ui.model.playing.popups.game_over import game_over_page
 from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.tiles import dont_know, end, tiles
-from ui.model.playing.words import outcome_of, progress_of, titled, verdict_words
+from ui.model.playing.words import outcome_of, progress_of, verdict_words
 from ui.model.rules_sheet import rules_of
 from ui.model.screen import (
     Action,
@@ -39,7 +39,7 @@ from ui.model.screen import (
 
 def compose(memory: ParticipantMemory, now: float) -> Screen:
     """The screen at this moment; announcements are not in it yet."""
-    hunt = memory.hunt
+    texts, hunt = memory.texts, memory.hunt
     phase = phase_of(memory)
     playing = hunt if phase is Phase.PLAYING else None
     team = () if hunt is None else cards(memory, hunt)
@@ -47,16 +47,16 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         phase=phase,
         waiting_for=_waiting_for(memory) if phase is Phase.CONNECTING else "",
         consent="" if hunt is None or hunt.view.consent is None else hunt.view.consent,
-        agree=_agree(hunt),
-        decline=keyed(DeclineToTakePart(), "I do not take part", hint="The window thanks you and ends."),
+        agree=_agree(memory),
+        decline=keyed(DeclineToTakePart(), texts.text("game.decline"), hint=texts.text("game.decline_hint")),
         banner=_banner(memory, now),
         game=0 if hunt is None or memory.once else hunt.view.game,
         score=0 if hunt is None else hunt.view.score,
         progress="" if hunt is None else _progress(hunt),
         cards=team,
         tiles=() if hunt is None else tiles(memory, hunt),
-        ask_advice=_not_now(AskAdvice(), "Don't know") if playing is None else dont_know(memory, playing),
-        end=_not_now(EndGame(), "End game") if playing is None else end(playing),
+        ask_advice=_not_now(texts, AskAdvice(), "tiles.dont_know") if playing is None else dont_know(memory, playing),
+        end=_not_now(texts, EndGame(), "tiles.end") if playing is None else end(playing),
         tools=_tools(memory, playing),
         popup=None if playing is None else _popup(memory, playing, now),
         confirmation=None if playing is None else confirmation(memory, playing),
@@ -67,8 +67,8 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         typed=memory.typed,
         announcement="",
         announcement_number=0,
-        rules=rules_of(hunt.view) if hunt is not None and memory.help_open else (),
-        nothing_waits="" if playing is None else nothing_waits(team, answering=playing.popups.shown is not None),
+        rules=rules_of(texts, hunt.view) if hunt is not None and memory.help_open else (),
+        nothing_waits="" if playing is None else nothing_waits(texts, team, answering=playing.popups.shown is not None),
     )
     screen = replace(screen, enlarged=_enlarged(hunt, screen))
     match screen.popup:
@@ -82,7 +82,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
 
 def _progress(hunt: HuntMemory) -> str:
     left = sum(room.state != "visited" for room in hunt.view.rooms)
-    return progress_of(hunt.seconds, left, len(hunt.view.rooms))
+    return progress_of(hunt.texts, hunt.seconds, left, len(hunt.view.rooms))
 
 
 def _enlarged(hunt: HuntMemory | None, screen: Screen) -> bytes | None:
@@ -137,42 +137,41 @@ def next_change(memory: ParticipantMemory, now: float) -> float:
 
 
 def _waiting_for(memory: ParticipantMemory) -> str:
+    texts = memory.texts
     if memory.connection.is_lost:
-        why = memory.connection.why_lost
-        return f"The game cannot be reached. {why}{' ' if why else ''}It is tried again by itself."
-    if memory.connection.is_there:
-        return "The game is there. Its robots are getting ready."
-    return "Looking for the game."
+        parts = (texts.text("game.unreachable"), memory.connection.why_lost, texts.text("game.reconnecting"))
+        return " ".join(filter(None, parts))
+    return texts.text("game.robots_get_ready" if memory.connection.is_there else "game.looking_for_game")
 
 
 def _banner(memory: ParticipantMemory, now: float) -> Banner | None:
-    trouble = memory.connection.trouble(now)
+    texts, trouble = memory.texts, memory.connection.trouble(memory.texts, now)
     view = None if memory.hunt is None else memory.hunt.view
     if trouble is not None and memory.connection.is_lost:
         return Banner(trouble, "bad")
     if view is not None and not view.ready:
-        return Banner("The robots are not there just now. The game goes on as soon as they are.", "bad")
+        return Banner(texts.text("game.robots_away"), "bad")
     if trouble is not None and view is not None and view.over is None:
         return Banner(trouble, "bad")
     if memory.note is not None and now < memory.note[1]:
         return Banner(memory.note[0], "note")
     if view is not None and view.over is None and all(robot.condition is Condition.SILENT for robot in view.robots):
-        return Banner("No robot answers. Wait for one to answer again, or end the game.", "bad")
+        return Banner(texts.text("game.all_silent"), "bad")
     if view is not None and view.over is None and all(robot.other_commander for robot in view.robots):
-        return Banner("Others command all robots just now. You name what they find, and may ask for them back.", "note")
+        return Banner(texts.text("game.all_commanded"), "note")
     return None
 
 
-def _agree(hunt: HuntMemory | None) -> Action:
-    act = AgreeToTakePart()
+def _agree(memory: ParticipantMemory) -> Action:
+    act, texts, hunt = AgreeToTakePart(), memory.texts, memory.hunt
     if hunt is None or hunt.view.consent is None:
-        return _not_now(act, "I agree")
+        return _not_now(texts, act, "game.agree")
     busy = hunt.pending.has_kind(GiveConsent)
-    return keyed(act, "I agree", not busy, "You take part in the study.", busy)
+    return keyed(act, texts.text("game.agree"), not busy, texts.text("game.agree_hint"), busy)
 
 
-def _not_now(act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
-    return keyed(act, label, enabled=False, hint="Not just now.")
+def _not_now(texts: Texts, act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
+    return keyed(act, texts.text(label), enabled=False, hint=texts.text("hints.not_now"))
 
 
 def _help(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[tuple[str, str], ...]:
@@ -189,20 +188,20 @@ def _sound(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[Action, ...]:
     """The switch of the sound; none where the study is without sound."""
     if not hunt.view.sound:
         return ()
-    why_not = why_silent(memory, hunt)
-    hint = "Arrivals, finds, questions and points sound. All of it is also seen."
-    return (keyed(SwitchSound(), "Mute" if memory.sound_on else "Unmute", not why_not, why_not or hint),)
+    texts, why_not = hunt.texts, why_silent(memory, hunt)
+    label = texts.text("game.mute" if memory.sound_on else "game.unmute")
+    return (keyed(SwitchSound(), label, not why_not, why_not or texts.text("game.sound_hint")),)
 
 
 def _tools(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[Action, ...]:
-    sheet = Action(ShowHelp(), "Help", HELP.keys[0], hint="Rules and keys on one sheet.")
+    texts = memory.texts
+    sheet = Action(ShowHelp(), texts.text("game.help"), HELP.keys[0], hint=texts.text("game.help_hint"))
     if hunt is None:
         return (sheet,)
-    robot = robot_name(memory.selected)
-    follow = "Follow" if memory.followed is None else "Unfollow"
+    follow = texts.text("game.follow" if memory.followed is None else "game.unfollow")
     return (
-        keyed(FollowRobot(), follow, hint=f"Keeps {robot} in the middle of the map."),
-        keyed(FitMap(), "Whole map", hint="Shows all of the map."),
+        keyed(FollowRobot(), follow, hint=texts.text("game.follow_hint", robot=memory.selected)),
+        keyed(FitMap(), texts.text("game.whole_map"), hint=texts.text("game.whole_map_hint")),
         *_sound(memory, hunt),
         sheet,
     )
@@ -219,12 +218,12 @@ def _popup(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> DialogueP
 
 
 def _waiting(hunt: HuntMemory) -> tuple[WaitingItem, ...]:
-    first = hunt.popups.next
+    first, show = hunt.popups.next, hunt.texts.text("game.show")
     return tuple(
         WaitingItem(
             item.robot,
             _waits(hunt, item),
-            Action(_showing(item), "Show", WAITING_KEY if item == first else "", hint=_waits(hunt, item)),
+            Action(_showing(item), show, WAITING_KEY if item == first else "", hint=_waits(hunt, item)),
         )
         for item in hunt.popups.waiting
     )
@@ -235,19 +234,21 @@ def _showing(item: PopupItem) -> ShowWaiting:
 
 
 def _waits(hunt: HuntMemory, item: PopupItem) -> str:
-    name = titled(item.robot)
+    texts = hunt.texts
     if isinstance(item, DestinationItem):
         dialogue = hunt.destination_dialogue(item.robot)
         if dialogue is not None:
             return dialogue_title(hunt, dialogue)
         words = hunt.unread_words(item.robot)
-        return f"{name} is being asked" if words is None else outcome_of(words)
+        return texts.text("game.waits_asked", robot=item.robot) if words is None else outcome_of(texts, words)
     about = hunt.treasure_dialogue(item)
     if about is not None:
         return dialogue_title(hunt, about)
     room = hunt.view.room(item.room)
     if room.verdict is not None:
-        return f"Room {item.room}: {verdict_words(room.verdict.name, room.verdict.points)}"
+        verdict = verdict_words(texts, room.verdict.name, room.verdict.points)
+        return texts.text("history.named", room=item.room, verdict=verdict)
     if hunt.robot_in_room(item.room) is None:
-        return f"{name} found something in room {item.room}"
-    return f"{name} is in room {item.room}" + (" and found something" if room.found else "")
+        return texts.text("popups.found", robot=item.robot, room=item.room)
+    found = "game.waits_found" if room.found else "game.waits_looking"
+    return texts.text(found, robot=item.robot, room=item.room)

@@ -4,10 +4,12 @@ import numpy as np
 
 from sim.common.robot_numbers import number_of
 from sim.numerics.float_array import FloatArray
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.notices import FloorPlan
 from thbridge.roles.view import View
 from ui.model.motion import DisplayedRobot
 from ui.model.playing.cards import is_in_trouble
+from ui.model.playing.words import commander_in_words
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import RoomTile
 
@@ -40,7 +42,9 @@ class MapMarks:
             if tile.room in self._rooms
         )
 
-    def robots(self, moving: tuple[DisplayedRobot, ...], view: View, selected: int) -> tuple[RobotMark, ...]:
+    def robots(
+        self, texts: Texts, moving: tuple[DisplayedRobot, ...], view: View, selected: int
+    ) -> tuple[RobotMark, ...]:
         """Marks of the robots where they are in this frame."""
         return tuple(
             RobotMark(
@@ -54,7 +58,7 @@ class MapMarks:
                 path=motion.path,
                 ellipse=motion.ellipse,
                 truth=motion.truth,
-                commander=robot.other_commander,
+                commander=commander_in_words(texts, robot.commander, robot.commander_name),
             )
             for robot, motion in zip(view.robots, moving, strict=False)
         )

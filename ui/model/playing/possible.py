@@ -7,17 +7,28 @@
 from dataclasses import replace
 from typing import Literal
 
-from sim.common.robot_numbers import robot_name
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt import rules
-from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Commander, CostsEstimated, Event, RobotArrived
 from thbridge.hunt.game import GameState, apply
+from thbridge.hunt.properties import property_named
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
-from thbridge.hunt.rules import RuleReason, commander_name
+from thbridge.hunt.rules import RuleReason
 from thbridge.roles.participant_rules import JudgedRequest, KeeperReason, Situation, judge, other_candidate
-from thbridge.roles.view import CallBack, GiveUp, OpenDialogue, RequestSuggestion, SelectRoom
-from ui.model.playing.words import how_it_comes_back, titled
+from thbridge.roles.view import (
+    CallBack,
+    GiveUp,
+    MeasureProperty,
+    OpenDialogue,
+    ParticipantRequest,
+    RefusalView,
+    RequestSuggestion,
+    SelectRoom,
+    TakeUpTreasure,
+    TellProperty,
+)
+from ui.model.playing.words import commanded_words
 
 
 def is_allowed(known: Situation, request: JudgedRequest) -> bool:
@@ -49,17 +60,17 @@ def ends_game(known: Situation, event: Event) -> bool:
     return bool(rules.ending(apply(known.state, event)))
 
 
-def why_not_work(known: Situation, robot: int) -> str | None:
+def why_not_work(texts: Texts, known: Situation, robot: int) -> str | None:
     """Reason why a robot can do nothing at all just now, or None."""
-    return _hint(known, robot, rules.unable(known.state, robot))
+    return _hint(texts, known, robot, rules.unable(known.state, robot))
 
 
-def why_not_command(known: Situation, robot: int) -> str | None:
+def why_not_command(texts: Texts, known: Situation, robot: int) -> str | None:
     """Reason why the participant may not send or stop a robot just now, or None."""
-    return _hint(known, robot, rules.commanded_by_other(known.state, robot, Commander.PARTICIPANT))
+    return _hint(texts, known, robot, rules.commanded_by_other(known.state, robot, Commander.PARTICIPANT))
 
 
-def why_not_go(known: Situation, robot: int, room: int) -> str | None:
+def why_not_go(texts: Texts, known: Situation, robot: int, room: int) -> str | None:
     """Reason why a robot cannot go to a room, or None; a robot that is driving would be called back first."""
     goes_there = known.state.robots[robot].bound_for == Room(room)
     then = known if goes_there else _called_back(known, robot)
@@ -69,81 +80,89 @@ def why_not_go(known: Situation, robot: int, room: int) -> str | None:
     mover = then.state.robots[robot]
     match refused.reason:
         case RuleReason.ALREADY_VISITED:
-            return "This room has been visited."
+            return texts.text("hints.refused_already_visited")
         case RuleReason.UNDER_WAY:
-            return f"{titled(robot)} is on its way there."
+            return texts.text("hints.on_its_way_there", robot=robot)
         case RuleReason.RESERVED:
             going = then.state.reserved_by(Room(room))
-            return f"{titled(robot if going is None else going)} is on its way there."
+            return texts.text("hints.on_its_way_there", robot=robot if going is None else going)
         case KeeperReason.UNDER_DISCUSSION:
             other = other_candidate(then.discussed, Room(room), robot)
-            return f"{titled(robot if other is None else other)} is asking you about this room."
+            return texts.text("hints.asks_about_room", robot=robot if other is None else other)
         case RuleReason.NOT_A_MOVE:
-            return f"There is no way there from {mover.at}."
+            return texts.text("hints.no_path", room=mover.at)
         case RuleReason.NOT_ENOUGH_ENERGY:
             cost = then.state.cost(robot, Room(room))
-            return f"This costs {energy_text(cost)}; {robot_name(robot)} has {energy_text(mover.energy)} energy."
-    return _hint(known, robot, refused)
+            return texts.text("hints.too_dear", cost=cost, robot=robot, energy=mover.energy)
+    return _hint(texts, known, robot, refused)
 
 
-def why_not_ask(known: Situation, robot: int) -> str | None:
+def why_not_ask(texts: Texts, known: Situation, robot: int) -> str | None:
     """Reason why a robot cannot be asked for advice, or None."""
     refused = judge(known, RequestSuggestion(robot))
     if isinstance(refused, tuple):
         return None
     bound_for = known.state.robots[robot].bound_for
     if refused.reason == RuleReason.UNDER_WAY and bound_for is not None:
-        return f"{titled(robot)} is on its way to {bound_for}."
+        return texts.text("hints.on_its_way", robot=robot, room=bound_for)
     if refused.reason in {RuleReason.GAME_OVER, RuleReason.COMMANDED, RuleReason.SILENT, RuleReason.BLOCKED}:
-        return _hint(known, robot, refused)
-    return f"There is no room left that {titled(robot)} can go to."
+        return _hint(texts, known, robot, refused)
+    return texts.text("hints.no_room_left", robot=robot)
 
 
-def why_not_picture(known: Situation, robot: int, room: int) -> str | None:
+def why_not_picture(texts: Texts, known: Situation, robot: int, room: int) -> str | None:
     """Reason why a robot cannot take a picture in the room where it stands, or None."""
-    return _why_not_discuss(
-        known, OpenDialogue(robot, "take-picture", room), "A picture", known.state.started.picture_cost
-    )
+    return _why_not_discuss(texts, known, OpenDialogue(robot, "take-picture", room))
 
 
-def why_not_name(known: Situation, robot: int, room: int) -> str | None:
+def why_not_name(texts: Texts, known: Situation, robot: int, room: int) -> str | None:
     """Reason why the treasure in the room where a robot stands cannot be named, or None."""
     if known.state.room(Room(room)).is_decided:
-        return "This is decided."
-    return _why_not_discuss(
-        known, OpenDialogue(robot, "take-treasure", room), "Naming it", known.state.started.identify_cost
-    )
+        return texts.text("hints.refused_already_decided")
+    return _why_not_discuss(texts, known, OpenDialogue(robot, "take-treasure", room))
 
 
-def why_not_request(known: Situation, robot: int, request: JudgedRequest) -> str | None:
-    """Reason why a robot cannot do what a request asks for, or None."""
+def why_not_find_out(
+    texts: Texts, known: Situation, request: MeasureProperty | TellProperty | TakeUpTreasure
+) -> str | None:
+    """Reason why more of a treasure cannot be found out or told, or why it cannot be taken up again; or None."""
     refused = judge(known, request)
-    return None if isinstance(refused, tuple) else _hint(known, robot, refused)
+    if isinstance(refused, tuple):
+        return None
+    robot = known.state.standing_in(Room(request.room))
+    if robot is None:
+        return refusal_words(texts, refused)
+    measured = property_named(known.state.started.properties, getattr(request, "property", ""))
+    if refused.reason == RuleReason.NOT_ENOUGH_ENERGY and measured is not None:
+        energy = known.state.robots[robot].energy
+        return texts.text("hints.too_dear", cost=measured.cost, robot=robot, energy=energy)
+    return _hint(texts, known, robot, refused)
 
 
-def why_not_stop(known: Situation, robot: int) -> str | None:
+def why_not_stop(texts: Texts, known: Situation, robot: int) -> str | None:
     """Reason why a robot cannot be stopped, or None."""
     refused = judge(known, CallBack(robot))
     if isinstance(refused, tuple):
         return None
     if refused.reason == RuleReason.NOT_UNDER_WAY:
-        return why_not_work(known, robot) or "This robot is not on its way."
-    return _hint(known, robot, refused)
+        return why_not_work(texts, known, robot) or refusal_words(texts, refused)
+    return _hint(texts, known, robot, refused)
 
 
-def why_not_end(known: Situation) -> str | None:
+def why_not_end(texts: Texts, known: Situation) -> str | None:
     """Reason why the game cannot be ended just now, or None."""
     refused = judge(known, GiveUp(known.state.started.game))
     if isinstance(refused, tuple):
         return None
     moving = (number for number, robot in enumerate(known.state.robots) if robot.bound_for is not None)
     if refused.reason == RuleReason.UNDER_WAY and (mover := next(moving, None)) is not None:
-        theirs = why_not_command(known, mover)
-        return f"{titled(mover)} is still on its way. {theirs or 'Stop it, or wait for it.'}"
-    return refused.sentence
+        theirs = why_not_command(texts, known, mover)
+        still = texts.text("hints.still_driving", robot=mover)
+        return f"{still} {theirs or texts.text('hints.stop_or_wait')}"
+    return refusal_words(texts, refused)
 
 
-def energy_warning(known: Situation, robot: int, room: int) -> str:
+def energy_warning(texts: Texts, known: Situation, robot: int, room: int) -> str:
     """Warning of what a robot's energy does not suffice for once it is in a room: a picture, a name; or empty."""
     departure = rules.move(known.state, robot, Room(room))
     if isinstance(departure, RequestRefused):
@@ -151,31 +170,17 @@ def energy_warning(known: Situation, robot: int, room: int) -> str:
     there = known.state
     for event in (*departure, RobotArrived(robot, Room(room))):
         there = apply(there, event)
-    match _too_little_for(there, Room(room)):
-        case "name":
-            return "Enough to get there, not to name what is there."
-        case "picture":
-            return "Enough to name what is there, not to take a picture."
-        case "both":
-            return "Enough to take a picture there or to name what is there, not for both."
-        case None:
-            return ""
+    lacking = _too_little_for(there, Room(room))
+    return "" if lacking is None else texts.text(f"tiles.warn_{lacking}")
 
 
-def arrival_warning(known: Situation, robot: int) -> str:
+def arrival_warning(texts: Texts, known: Situation, robot: int) -> str:
     """Warning of what the energy of a driving robot will not suffice for where it arrives, for its card; or empty."""
     room = known.state.robots[robot].bound_for
     if room is None:
         return ""
-    match _too_little_for(apply(known.state, RobotArrived(robot, room)), room):
-        case "name":
-            return "too little to name"
-        case "picture":
-            return "too little for a picture"
-        case "both":
-            return "picture or name only"
-        case None:
-            return ""
+    lacking = _too_little_for(apply(known.state, RobotArrived(robot, room)), room)
+    return "" if lacking is None else texts.text(f"cards.warn_{lacking}")
 
 
 def _too_little_for(state: GameState, room: Room) -> Literal["name", "picture", "both"] | None:
@@ -207,30 +212,69 @@ def _called_back(known: Situation, robot: int) -> Situation:
     return replace(known, state=state)
 
 
-def _why_not_discuss(known: Situation, request: OpenDialogue, what: str, cost: float) -> str | None:
-    robot = request.robot
+def _why_not_discuss(texts: Texts, known: Situation, request: OpenDialogue) -> str | None:
+    robot, started = request.robot, known.state.started
     refused = judge(known, request)
     if isinstance(refused, tuple):
         return None
     match refused.reason:
         case RuleReason.NOBODY_THERE:
-            return why_not_work(known, robot) or f"{titled(robot)} is not in room {request.room} any more."
+            unable = why_not_work(texts, known, robot)
+            return unable or texts.text("hints.not_there", robot=robot, room=request.room)
         case RuleReason.NOT_ENOUGH_ENERGY:
-            energy = energy_text(known.state.robots[robot].energy)
-            return f"{what} costs {energy_text(cost)}; {robot_name(robot)} has {energy} energy."
-    return _hint(known, robot, refused)
+            energy = known.state.robots[robot].energy
+            if request.matter == "take-picture":
+                return texts.text("hints.picture_too_dear", cost=started.picture_cost, robot=robot, energy=energy)
+            return texts.text("hints.naming_too_dear", cost=started.identify_cost, robot=robot, energy=energy)
+    return _hint(texts, known, robot, refused)
 
 
-def _hint(known: Situation, robot: int, refused: RequestRefused | None) -> str | None:
+def _hint(texts: Texts, known: Situation, robot: int, refused: RequestRefused | None) -> str | None:
     """The hint for a refusal that is about the robot or the game; None where there is no such refusal."""
     if refused is None:
         return None
     match refused.reason:
         case RuleReason.SILENT:
-            return f"{titled(robot)} does not answer."
+            return texts.text("hints.silent", robot=robot)
+        case RuleReason.BLOCKED:
+            return texts.text("hints.blocked", robot=robot)
         case RuleReason.COMMANDED:
             command = known.state.robots[robot].command
-            other = commander_name(command.by, command.name)
-            return f"{titled(robot)} is commanded by {other}. {how_it_comes_back(command.by)}"
+            return commanded_words(texts, robot, command.by, command.name)
         case _:
-            return refused.sentence
+            return refusal_words(texts, refused)
+
+
+def why_refused(texts: Texts, known: Situation, refusal: RefusalView, request: ParticipantRequest | None) -> str:
+    """The game's refusal of a request, with what is known about it; None: it is not known what was refused."""
+    return (texts.has(_refusal_key(refusal)) and _why_not(texts, known, request)) or refusal_words(texts, refusal)
+
+
+def _why_not(texts: Texts, known: Situation, request: ParticipantRequest | None) -> str | None:
+    match request:
+        case SelectRoom(robot, room):
+            return why_not_go(texts, known, robot, room)
+        case RequestSuggestion(robot):
+            return why_not_ask(texts, known, robot)
+        case OpenDialogue(robot, "take-picture", room):
+            return why_not_picture(texts, known, robot, room)
+        case OpenDialogue(robot, "take-treasure", room):
+            return why_not_name(texts, known, robot, room)
+        case MeasureProperty() | TellProperty() | TakeUpTreasure():
+            return why_not_find_out(texts, known, request)
+        case CallBack(robot):
+            return why_not_stop(texts, known, robot)
+        case GiveUp():
+            return why_not_end(texts, known)
+        case _:
+            return None
+
+
+def refusal_words(texts: Texts, refused: RequestRefused | RefusalView) -> str:
+    """A refusal in the language of the texts; of a reason that this release does not know, the sentence that came."""
+    key = _refusal_key(refused)
+    return texts.text(key) if texts.has(key) else refused.sentence
+
+
+def _refusal_key(refused: RequestRefused | RefusalView) -> str:
+    return f"hints.refused_{refused.reason.replace('-', '_')}"

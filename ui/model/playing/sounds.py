@@ -10,8 +10,8 @@ from ui.model.screen import GameSound
 def why_silent(memory: ParticipantMemory, hunt: HuntMemory) -> str:
     """Return why there can be no sound, as a sentence; empty when there can be."""
     if not hunt.view.sound:
-        return "This study is without sound."
-    return "" if memory.can_sound else "This computer has no program that plays sounds."
+        return hunt.texts.text("hints.no_sound_in_study")
+    return "" if memory.can_sound else hunt.texts.text("hints.no_sound_player")
 
 
 def sounds_of(before: View, view: View) -> Iterator[GameSound]:

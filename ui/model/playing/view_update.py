@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from sim.common.robot_numbers import robot_name
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt import rules
 from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.game import GameState
@@ -41,9 +41,10 @@ from ui.model.playing.possible import (
     why_not_end,
     why_not_go,
     why_not_name,
+    why_refused,
 )
 from ui.model.playing.sounds import sounds_of
-from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
+from ui.model.playing.words import commander_in_words, how_it_comes_back
 
 NOTE = 6.0
 """Seconds for which a sentence is shown."""
@@ -64,13 +65,13 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
     before, former = hunt.view, hunt.known
     hunt.receive(view)
     hunt.most_energy = max([hunt.most_energy, *(robot.energy for robot in view.robots)])
-    memory.history.receive(before, view)
+    memory.history.receive(memory.texts, before, view)
     memory.sounds += sounds_of(before, view)
     _receive_refunds(memory, before, view, now)
     _receive_rooms(memory, hunt, before, former.state, now)
     _receive_commanders(memory, hunt, before, former.discussed, now)
     _receive_refusal(memory, hunt, now)
-    for reason in hunt.pending.receive(view):
+    for reason in hunt.pending.receive(hunt.texts, view):
         if reason:
             note(memory, reason, now)
     _reroute(memory, hunt, now)
@@ -107,7 +108,9 @@ def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
         if hunt.destination_dialogue(robot) is not None or hunt.pending.destination_request(robot) is not None
     }
     hunt.note_reading()
-    at_hand = memory.selected if memory.turned and why_not_ask(hunt.known, memory.selected) is None else None
+    at_hand = (
+        memory.selected if memory.turned and why_not_ask(hunt.texts, hunt.known, memory.selected) is None else None
+    )
     hunt.popups.update(tuple(_items(hunt)) if view.over is None else (), only_of=at_hand)
     hunt.note_reading()
     if hunt.enlarged != hunt.popups.shown:
@@ -159,7 +162,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
     memory.followed = None if memory.followed is None else memory.selected
     memory.motions = ()
     memory.last_refusal = 0 if view.refusal is None else view.refusal.number
-    memory.history.receive(None, view, once=memory.once)
+    memory.history.receive(memory.texts, None, view, once=memory.once)
     settle(memory, hunt)
 
 
@@ -183,11 +186,11 @@ def _receive_refunds(memory: ParticipantMemory, before: View, view: View, now: f
     for was, robot in zip(before.robots, view.robots, strict=True):
         stopped = was.moving_to and robot.moving_to is None and view.room(was.moving_to).state != "visited"
         if stopped and robot.energy > was.energy:
-            memory.note = (stopped_words(was, robot), now + NOTE)
+            memory.note = (stopped_words(memory.texts, was, robot), now + NOTE)
 
 
 def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, former: GameState, now: float) -> None:
-    state = hunt.known.state
+    texts, state = hunt.texts, hunt.known.state
     for old, new in zip(before.rooms, hunt.view.rooms, strict=True):
         place = Room(new.room)
         stander = state.standing_in(place)
@@ -204,17 +207,16 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
         if finder is not None and gone and hunt.view.over is None:
             if hunt.choice is not None and hunt.choice.item.room == new.room:
                 hunt.choice = None
-            yours = why_not_name(hunt.known, finder, new.room) or "You may still say what it is."
-            sentence = f"{titled(finder)} was sent on, and what it found stays in room {new.room}. {yours}"
-            _announce(memory, sentence, hunt.view.robots[finder], now)
+            yours = why_not_name(texts, hunt.known, finder, new.room) or texts.text("history.still_yours")
+            sent_on = texts.text("history.sent_on", robot=finder, room=new.room)
+            _announce(memory, f"{sent_on} {yours}", hunt.view.robots[finder], now)
 
 
 def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureItem, left: bool, now: float) -> None:
     """Say how a treasure that was left can be taken up again; show it when the participant has asked for that."""
     if left:
-        until = f"until {robot_name(item.robot)} sets out, you can take it up again."
-        memory.note = (f"What is in room {item.room} is left there; {until}", now + NOTE)
-        memory.history.announce(as_sentence(until))
+        memory.note = (hunt.texts.text("history.left_for_now", room=item.room, robot=item.robot), now + NOTE)
+        memory.history.announce(hunt.texts.text("history.can_take_up", robot=item.robot))
         return
     memory.note = None
     if TakeUpTreasure(item.room) in hunt.pending:
@@ -228,19 +230,25 @@ def _receive_commanders(
 
     A dialogue about where that robot should go is void then.
     """
+    texts = hunt.texts
     for was, robot in zip(before.robots, hunt.view.robots, strict=True):
         if robot.asked_back and not was.asked_back:
-            _announce(memory, f"You have asked {robot.other_commander} for {robot_name(robot.robot)} back.", robot, now)
+            asked = texts.text("history.asked_back", commander=_commander(texts, robot), robot=robot.robot)
+            _announce(memory, asked, robot, now)
         if (was.commander, was.commander_name) == (robot.commander, robot.commander_name):
             continue
-        name, other = titled(robot.robot), robot.other_commander
-        if not other:
-            sentence = f"{name} is yours again."
+        if not robot.other_commander:
+            sentence = texts.text("history.yours_again", robot=robot.robot)
         else:
-            sentence = f"{name} is commanded by {other} now. {how_it_comes_back(robot.commander)}"
+            sentence = texts.text("history.commanded", robot=robot.robot, commander=_commander(texts, robot))
+            sentence += f" {how_it_comes_back(texts, robot.commander)}"
             if any((about.robot, about.matter) == (robot.robot, "select-room") for about in discussed):
-                sentence += " Where it should go need not be talked over any more."
+                sentence += f" {texts.text('history.talk_void')}"
         _announce(memory, sentence, robot, now)
+
+
+def _commander(texts: Texts, robot: RobotView) -> str:
+    return commander_in_words(texts, robot.commander, robot.commander_name)
 
 
 def _announce(memory: ParticipantMemory, sentence: str, robot: RobotView, now: float) -> None:
@@ -256,9 +264,9 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
     memory.last_refusal = number
     if refusal is None:
         return
-    memory.note = (refusal.sentence, now + NOTE)
-    memory.history.add_event(refusal.sentence)
-    hunt.pending.drop_refused(refusal)
+    sentence = why_refused(hunt.texts, hunt.known, refusal, hunt.pending.drop_refused(refusal))
+    memory.note = (sentence, now + NOTE)
+    memory.history.add_event(sentence)
     if refusal.wish == kind_of(IdentifyTreasure):
         hunt.submitted_names.clear()
 
@@ -270,11 +278,11 @@ def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
         if mover.moving_to is not None:
             continue
         del hunt.reroutes[robot]
-        refused = why_not_go(hunt.known, robot, room)
+        refused = why_not_go(hunt.texts, hunt.known, robot, room)
         if hunt.view.over is not None:
             continue
         if mover.place > 0 and hunt.view.room(mover.place).undecided:
-            note(memory, f"{titled(robot)} was already in {place_name(mover.place)} when you called it back.", now)
+            note(memory, hunt.texts.text("game.already_there", robot=robot, room=mover.place), now)
         elif refused is not None:
             note(memory, refused, now)
         else:
@@ -283,26 +291,30 @@ def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
 
 def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
     """Drop a pending step that the new view has made pointless."""
+    texts, reason = hunt.texts, None
     match hunt.pending_step:
         case Reroute(robot, room):
             place = hunt.view.robots[robot].place
             arrived = hunt.view.robots[robot].moving_to is None
             reason = (
-                f"{titled(robot)} is in {place_name(place)} now." if arrived else why_not_go(hunt.known, robot, room)
+                texts.text("game.there_now", robot=robot, room=place)
+                if arrived
+                else why_not_go(texts, hunt.known, robot, room)
             )
         case LeaveUndecided(request, room):
             decided = not hunt.view.room(room).undecided or hunt.robot_in_room(room) != request.robot
-            reason = why_not_command(hunt.known, request.robot) or ("That is decided by now." if decided else None)
+            reason = why_not_command(texts, hunt.known, request.robot)
+            if reason is None and decided:
+                reason = texts.text("game.decided_by_now")
         case EndGameEarly():
-            reason = why_not_end(hunt.known)
+            reason = why_not_end(texts, hunt.known)
         case LeaveLast(room):
             if not hunt.view.room(room).undecided:
-                reason = "That is decided by now."
-            else:
-                goes_on = not ends_game(hunt.known, TreasureLeft(Room(room)))
-                reason = "There is something left to do again." if goes_on else None
+                reason = texts.text("game.decided_by_now")
+            elif not ends_game(hunt.known, TreasureLeft(Room(room))):
+                reason = texts.text("game.something_left")
         case LeaveWindow():
-            reason = None if hunt.view.over is None else "The game is over."
+            reason = None if hunt.view.over is None else texts.text("hints.refused_game_over")
         case None:
             return
     if reason is not None:

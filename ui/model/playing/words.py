@@ -1,42 +1,40 @@
-"""Phrases that several parts share."""
+"""Words that several parts share."""
 
-from collections.abc import Sequence
-
-from sim.common.robot_numbers import robot_name
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Commander
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.view import LastWords
+from thbridge.roles.view import DialogueMatter, LastWords
+
+MATTERS: dict[DialogueMatter, str] = {"select-room": "room", "take-picture": "picture", "take-treasure": "naming"}
+"""Matters of dialogues as the names of texts have them."""
 
 
-def titled(robot: int) -> str:
-    """A robot's name at the beginning of a sentence."""
-    return robot_name(robot).capitalize()
+def commander_in_words(texts: Texts, by: Commander, name: str) -> str:
+    """Return a commander other than the participant, within a sentence; names of researchers' programs are left out."""
+    match by:
+        case Commander.PARTICIPANT:
+            return ""
+        case Commander.GROUND_STATION:
+            return name or texts.text("words.ground_station")
+        case Commander.RESEARCHER:
+            return texts.text("words.researcher")
 
 
-def how_it_comes_back(commander: Commander) -> str:
+def how_it_comes_back(texts: Texts, commander: Commander) -> str:
     """A sentence: the condition for getting back a robot that this other commander has."""
-    researcher = commander is Commander.RESEARCHER
-    return f"You get it back when the {'researcher is done' if researcher else 'ground station releases it'}."
+    is_researcher = commander is Commander.RESEARCHER
+    return texts.text("hints.back_from_researcher" if is_researcher else "hints.back_from_station")
 
 
-def place_name(place: int) -> str:
-    """Name of a place within a sentence."""
-    return "the corridor" if place == 0 else f"room {place}"
+def commanded_words(texts: Texts, robot: int, by: Commander, name: str) -> str:
+    """Two sentences: who else commands a robot, and the condition for getting it back."""
+    commands = texts.text("hints.commanded", robot=robot, commander=commander_in_words(texts, by, name))
+    return f"{commands} {how_it_comes_back(texts, by)}"
 
 
-def counted(number: int, thing: str) -> str:
-    """`1 point`, `2 points`, `no points`."""
-    return f"{number or 'no'} {thing}{'' if number == 1 else 's'}"
-
-
-def listed(things: Sequence[str]) -> str:
-    """`a`, `a and b`, `a, b and c`."""
-    return things[-1] if len(things) < 2 else f"{', '.join(things[:-1])} and {things[-1]}"
-
-
-def progress_of(seconds: int, left: int, rooms: int) -> str:
+def progress_of(texts: Texts, seconds: int, left: int, rooms: int) -> str:
     """Time played and rooms left: `Time 3:05 · 5 of 8 rooms left`."""
-    return f"Time {seconds // 60}:{seconds % 60:02d} · {left} of {counted(rooms, 'room')} left"
+    return texts.text("game.progress", time=f"{seconds // 60}:{seconds % 60:02d}", left=left, count=rooms)
 
 
 def scored(score: int) -> str:
@@ -49,48 +47,22 @@ def gained(points: int) -> str:
     return f"{points:+d}".replace("-", "−")
 
 
-def percent(share: float) -> str:
+def percent(texts: Texts, share: float) -> str:
     """A share as people write it: `50%`, `12.5%`."""
-    return f"{100.0 * share:.6g}%"
+    return texts.text("words.percent", number=100.0 * share)
 
 
-def name_request(name: str) -> str:
-    """The sentence with which the participant asks for a treasure to be named."""
-    return f"Name it {name_in_words(name)}."
-
-
-UNSURE_NAME = "I don't know what it is."
-"""The sentence with which the participant asks a robot what it has found."""
-
-
-def verdict_words(name: str, points: int) -> str:
+def verdict_words(texts: Texts, name: str, points: int) -> str:
     """The outcome of naming a treasure, as a sentence."""
-    named = name_in_words(name) or "That"
+    named = name_in_words(name) or texts.text("popups.nameless")
     if points > 0:
-        return f"{named} is right, {counted(points, 'point')} won."
+        return texts.text("popups.right", name=named, count=points)
     if points < 0:
-        return f"{named} is wrong, {counted(-points, 'point')} lost."
-    return f"{named} brings no points."
+        return texts.text("popups.wrong", name=named, count=-points)
+    return texts.text("popups.no_points", name=named)
 
 
-def outcome_of(words: LastWords) -> str:
+def outcome_of(texts: Texts, words: LastWords) -> str:
     """The outcome of a dialogue, as a sentence."""
-    name = titled(words.robot)
-    match words.matter, words.agreed:
-        case "select-room", True:
-            return f"{name} goes to room {words.room}."
-        case "take-picture", True:
-            return f"{name} takes a picture in room {words.room}."
-        case "take-treasure", True:
-            return f"{name} names what is in room {words.room}."
-        case "select-room", False:
-            return f"{name} stays where it is."
-        case "take-picture", False:
-            return f"{name} takes no picture in room {words.room}."
-        case _:
-            return f"{name} does not name what is in room {words.room}."
-
-
-def as_sentence(text: str) -> str:
-    """The text with a capital letter at its beginning and a full stop at its end."""
-    return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".?!…" else ".")
+    outcome = "agreed" if words.agreed else "not_agreed"
+    return texts.text(f"popups.{outcome}_{MATTERS[words.matter]}", robot=words.robot, room=words.room)

@@ -4,6 +4,7 @@ import pytest
 from msgspec import structs
 
 from tests.ui.model.views import asking, refusal, view, with_robot, with_room
+from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -58,9 +59,9 @@ UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", r
 def test_a_request_is_kept_until_the_view_shows_it_granted(wanted, before, granted):
     pending = PendingRequests()
     pending.ask(wanted, before)
-    assert pending.receive(before) == ()
+    assert pending.receive(shipped_texts(), before) == ()
     assert pending.requests == (wanted,)
-    assert pending.receive(granted) == ()
+    assert pending.receive(shipped_texts(), granted) == ()
     assert pending.requests == ()
 
 
@@ -88,20 +89,20 @@ def test_what_can_not_come_true_any_more_is_dropped_with_its_reason():
     pending = PendingRequests()
     pending.ask(SelectRoom(0, 3), view())
     taken = with_room(with_robot(view(), 1, moving_to=3), 3, state="reserved", robot=1)
-    assert pending.receive(taken) == ("Robot 2 is on its way there.",)
+    assert pending.receive(shipped_texts(), taken) == ("Robot 2 is on its way there.",)
     pending.ask(TakeUpTreasure(3), with_room(STANDING, 3, left=True))
     gone = with_robot(with_room(STANDING, 3, left=True), 0, moving_to=2)
-    assert pending.receive(gone) == ("No robot stands in room 3 any more.",)
+    assert pending.receive(shipped_texts(), gone) == ("No robot stands there.",)
     assert pending.requests == ()
 
 
 def test_advice_is_given_by_a_new_dialogue_even_if_it_has_the_number_of_one_before_a_restart():
     pending = PendingRequests()
     pending.ask(RequestSuggestion(0), view(dialogues=(asking(0, 2),)))
-    pending.receive(view(dialogues=(asking(0, 2),)))
+    pending.receive(shipped_texts(), view(dialogues=(asking(0, 2),)))
     assert pending.requests == (RequestSuggestion(0),)
-    pending.receive(view())
-    pending.receive(view(dialogues=(asking(0, 2),)))
+    pending.receive(shipped_texts(), view())
+    pending.receive(shipped_texts(), view(dialogues=(asking(0, 2),)))
     assert pending.requests == ()
 
 
@@ -116,5 +117,5 @@ def test_nothing_is_wanted_of_a_game_that_is_over_but_another_one():
     pending = PendingRequests()
     for wanted in (SelectRoom(0, 3), GiveUpTreasure(3), PlayAgain(1)):
         pending.ask(wanted, STANDING)
-    assert set(pending.receive(structs.replace(STANDING, over="given-up"))) <= {""}
+    assert set(pending.receive(shipped_texts(), structs.replace(STANDING, over="given-up"))) <= {""}
     assert pending.requests == (PlayAgain(1),)

@@ -716,7 +716,7 @@ def test_who_commands_a_robot_is_read_beside_the_button_and_what_it_does_below(o
         state = "" if card.ask_back.face.enabled else ", asked for"
         assert card.ask_back.accessibleName() == f"Ask for {card.accessibleName().lower()} back{state}"
         assert button.left() - PAD - bold.height() - GAP >= bold.horizontalAdvance("Ground station 255")
-        assert plain.horizontalAdvance("travelling to room 4 · from the corridor") <= card.width() - 2.0 * PAD
+        assert plain.horizontalAdvance("traveling to room 4 · from the corridor") <= card.width() - 2.0 * PAD
         assert button.bottom() + plain.height() <= card.height() - EDGE
 
 

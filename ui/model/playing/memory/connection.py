@@ -2,7 +2,7 @@
 
 import math
 
-from ui.model.playing.words import as_sentence
+from thbridge.dialogue.wording.texts import Texts
 
 STALE_AFTER = 1.5
 """Seconds without telemetry of the robots after which the game counts as standing still; it comes 25 times a second."""
@@ -45,21 +45,20 @@ class ConnectionStatus:
         """Note that telemetry of the robots came."""
         self._received_at = now
 
-    def trouble(self, now: float) -> str | None:
+    def trouble(self, texts: Texts, now: float) -> str | None:
         """A sentence for the participant, or None while all is well."""
         if self._lost is not None:
-            sentence, since = self._lost
+            why, since = self._lost
+            cut = "connection_lost" if self._was_there else "not_reached"
             seconds = int(now - since)
-            lasting = f" for {seconds} second{'s' if seconds > 1 else ''}" if seconds else ""
-            if self._was_there:
-                cut = "The connection to the game has been lost" if lasting else "The connection to the game is lost"
-            else:
-                cut = "The game has not been reached" if lasting else "The game is not reached yet"
-            again = "It is tried again by itself" + (", and you go on where you were." if self._was_there else ".")
-            return " ".join(part for part in (f"{cut}{lasting}.", as_sentence(sentence), again) if part)
-        if self._last_received() + STALE_AFTER <= now:
-            return "There is no news of the robots just now. The game goes on as soon as there is."
-        return None
+            lasting = texts.text(f"game.{cut}_for", count=seconds) if seconds else texts.text(f"game.{cut}")
+            goes_on = texts.text("game.goes_on_after") if self._was_there else ""
+            return " ".join(filter(None, (lasting, why, texts.text("game.reconnecting"), goes_on)))
+        return texts.text("game.no_news") if self.is_still(now) else None
+
+    def is_still(self, now: float) -> bool:
+        """Return True while the game is not reached, or its telemetry has stopped."""
+        return self._lost is not None or self._last_received() + STALE_AFTER <= now
 
     def next_change(self, now: float) -> float:
         """Time at which `trouble` changes if nothing is received until then."""

@@ -4,12 +4,10 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Literal
 
-from sim.common.robot_numbers import robot_name
-from thbridge.hunt.costs import energy_text
-from thbridge.hunt.events import Condition
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import Teller, properties_in_words, value_in_words
 from thbridge.roles.view import DialogueView, LastWords, RobotView, RoomView, View
-from ui.model.playing.words import counted, outcome_of, place_name, scored, titled, verdict_words
+from ui.model.playing.words import outcome_of, scored, verdict_words
 from ui.model.screen import HistoryLine
 
 MAX_LINES = 500
@@ -17,12 +15,6 @@ MAX_LINES = 500
 
 SpokenLine = tuple[Literal["robot", "you"], str]
 """Speaker and sentence."""
-
-_CONDITIONS = {
-    Condition.WELL: "is well again.",
-    Condition.LOST: "is lost: it does not know where it is.",
-    Condition.SILENT: "does not answer any more.",
-}
 
 
 class GameHistory:
@@ -67,40 +59,43 @@ class GameHistory:
             self._append("you", dialogue.robot, dialogue.choices[choice])
             self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
 
-    def receive(self, before: View | None, view: View, *, once: bool = False) -> None:
+    def receive(self, texts: Texts, before: View | None, view: View, *, once: bool = False) -> None:
         """Add the news of a view; `before` is None when the game is new to this program, `once` as in `Participant`."""
         if before is None:
-            self._begin(view, "The game" if once else f"Game {view.game}")
+            self._begin(texts, view, once=once)
         else:
             for was, now in zip(before.robots, view.robots, strict=True):
-                for sentence in _robot_changes(was, now, view):
+                for sentence in _robot_changes(texts, was, now, view):
                     self.add_event(sentence, now.robot)
             for old, new in zip(before.rooms, view.rooms, strict=True):
-                for sentence in _room_changes(view, old, new):
+                for sentence in _room_changes(texts, view, old, new):
                     self.add_event(sentence, new.robot)
         for dialogue in view.dialogues:
-            self._receive_sentences(dialogue)
+            self._receive_sentences(texts, dialogue)
         ended = [words for words in view.last_words if before is not None and words not in before.last_words]
         for words in ended:
-            self._receive_sentences(words)
+            self._receive_sentences(texts, words)
             if not (words.agreed or words.is_told):
-                self.add_event(outcome_of(words), words.robot)
+                self.add_event(outcome_of(texts, words), words.robot)
         self._known_sentences = {
             dialogue.dialogue: self._known_sentences[dialogue.dialogue] for dialogue in view.dialogues
         }
         if view.over is not None and (before is None or before.over is None):
-            self.add_event(f"The game is over. The score is {scored(view.score)}.")
+            self.add_event(texts.text("history.over", score=scored(view.score)))
 
-    def _begin(self, view: View, game: str) -> None:
-        team = f"{counted(len(view.robots), 'robot')} and {counted(len(view.rooms), 'room')}"
+    def _begin(self, texts: Texts, view: View, *, once: bool) -> None:
         fresh = all(room.state == "unvisited" for room in view.rooms)
         self.add_event(
-            f"{game} begins, with {team}."
-            if fresh
-            else f"{game} is under way, with {team}; the score is {scored(view.score)}."
+            texts.text(
+                f"history.{'begins' if fresh else 'under_way'}{'_once' if once else ''}",
+                number=view.game,
+                robots=texts.text("words.robots", count=len(view.robots)),
+                rooms=texts.text("words.rooms", count=len(view.rooms)),
+                score=scored(view.score),
+            )
         )
 
-    def _receive_sentences(self, dialogue: DialogueView | LastWords) -> None:
+    def _receive_sentences(self, texts: Texts, dialogue: DialogueView | LastWords) -> None:
         sentences = spoken(dialogue)
         known = self._known_sentences.get(dialogue.dialogue)
         if known is None:
@@ -111,7 +106,7 @@ class GameHistory:
         for speaker, sentence in sentences[known:]:
             self._append(speaker, dialogue.robot, sentence)
             if speaker == "robot":
-                self._announcements.append(f"{titled(dialogue.robot)}: {sentence}")
+                self._announcements.append(texts.text("history.robot_says", robot=dialogue.robot, sentence=sentence))
         self._known_sentences[dialogue.dialogue] = max(known, len(sentences))
 
     def _append(self, speaker: Literal["robot", "you", "game"], robot: int | None, text: str) -> None:
@@ -132,43 +127,53 @@ def spoken(dialogue: DialogueView | LastWords) -> tuple[SpokenLine, ...]:
     )
 
 
-def stopped_words(was: RobotView, now: RobotView) -> str:
-    """Sentence about a robot that has stopped on its way, with the energy that comes back to it."""
+def stopped_words(texts: Texts, was: RobotView, now: RobotView) -> str:
+    """Sentences about a robot that has stopped on its way, with the energy that comes back to it."""
+    stopped = texts.text("history.stopped", robot=now.robot, room=was.moving_to or 0)
     back = now.energy - was.energy
-    refund = f" {energy_text(back)} energy comes back." if now.moving_to is None and back > 0.0 else ""
-    return f"{titled(now.robot)} has stopped before {place_name(was.moving_to or 0)}.{refund}"
+    if now.moving_to is None and back > 0.0:
+        return f"{stopped} {texts.text('history.energy_back', energy=back)}"
+    return stopped
 
 
-def _robot_changes(was: RobotView, now: RobotView, view: View) -> Iterator[str]:
-    name = titled(now.robot)
+def _robot_changes(texts: Texts, was: RobotView, now: RobotView, view: View) -> Iterator[str]:
+    robot = now.robot
     if was.moving_to is not None and was.moving_to != now.moving_to:
         if view.room(was.moving_to).state == "visited":
-            yield f"{name} is in {place_name(was.moving_to)}."
+            yield texts.text("history.arrived", robot=robot, room=was.moving_to)
         else:
-            yield stopped_words(was, now)
+            yield stopped_words(texts, was, now)
     if now.moving_to is not None and was.moving_to != now.moving_to:
-        yield f"{name} sets out for {place_name(now.moving_to)}; it has {energy_text(now.energy)} energy left."
+        yield texts.text("history.sets_out", robot=robot, room=now.moving_to, energy=now.energy)
     if now.condition is not was.condition:
-        yield f"{name} {_CONDITIONS[now.condition]}"
+        yield texts.text(f"history.condition_{now.condition}", robot=robot)
     if now.blocked and not was.blocked:
-        yield f"{name} has no energy left."
+        yield texts.text("history.blocked", robot=robot)
 
 
-def _room_changes(view: View, old: RoomView, new: RoomView) -> Iterator[str]:
+def _room_changes(texts: Texts, view: View, old: RoomView, new: RoomView) -> Iterator[str]:
+    room = new.room
     if new.sensed is not None and not old.found:
-        yield f"In room {new.room} is {properties_in_words(view.properties, new.sensed)}."
+        yield texts.text("history.found", what=properties_in_words(view.properties, new.sensed), room=room)
     elif new.known != old.known:
         for each in view.properties:
             value = new.known.get(each.name)
             if value is not None and value != old.known.get(each.name):
-                who = "You say" if each.told_by is Teller.PERSON else "Sensed"
-                yield f"{who} of what is in room {new.room}: {each.label.lower()} {value_in_words(value)}."
+                yield texts.text(
+                    "history.person_tells" if each.told_by is Teller.PERSON else "history.robot_senses",
+                    room=room,
+                    property=each.label.lower(),
+                    value=value_in_words(value),
+                )
     if new.picture is not None and old.picture is None:
-        by = "" if new.robot is None else f" by {robot_name(new.robot)}"
-        yield f"A picture is taken in room {new.room}{by}."
+        yield (
+            texts.text("history.picture", room=room)
+            if new.robot is None
+            else texts.text("history.picture_by", room=room, robot=new.robot)
+        )
     if new.verdict is not None and old.verdict is None:
-        yield f"Room {new.room}: {verdict_words(new.verdict.name, new.verdict.points)}"
+        yield texts.text("history.named", room=room, verdict=verdict_words(texts, new.verdict.name, new.verdict.points))
     if new.left and not old.left:
-        yield f"What is in room {new.room} is left there."
+        yield texts.text("history.left", room=room)
     if old.left and not new.left:
-        yield f"What is in room {new.room} is taken up again."
+        yield texts.text("history.taken_up", room=room)

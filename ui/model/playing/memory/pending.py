@@ -1,9 +1,9 @@
 """Requests of the participant that the view does not show as granted yet."""
 
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.game import GameState
-from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.roles.participant_rules import Situation, judge, revealed
+from thbridge.roles.participant_rules import Situation, revealed
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -23,7 +23,7 @@ from thbridge.roles.view import (
     View,
     refusal_wishes,
 )
-from ui.model.playing.possible import why_not_ask, why_not_command, why_not_go, why_not_work
+from ui.model.playing.possible import why_not_ask, why_not_command, why_not_find_out, why_not_go, why_not_work
 
 
 class PendingRequests:
@@ -80,13 +80,14 @@ class PendingRequests:
         answers = (request for request in self._requests if isinstance(request, AnswerDialogue))
         return next((each.choice for each in answers if (each.dialogue, each.turn) == (dialogue, turn)), None)
 
-    def drop_refused(self, refusal: RefusalView) -> None:
-        """Drop the oldest request that this refusal may be about; a refusal names only the kind."""
+    def drop_refused(self, refusal: RefusalView) -> ParticipantRequest | None:
+        """Drop and return the oldest request that this refusal may be about; a refusal names only the kind."""
         found = next((request for request in self._requests if refusal.wish in refusal_wishes(request)), None)
         if found is not None:
             del self._requests[found]
+        return found
 
-    def receive(self, view: View) -> tuple[str, ...]:
+    def receive(self, texts: Texts, view: View) -> tuple[str, ...]:
         """Drop the requests that this view grants or makes obsolete; return reasons to be told."""
         reasons = []
         known = revealed(view)
@@ -98,7 +99,7 @@ class PendingRequests:
                 self._ended[request],
             ):
                 del self._requests[request]
-            elif (reason := _moot(request, view, known)) is not None:
+            elif (reason := _moot(texts, request, view, known)) is not None:
                 del self._requests[request]
                 reasons.append(reason)
         return tuple(reasons)
@@ -151,25 +152,24 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
             return False
 
 
-def _moot(request: ParticipantRequest, view: View, known: Situation) -> str | None:
+def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situation) -> str | None:
     """The reason why a request cannot come true any more; empty where it goes without saying, None while it can."""
     if view.over is not None:
         return None if isinstance(request, PlayAgain) else ""
     match request:
         case SelectRoom(robot, room):
-            return why_not_go(known, robot, room)
+            return why_not_go(texts, known, robot, room)
         case RequestSuggestion(robot):
-            return why_not_ask(known, robot)
+            return why_not_ask(texts, known, robot)
         case CallBack(robot):
-            return why_not_command(known, robot)
+            return why_not_command(texts, known, robot)
         case RequestHandback(robot):
             # A robot that came back is announced anyway.
             return None if view.robots[robot].other_commander else ""
         case TakeUpTreasure() | MeasureProperty() | TellProperty():
-            refused = judge(known, request)
-            return refused.sentence if isinstance(refused, RequestRefused) else None
+            return why_not_find_out(texts, known, request)
         case OpenDialogue(robot, matter, room) if robot != _worker(known.state, matter, room):
-            return why_not_work(known, robot) or ""
+            return why_not_work(texts, known, robot) or ""
         case _:
             return None
 

@@ -126,7 +126,11 @@ class HuntMemory:
 
     def ask_to_go(self, request: SelectRoom | RequestSuggestion) -> str:
         """Ask a robot to go somewhere, and show the dialogue at once; return the sentence said to the robot."""
-        sentence = f"Go to room {request.room}." if isinstance(request, SelectRoom) else "I don't know where to go."
+        sentence = (
+            self.texts.text("popups.say_go", room=request.room)
+            if isinstance(request, SelectRoom)
+            else self.texts.text("popups.say_advise")
+        )
         self.pending.ask(request, self.view)
         self.opening_sentences[request.robot] = sentence
         self.popups.show(DestinationItem(request.robot))

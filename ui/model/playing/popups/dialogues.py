@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from sim.common.robot_numbers import robot_name
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import DialogueView, LastWords, SelectRoom
 from ui.model.keys import BACK, WAITING_KEY, choice_keys, keyed
@@ -11,7 +10,7 @@ from ui.model.playing.memory.history import SpokenLine, says, spoken
 from ui.model.playing.memory.popup_queue import DestinationItem
 from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.possible import energy_warning
-from ui.model.playing.words import name_request, outcome_of, titled
+from ui.model.playing.words import MATTERS, outcome_of
 from ui.model.screen import Action, DialoguePopup, GiveAnswer, ShowNext
 
 OVERRIDE = "override"
@@ -28,21 +27,24 @@ def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup 
     dialogue = hunt.destination_dialogue(item.robot)
     asked = hunt.pending.destination_request(item.robot)
     if asked is not None:
-        about = f" about room {asked.room}" if isinstance(asked, SelectRoom) else " for its advice"
-        never_mind = keyed(ShowNext(), "Never mind", hint="Do not ask it.")
+        texts, room = hunt.texts, asked.room if isinstance(asked, SelectRoom) else None
+        never_mind = keyed(ShowNext(), texts.text("popups.never_mind"), hint=texts.text("popups.never_mind_hint"))
         sentences = _request(hunt, item.robot)
-        title = f"Asking {robot_name(item.robot)}{about} …"
-        room = asked.room if isinstance(asked, SelectRoom) else None
+        title = (
+            texts.text("popups.asking_advice", robot=item.robot)
+            if room is None
+            else texts.text("popups.asking_about", robot=item.robot, room=room)
+        )
         return DialoguePopup(item.robot, title, sentences, (), never_mind, room=room)
     if dialogue is not None:
         return dialogue_popup(hunt, dialogue)
     words = hunt.unread_words(item.robot)
-    return None if words is None else _last_words_popup(words)
+    return None if words is None else _last_words_popup(hunt, words)
 
 
 def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
     """A dialogue that waits for the participant, or for the robot once they have answered."""
-    argues = hunt.view.has_last_word is not None
+    texts, argues = hunt.texts, hunt.view.has_last_word is not None
     acts = dialogue.acts if argues else ()
     answered = hunt.pending.answer(dialogue.dialogue, dialogue.turn)
     sentences = list(spoken(dialogue))
@@ -59,12 +61,12 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
             text,
             keys[number],
             enabled=answered is None,
-            hint="This is your decision." if acts[number : number + 1] == (OVERRIDE,) else "",
+            hint=texts.text("popups.your_decision") if acts[number : number + 1] == (OVERRIDE,) else "",
             pending=number == answered,
         )
         for number, text in enumerate(dialogue.choices)
     )
-    later = keyed(ShowNext(), "Later", hint="The robot waits for your answer.")
+    later = keyed(ShowNext(), texts.text("popups.later"), hint=texts.text("popups.answer_later_hint"))
     return DialoguePopup(
         dialogue.robot,
         dialogue_title(hunt, dialogue),
@@ -72,7 +74,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
         choices,
         # Esc leads back from the questions, and W does what it does elsewhere.
         replace(later, key=WAITING_KEY) if BACK in acts else later,
-        warning=energy_warning(hunt.known, dialogue.robot, dialogue.room) if dialogue.matter == "select-room" else "",
+        warning=_warning(hunt, dialogue),
         room=dialogue.room,
         note=_note(hunt, dialogue, sentences) if argues and answered is None else "",
         numbered=argues,
@@ -81,40 +83,34 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
 
 def _note(hunt: HuntMemory, dialogue: DialogueView, sentences: Sequence[SpokenLine]) -> str:
     """A remark: who decides in the end, or that it is the participant's turn although the robot says nothing."""
-    name = titled(dialogue.robot)
     if sentences[-1][0] == "you" and BACK not in dialogue.acts:
-        return f"{name} has nothing to add. It is your turn."
-    match hunt.view.has_last_word:
-        case "participant":
-            return f"{name} advises you. The decision is yours."
-        case "robot":
-            return f"{name} decides in the end. You may change its mind."
-        case _:
-            return "Nothing is done before you both agree."
+        return hunt.texts.text("popups.your_turn", robot=dialogue.robot)
+    return hunt.texts.text(f"popups.decision_of_{hunt.view.has_last_word}", robot=dialogue.robot)
 
 
-def _last_words_popup(words: LastWords) -> DialoguePopup:
+def _warning(hunt: HuntMemory, dialogue: DialogueView) -> str:
+    is_about_moving = dialogue.matter == "select-room"
+    return energy_warning(hunt.texts, hunt.known, dialogue.robot, dialogue.room) if is_about_moving else ""
+
+
+def _last_words_popup(hunt: HuntMemory, words: LastWords) -> DialoguePopup:
     """The end of a dialogue about where a robot goes."""
-    outcome, sentences = "" if words.is_told else outcome_of(words), spoken(words)[-LAST_SENTENCES:]
+    texts, sentences = hunt.texts, spoken(words)[-LAST_SENTENCES:]
+    outcome = "" if words.is_told else outcome_of(texts, words)
     if not sentences:
-        outcome += " You have talked about that before, and it has nothing to add."
-    close = keyed(ShowNext(), "Close")
-    title = f"{titled(words.robot)}: go to room {words.room}?"
+        outcome = f"{outcome} {texts.text('popups.said_before')}".lstrip()
+    close = keyed(ShowNext(), texts.text("popups.close"))
+    title = texts.text("popups.about_room", robot=words.robot, room=words.room)
     return DialoguePopup(words.robot, title, sentences, (), close, room=words.room, ended=True, outcome=outcome)
 
 
 def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:
     """Title of a dialogue: its subject."""
-    name = titled(dialogue.robot)
-    match dialogue.matter:
-        case "select-room":
-            return f"{name}: go to room {dialogue.room}?"
-        case "take-picture":
-            return f"{name}: take a picture in room {dialogue.room}?"
-        case "take-treasure":
-            named = hunt.submitted_names.get(dialogue.room)
-            what = f"it {name_in_words(named)}" if named else f"what is in room {dialogue.room}"
-            return f"{name}: name {what}?"
+    named = hunt.submitted_names.get(dialogue.room) if dialogue.matter == "take-treasure" else None
+    if named:
+        return hunt.texts.text("popups.about_name", robot=dialogue.robot, name=name_in_words(named))
+    about = MATTERS[dialogue.matter]
+    return hunt.texts.text(f"popups.about_{about}", robot=dialogue.robot, room=dialogue.room)
 
 
 def _opening(hunt: HuntMemory, dialogue: DialogueView) -> tuple[SpokenLine, ...]:
@@ -122,7 +118,9 @@ def _opening(hunt: HuntMemory, dialogue: DialogueView) -> tuple[SpokenLine, ...]
     named = hunt.submitted_names.get(dialogue.room)
     if dialogue.matter == "select-room":
         return _request(hunt, dialogue.robot)
-    return (("you", name_request(named)),) if dialogue.matter == "take-treasure" and named else ()
+    if dialogue.matter != "take-treasure" or not named:
+        return ()
+    return (("you", hunt.texts.text("popups.say_name", name=name_in_words(named))),)
 
 
 def _request(hunt: HuntMemory, robot: int) -> tuple[SpokenLine, ...]:

@@ -1,51 +1,61 @@
 """Page after the end of a game."""
 
-from thbridge.hunt.events import EndReason
+from collections.abc import Iterable
+
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import Debrief, PlayAgain, RoomDebrief, RoomView
 from ui.model.keys import keyed
 from ui.model.playing.memory.state import HuntMemory
-from ui.model.playing.words import as_sentence, counted, scored, verdict_words
+from ui.model.playing.words import scored, verdict_words
 from ui.model.screen import AnotherGame, GameOverPage, GoOnFromGame
-
-_ENDS = {
-    EndReason.ALL_VISITED.value: "Every room has been visited.",
-    EndReason.NO_MOVE_LEFT.value: "No robot has the energy to go any further.",
-    EndReason.GIVEN_UP.value: "You have ended the game.",
-}
 
 
 def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
     """The reason why the game is over, and its results; `once` where no other game follows."""
-    view = hunt.view
+    texts, view = hunt.texts, hunt.view
     visited = sum(room.state == "visited" for room in view.rooms)
-    verdicts = [room.verdict for room in view.rooms if room.verdict is not None]
-    right = sum(verdict.points > 0 for verdict in verdicts)
-    rightly = f", {right or 'none'} rightly" if verdicts else ""
     debrief = view.debrief or Debrief()
     lines = [
-        _ENDS.get(view.over or "", "The game is over."),
-        f"{visited} of {counted(len(view.rooms), 'room')} visited. "
-        + as_sentence(f"{counted(len(verdicts), 'treasure')} named{rightly}."),
+        _end(texts, view.over or ""),
+        f"{texts.text('game_over.visited', number=visited, count=len(view.rooms))} {_named(texts, view.rooms)}",
     ]
     if debrief.best is not None:
-        lines.append(f"With the same energy, {counted(debrief.best, 'point')} were possible.")
+        lines.append(texts.text("game_over.possible", count=debrief.best))
     was = {room.room: room for room in debrief.rooms}
-    lines += [line for room in view.rooms if (line := _of_room(room, was.get(room.room)))]
-    lines.append(debrief.farewell or "Thank you for playing.")
+    lines += [line for room in view.rooms if (line := _of_room(texts, room, was.get(room.room)))]
+    lines.append(debrief.farewell or texts.text("game_over.thanks"))
     busy = PlayAgain(view.game) in hunt.pending
-    again = keyed(AnotherGame(), "Play again", not busy, "With treasures hidden anew.", busy)
+    again = keyed(AnotherGame(), texts.text("game_over.again"), not busy, texts.text("game_over.again_hint"), busy)
     if once:
-        again = keyed(GoOnFromGame(), "Continue")
-    return GameOverPage(f"The game is over. Score: {scored(view.score)}", tuple(lines), again)
+        again = keyed(GoOnFromGame(), texts.text("game_over.go_on"))
+    return GameOverPage(texts.text("game_over.title", score=scored(view.score)), tuple(lines), again)
 
 
-def _of_room(room: RoomView, was: RoomDebrief | None) -> str:
+def _end(texts: Texts, reason: str) -> str:
+    """The reason why the game is over; a later release may give one that is unknown here."""
+    key = f"game_over.{reason.replace('-', '_')}"
+    return texts.text(key if texts.has(key) else "game_over.unknown")
+
+
+def _named(texts: Texts, rooms: Iterable[RoomView]) -> str:
+    verdicts = [room.verdict for room in rooms if room.verdict is not None]
+    right = sum(verdict.points > 0 for verdict in verdicts)
+    if not verdicts:
+        return texts.text("game_over.none_named")
+    if not right:
+        return texts.text("game_over.named_none_rightly", count=len(verdicts))
+    return texts.text("game_over.named", count=len(verdicts), number=right)
+
+
+def _of_room(texts: Texts, room: RoomView, was: RoomDebrief | None) -> str:
     """The end of a room in a sentence, with what was in it as far as that is told; empty where nothing is."""
-    it = "" if was is None else f"{name_in_words(was.name)}, {counted(was.points, 'point')}"
+    name, points = ("", 0) if was is None else (name_in_words(was.name), was.points)
+    it_was = f" {texts.text('game_over.it_was', name=name, count=points)}" if name else ""
     if room.verdict is not None:
-        told = verdict_words(room.verdict.name, room.verdict.points)
-        return f"Room {room.room}: {told}" + (f" It was {it}." if it and room.verdict.points <= 0 else "")
+        verdict = verdict_words(texts, room.verdict.name, room.verdict.points)
+        told = texts.text("history.named", room=room.room, verdict=verdict)
+        return told if room.verdict.points > 0 else f"{told}{it_was}"
     if room.left or room.undecided:
-        return f"Room {room.room}: left where it was" + (f"; it was {it}." if it else ".")
-    return f"Room {room.room}: not visited; there was {it}." if it else ""
+        return texts.text("game_over.left", room=room.room) + it_was
+    return texts.text("game_over.not_visited", room=room.room, name=name, count=points) if name else ""

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from sim.common.robot_numbers import robot_name
-from thbridge.hunt.costs import energy_text
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import TreasureIdentified, TreasureLeft
 from thbridge.hunt.properties import Teller, TreasureProperty, value_in_words
 from thbridge.hunt.rooms import Room
@@ -19,12 +18,12 @@ from ui.model.playing.popups.dialogues import dialogue_popup
 from ui.model.playing.possible import (
     ends_game,
     is_allowed,
+    why_not_find_out,
     why_not_name,
     why_not_picture,
-    why_not_request,
     why_not_work,
 )
-from ui.model.playing.words import counted, outcome_of, percent, titled, verdict_words
+from ui.model.playing.words import outcome_of, percent, verdict_words
 from ui.model.screen import (
     Action,
     AskWhatItIs,
@@ -57,10 +56,11 @@ def treasure_popup(
 
 
 def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float) -> TreasurePopup:
-    view, room = hunt.view, hunt.view.room(item.room)
+    texts, view, room = hunt.texts, hunt.view, hunt.view.room(item.room)
     picture = None if room.picture is None else pictures.of(view.game, item.room)
-    later = keyed(ShowNext(), "Later", hint="It waits for you.")
-    close = keyed(ShowNext(), "Close")
+    later = keyed(ShowNext(), texts.text("popups.later"), hint=texts.text("popups.decide_later_hint"))
+    close = keyed(ShowNext(), texts.text("popups.close"))
+    enlarge = keyed(EnlargePicture(), texts.text("popups.enlarge"), hint=texts.text("popups.enlarge_hint"))
     return TreasurePopup(
         robot=item.robot,
         room=item.room,
@@ -80,7 +80,7 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         worth=view.worth,
         talk=_talk(hunt, item),
         unsure=_unsure(hunt, item),
-        enlarge=None if picture is None else keyed(EnlargePicture(), "Enlarge", hint="Shows the picture large."),
+        enlarge=None if picture is None else enlarge,
         longest_name_it=max((_name_it(hunt, item, name) for name in view.names), key=_length, default=None),
     )
 
@@ -93,10 +93,10 @@ def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None
     """Outcome of a name; robots that decide in the end may have given it by themselves."""
     if room.verdict is None:
         return None
-    words = verdict_words(room.verdict.name, room.verdict.points)
+    words = verdict_words(hunt.texts, room.verdict.name, room.verdict.points)
     decides = hunt.view.has_last_word == "robot" and not hunt.view.robots[item.robot].other_commander
     alone = decides and item.room not in hunt.named
-    return f"{titled(item.robot)} has named it by itself. {words}" if alone else words
+    return f"{hunt.texts.text('popups.named_by_itself', robot=item.robot)} {words}" if alone else words
 
 
 def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
@@ -107,11 +107,12 @@ def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
     if words.agreed:
         nameless = Consent(item.robot, "take-treasure", item.room) in hunt.view.consents
         open_name = nameless and item.room not in hunt.submitted_names
-        return "You have agreed to name it. Pick what it is." if open_name else ""
+        return hunt.texts.text("popups.agreed_to_name") if open_name else ""
     said = [sentence for speaker, sentence in spoken(words) if speaker == "robot"]
     # That nothing is done it has said as well, and it is said here anyhow.
     said = said[: -1 if words.is_told else None]
-    return f"{outcome_of(words)} It said: {said[-1]}" if said else outcome_of(words)
+    outcome = outcome_of(hunt.texts, words)
+    return f"{outcome} {hunt.texts.text('popups.it_said', sentence=said[-1])}" if said else outcome
 
 
 def _facts(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> tuple[TreasureFact, ...]:
@@ -134,16 +135,26 @@ def _sense(
         return None
     request = MeasureProperty(item.room, measured.name)
     busy = request in hunt.pending
-    refused = why_not_request(hunt.known, item.robot, request)
-    energy, cost = hunt.view.robots[item.robot].energy, energy_text(measured.cost)
-    by = f", with its {measured.sensor}" if measured.sensor else ""
-    hint = refused or f"Costs {cost} of {energy_text(energy)} energy{by}."
-    if refused is None and energy - measured.cost < hunt.view.identify_cost <= energy:
-        hint += " Then too little is left to name what it is."
-    label = f"Sense the {measured.label.lower()}"
+    texts, refused = hunt.texts, why_not_find_out(hunt.texts, hunt.known, request)
+    hint = refused or _cost(hunt, item.robot, measured.cost, measured.sensor)
+    label = texts.text("popups.sense", property=measured.label.lower())
     if value:
-        return Action(SenseMore(measured.name), label, key, enabled=False, hint=f"It is {value_in_words(value)}.")
+        is_value = texts.text("popups.sensed", value=value_in_words(value))
+        return Action(SenseMore(measured.name), label, key, enabled=False, hint=is_value)
     return Action(SenseMore(measured.name), label, key, refused is None and not busy, hint, busy)
+
+
+def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
+    """What finding out more of a treasure costs, with a warning when too little is left to name it afterwards."""
+    texts, energy = hunt.texts, hunt.view.robots[robot].energy
+    hint = (
+        texts.text("popups.costs_with", cost=cost, energy=energy, sensor=sensor)
+        if sensor
+        else texts.text("popups.costs", cost=cost, energy=energy)
+    )
+    if energy - cost < hunt.view.identify_cost <= energy:
+        hint += f" {texts.text('popups.too_little_to_name')}"
+    return hint
 
 
 def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, key: str) -> tuple[Action, ...]:
@@ -151,7 +162,7 @@ def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, 
     if not room.undecided:
         return ()
     seen = room.picture is not None
-    hint = "" if seen else "Take a picture first."
+    hint = "" if seen else hunt.texts.text("hints.picture_first")
     after = (told.values.index(value) + 1) % len(told.values) if value in told.values else 0
     return tuple(
         Action(TellOfIt(told.name, each), each, key if number == after else "", each != value and seen, hint)
@@ -164,86 +175,91 @@ def _without_acts(facts: Sequence[TreasureFact]) -> tuple[TreasureFact, ...]:
 
 
 def _title(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str:
-    name = titled(item.robot)
-    gone = hunt.robot_in_room(item.room) is None
-    if not room.undecided:
-        return f"What {robot_name(item.robot)} found in room {item.room}" if gone else f"{name} in room {item.room}"
-    if gone:
-        return f"{name} found something in room {item.room} and was sent on"
-    return f"{name} found something in room {item.room}" if room.found else f"{name} looks around in room {item.room}"
+    if hunt.robot_in_room(item.room) is None:
+        title = "found_and_sent_on" if room.undecided else "was_found"
+    elif room.undecided:
+        title = "found" if room.found else "looks"
+    else:
+        title = "decided"
+    return hunt.texts.text(f"popups.{title}", robot=item.robot, room=item.room)
 
 
 def _picture_note(hunt: HuntMemory, room: RoomView, now: float) -> str:
     if room.picture is None:
-        return "" if hunt.robot_in_room(room.room) is not None or not room.undecided else "No picture was taken."
-    if now < hunt.picture_times.get(room.room, now) + PICTURE_TIMEOUT:
-        return "The picture is on its way."
-    return "The picture cannot be shown here."
+        is_over = hunt.robot_in_room(room.room) is None and room.undecided
+        return hunt.texts.text("popups.no_picture") if is_over else ""
+    is_late = now >= hunt.picture_times.get(room.room, now) + PICTURE_TIMEOUT
+    return hunt.texts.text("popups.picture_lost" if is_late else "popups.picture_comes")
 
 
 def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Action | None:
-    view, robot = hunt.view, hunt.view.robots[item.robot]
+    view = hunt.view
     if room.picture is not None or not room.undecided:
         return None
     asked = OpenDialogue(item.robot, "take-picture", item.room) in hunt.pending or any(
         (consent.matter, consent.room) == ("take-picture", item.room) for consent in view.consents
     )
-    refused = why_not_picture(hunt.known, item.robot, item.room)
-    hint = refused or f"Costs {energy_text(view.picture_cost)} of {energy_text(robot.energy)} energy."
-    if refused is None and robot.energy - view.picture_cost < view.identify_cost <= robot.energy:
-        hint += " Then too little is left to name what it is."
-    return keyed(TakeThePicture(), "Take a picture", refused is None and not asked, hint, asked)
+    refused = why_not_picture(hunt.texts, hunt.known, item.robot, item.room)
+    hint = refused or _cost(hunt, item.robot, view.picture_cost)
+    return keyed(TakeThePicture(), hunt.texts.text("popups.take_picture"), refused is None and not asked, hint, asked)
 
 
 def _name_it(hunt: HuntMemory, item: TreasureItem, name: str | None = None) -> Action:
     """The act that names it as picked, or as it were for another name."""
-    view = hunt.view
+    texts, view = hunt.texts, hunt.view
     picked = name or hunt.submitted_names.get(item.room) or hunt.picked
     busy = item.room in hunt.submitted_names
-    refused = why_not_name(hunt.known, item.robot, item.room)
+    refused = why_not_name(texts, hunt.known, item.robot, item.room)
     if refused is None and picked is None:
-        refused = "Pick a name first." if view.names else "Wait until it is known what it may be called."
-    cost = f"Costs {energy_text(view.identify_cost)} energy. {_stakes(view, picked)}"
+        refused = texts.text("hints.pick_first" if view.names else "hints.names_unknown")
+    cost = f"{texts.text('popups.naming_costs', cost=view.identify_cost)} {_stakes(texts, view, picked)}"
     if ends_game(hunt.known, TreasureIdentified(Room(item.room), item.robot, "", 0, view.identify_cost)):
-        cost += " Then the game ends."
-    label = "Name it" if picked is None else f"Name it {name_in_words(picked)}"
+        cost += f" {texts.text('popups.then_ends')}"
+    label = (
+        texts.text("popups.name_it") if picked is None else texts.text("popups.name_it_so", name=name_in_words(picked))
+    )
     return keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
 
 
 def _unsure(hunt: HuntMemory, item: TreasureItem) -> Action | None:
     if hunt.view.has_last_word is None:
         return None
-    busy = OpenDialogue(item.robot, "take-treasure", item.room, "") in hunt.pending
-    refused = why_not_name(hunt.known, item.robot, item.room)
+    texts, busy = hunt.texts, OpenDialogue(item.robot, "take-treasure", item.room, "") in hunt.pending
+    refused = why_not_name(texts, hunt.known, item.robot, item.room)
     possible = refused is None and not busy and item.room not in hunt.submitted_names
-    return keyed(AskWhatItIs(), "I don't know", possible, refused or "Asks the robot what it is; free.", busy)
+    hint = refused or texts.text("popups.unsure_hint")
+    return keyed(AskWhatItIs(), texts.text("popups.unsure"), possible, hint, busy)
 
 
-def _stakes(view: View, picked: str | None) -> str:
+def _stakes(texts: Texts, view: View, picked: str | None) -> str:
     """The points that a name may win and lose, with their number where it is told."""
     worth = dict(zip(view.names, view.worth, strict=False)).get(picked or "")
-    match view.wrong_share:
+    right = texts.text("popups.right_wins") if worth is None else texts.text("popups.right_wins_points", count=worth)
+    return f"{right} {_wrong(texts, view.wrong_share)}"
+
+
+def _wrong(texts: Texts, share: float | None) -> str:
+    match share:
         case None:
-            wrong = "may lose some"
+            return texts.text("popups.wrong_may_lose")
         case 0.0:
-            wrong = "loses none"
+            return texts.text("popups.wrong_loses_none")
         case 1.0:
-            wrong = "loses the points of what it is"
-        case share:
-            wrong = f"loses {percent(share)} of the points of what it is"
-    right = "A right name wins points" if worth is None else f"If it is right, it wins {counted(worth, 'point')}"
-    return f"{right}; a wrong one {wrong}."
+            return texts.text("popups.wrong_loses_all")
+        case _:
+            return texts.text("popups.wrong_loses_share", share=percent(texts, share))
 
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
-    busy = GiveUpTreasure(item.room) in hunt.pending
+    texts, busy = hunt.texts, GiveUpTreasure(item.room) in hunt.pending
     possible = is_allowed(hunt.known, GiveUpTreasure(item.room))
-    silent = why_not_work(hunt.known, item.robot)
+    silent = why_not_work(texts, hunt.known, item.robot)
     if not possible:
-        hint = "This is decided."
+        hint = texts.text("hints.refused_already_decided")
     elif ends_game(hunt.known, TreasureLeft(Room(item.room))):
-        hint = "Ends the game."
+        hint = texts.text("popups.leave_ends")
     else:
-        hint = "Free, but for good." if hunt.robot_in_room(item.room) is None else "Free; can be undone."
+        gone = hunt.robot_in_room(item.room) is None
+        hint = texts.text("popups.leave_for_good" if gone else "popups.leave_for_now")
     told = f"{silent} {hint}" if silent else hint
-    return keyed(LeaveTreasure(), "Leave it", possible and not busy, told, busy)
+    return keyed(LeaveTreasure(), texts.text("popups.leave"), possible and not busy, told, busy)

@@ -13,7 +13,7 @@ from ui.windows.participant.pages.pages import KeyCap
 
 @pytest.fixture
 def page(qtbot: QtBot) -> StartPage:
-    made = StartPage(shipped_texts(), 2, 6, 3, rules_lines(picture_cost=7.0, identify_cost=2.0))
+    made = StartPage(shipped_texts(), 2, 6, 3, rules_lines(shipped_texts(), picture_cost=7.0, identify_cost=2.0))
     qtbot.addWidget(made)
     made.show()
     made.activateWindow()
