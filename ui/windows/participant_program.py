@@ -6,6 +6,7 @@ It connects the window (`ParticipantWindow`), its model (`Participant`) and the 
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QCloseEvent, QKeySequence, QShortcut
@@ -74,6 +75,7 @@ class GamePage(QWidget):
         clock: monotonic seconds.
         way_back: label of that button; its language does not change.
         once: True where one game is played and something else follows: its end is shown as it was when it came.
+        cancel: leaves before the game is reached; None: that is not offered.
 
     Attributes:
         seen_over: the end of the game is shown.
@@ -97,8 +99,10 @@ class GamePage(QWidget):
         clock: Callable[[], float],
         way_back: str = "",
         once: bool = False,
+        cancel: Callable[[], None] | None = None,
     ) -> None:
         super().__init__()
+        self._cancel = cancel
         self._link = link
         self._clock = clock
         self._practice = practice
@@ -125,7 +129,11 @@ class GamePage(QWidget):
         texts = self._preferences.texts = self._texts
         self.setWindowTitle(texts.text("window.title"))
         self._strip.setAccessibleName(texts.text("pages.practice_game" if self._practice else "pages.this_game"))
-        self.window_of_game = window = ParticipantWindow(self._model, self._clock, look.colours())
+        self.window_of_game = window = ParticipantWindow(
+            self._model, self._clock, look.colours(), can_cancel=self._cancel is not None
+        )
+        if self._cancel is not None:
+            window.connecting.cancelled.connect(self._cancel)
         window.sounded.connect(self._sounds.play)
         window.declined.connect(self.declined)
         window.went_on.connect(self.went_on)
@@ -293,7 +301,7 @@ class ParticipantMainWindow(QMainWindow):
         self._clock = clock
         self._preferences = preferences
         self._send_to_host = send
-        self._leaving = False
+        self._leaving = self._going_back = False
         self.declined = False
         """True once the participant has said that they do not take part."""
         self.game: GamePage | None = None
@@ -313,16 +321,18 @@ class ParticipantMainWindow(QMainWindow):
         """Act on a message of the host."""
         match message:
             case Offer():
+                self._going_back = False
                 self._learn(message.texts)
                 if message.consent:
                     self._ask_for_consent(message.consent)
                 else:
                     self._show_start(message)
             case Preparing(sentence):
-                page = ConnectingPage(self._texts)
+                page = ConnectingPage(self._texts, can_cancel=True)
                 page.show_waiting(sentence)
+                page.cancelled.connect(partial(self._cancel, page))
                 self._show(page)
-            case Join(host, port, token, practice, agreed_at):
+            case Join(host, port, token, practice, agreed_at) if not self._going_back:
                 consent = GiveConsent(agreed_at) if agreed_at else None
                 self.join(ParticipantLink(host, port, token, consent), practice)
             case Thanks(texts) if not isinstance(self._pages.currentWidget(), ThanksPage):
@@ -338,11 +348,19 @@ class ParticipantMainWindow(QMainWindow):
         """Show a game; `once` where no other follows."""
         back = None if self._send_to_host is None else lambda: self._send(Back())
         way_back = self._texts.text("pages.back_to_start")
-        game = GamePage(link, self._texts, self._preferences, practice, back, self._clock, way_back, once)
+        cancel = back or self.leave
+        game = GamePage(link, self._texts, self._preferences, practice, back, self._clock, way_back, once, cancel)
         game.declined.connect(self._decline)
         game.windowTitleChanged.connect(self.setWindowTitle)
         self._show(game)
         self.game = game
+
+    def _cancel(self, page: ConnectingPage) -> None:
+        """Ask the host to go back to the start page: it does when the game's program has stopped."""
+        self._going_back = True
+        page.cancel.setEnabled(False)
+        page.show_waiting(self._texts.text("pages.going_back"))
+        self._send(Back())
 
     def leave(self) -> None:
         """Close without asking."""

@@ -90,6 +90,8 @@ class ParticipantWindow(QWidget):
     Args:
         model: source of all that is shown.
         clock: monotonic seconds.
+        palette: the colors.
+        can_cancel: True to offer *Cancel* while the game is not reached.
 
     Attributes:
         declined: the participant does not take part in the study.
@@ -103,8 +105,11 @@ class ParticipantWindow(QWidget):
     sounded = Signal(object)
     help_shown = Signal(bool)
 
-    def __init__(self, model: Participant, clock: Callable[[], float], palette: Palette) -> None:
+    def __init__(
+        self, model: Participant, clock: Callable[[], float], palette: Palette, *, can_cancel: bool = False
+    ) -> None:
         super().__init__()
+        self._can_cancel = can_cancel
         self._model = model
         self._texts = model.texts
         self._clock = clock
@@ -143,7 +148,7 @@ class ParticipantWindow(QWidget):
     # Layout -----------------------------------------------------------------------------------------------------------
 
     def _build(self, texts: Texts) -> None:
-        self.connecting, self.consent = ConnectingPage(texts), ConsentPage(texts)
+        self.connecting, self.consent = ConnectingPage(texts, can_cancel=self._can_cancel), ConsentPage(texts)
         self.top, self.column = TopStrip(texts), SideColumn(texts)
         self.map_area, self.waiting = MapArea(texts, self.map), WaitingStrip(texts)
         self.history = self.map_area.history

@@ -2,9 +2,18 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QRectF, QSize, Qt
-from PySide6.QtGui import QKeySequence, QPaintEvent, QShortcut
-from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtCore import QElapsedTimer, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QHideEvent, QKeySequence, QPaintEvent, QShortcut, QShowEvent
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
 
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.keys import keyed, shown_key
@@ -38,23 +47,71 @@ def window_keys(texts: Texts) -> tuple[tuple[str, str], ...]:
 
 
 class ConnectingPage(QWidget):
-    """The page before there is a game: says what it waits for."""
+    """The page before there is a game: says what it waits for, and for how long it has waited.
 
-    def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
+    Args:
+        texts: of the window's language.
+        parent: as for any widget.
+        can_cancel: True to offer *Cancel*.
+
+    Attributes:
+        cancelled: the participant does not want to wait any longer.
+    """
+
+    cancelled = Signal()
+
+    def __init__(self, texts: Texts, parent: QWidget | None = None, *, can_cancel: bool = False) -> None:
         super().__init__(parent)
+        self._texts = texts
         make_region(self, texts.text("pages.connecting"))
+        # The focus stays here: a second press of Enter, meant for the page before, must not cancel.
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         rows = spaced(QVBoxLayout(self), GAP, 4 * GAP)
         self._title = look.label(texts.text("pages.one_moment"), "hero", bold=True)
         self._what = look.label(size="title", muted=True)
+        self.bar, self.waited = QProgressBar(), look.label(muted=True)
+        self.bar.setRange(0, 0)  # Nobody knows how long it takes.
+        self.bar.setTextVisible(False)
+        self.bar.setAccessibleName(texts.text("pages.one_moment"))
+        follow_text(self.bar, lambda bar: bar.setFixedWidth(look.px(280)))
+        self.cancel = ActionButton(texts)
+        label = texts.text("pages.cancel")
+        self.cancel.show_face(ButtonFace(label, "Esc"), label)
+        self.cancel.clicked.connect(self.cancelled)
+        if not can_cancel:
+            self.cancel.hide()
         rows.addStretch(2)
-        for line in (self._title, self._what):
-            line.setAlignment(Qt.AlignmentFlag.AlignCenter)
-            rows.addWidget(line)
+        for line in (self._title, self._what, self.bar, self.waited, self.cancel):
+            if isinstance(line, QLabel):
+                line.setAlignment(Qt.AlignmentFlag.AlignCenter)
+                rows.addWidget(line)
+            else:
+                rows.addWidget(line, 0, Qt.AlignmentFlag.AlignHCenter)
         rows.addStretch(3)
+        if can_cancel:
+            QShortcut(QKeySequence("Esc"), self, self.cancel.click)
+        self._since = QElapsedTimer()
+        self._counting = QTimer(self, interval=1000)
+        self._counting.timeout.connect(self._count)
 
     def show_waiting(self, text: str) -> None:
         """Say in words what it waits for."""
         set_text(self._what, text)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Begin to count the seconds."""
+        super().showEvent(event)
+        self._since.start()
+        self._count()
+        self._counting.start()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Stop counting."""
+        super().hideEvent(event)
+        self._counting.stop()
+
+    def _count(self) -> None:
+        set_text(self.waited, self._texts.text("pages.waited", count=round(self._since.elapsed() / 1000)))
 
 
 class ConsentPage(ActionWidget):
