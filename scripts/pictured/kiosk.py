@@ -13,6 +13,7 @@ from thbridge.experiment.folder import EXAMPLE
 from thbridge.experiment.progress import Run
 from thbridge.experiment.questionnaires.form import SHIPPED, read_form
 from thbridge.experiment.store.events import RunState
+from thbridge.files.language_texts import shipped_texts
 from thbridge.study.built_in import STANDARD
 from thbridge.study.study_file import DialogueSection
 from ui.hosting.kiosk import words
@@ -50,22 +51,23 @@ ALL_KINDS = (
 def at_the_kiosk() -> Iterator[Shot]:
     """The pages, in the order of a study."""
     seconds = 0.0
-    window = KioskWindow(unkept_preferences(), lambda _: None, lambda: seconds)
+    texts = shipped_texts()
+    window = KioskWindow(texts, unkept_preferences(), lambda _: None, lambda: seconds)
     window.resize(*SIZE)
     window.show()
-    window.receive(TextToRead(1, words.WELCOME, words.WELCOME_PARTICIPANT, "Begin"))
+    window.receive(TextToRead(1, *words.headed(texts, "welcome"), texts.text("kiosk.begin")))
     yield Shot("kiosk-welcome", window)
     ask = FormItem("code", "Which code did the recruiting service give you?", "text", one_line=True)
-    window.receive(FormToFill(2, words.RECRUITING, "", (ask,), progress=StudyProgress(1, STEPS)))
+    window.receive(FormToFill(2, texts.text("kiosk.recruiting"), "", (ask,), progress=StudyProgress(1, STEPS)))
     yield Shot("kiosk-code", window)
     text = (EXAMPLE / "texts" / "welcome.txt").read_text(encoding="utf-8")
-    heading = words.HEADINGS[StepKind.INSTRUCTIONS]
+    heading = words.step_heading(texts, StepKind.INSTRUCTIONS)
     window.receive(TextToRead(3, heading, text, progress=StudyProgress(1, STEPS)))
     yield Shot("kiosk-text", window)
     window.receive(ConsentToAsk(4, CONSENT, progress=StudyProgress(2, STEPS)))
     yield Shot("kiosk-consent", window)
-    once_more = words.repetition(words.spoken(StepKind.PRACTICE), 1)
-    window.receive(TextToRead(5, words.ONCE_MORE, once_more, progress=StudyProgress(4, STEPS)))
+    once_more = words.repetition(texts, StepKind.PRACTICE, 1)
+    window.receive(TextToRead(5, texts.text("kiosk.once_more"), once_more, progress=StudyProgress(4, STEPS)))
     yield Shot("kiosk-once-more", window)
     argues = DialogueSection(condition=DialogueCondition.COLLABORATOR)
     hunt = PicturedHunt(replace(STANDARD, robots=2, dialogue=argues))
@@ -73,7 +75,7 @@ def at_the_kiosk() -> Iterator[Shot]:
     hunt.asked()
     seconds = hunt.now
     window.receive(InstructionsSoFar((InstructionText(text),)))
-    to_do = words.to_do({PracticeTerm.MOVES: 1.0, PracticeTerm.DIALOGUES: 1.0})
+    to_do = words.to_do(texts, {PracticeTerm.MOVES: 1.0, PracticeTerm.DIALOGUES: 1.0})
     practice = GameToJoin(6, "", 0, "", True, progress=StudyProgress(3, STEPS), to_do=to_do)
     window.show_game(practice, RecordedLink(hunt))
     window.receive(GameNews(6, 560, to_do))
@@ -85,8 +87,8 @@ def at_the_kiosk() -> Iterator[Shot]:
     if window.game is not None:
         window.game.window_of_game.do(ShowHelp())
     yield Shot("kiosk-game-instructions", window, _wear(window))
-    played = words.result({"over": None, "score": 40})
-    window.receive(GameRecorded(6, words.GAME_ENDED, played, StudyProgress(6, STEPS)))
+    played = words.result(texts, {"over": None, "score": 40})
+    window.receive(GameRecorded(6, texts.text("kiosk.game_ended"), played, StudyProgress(6, STEPS)))
     yield Shot("kiosk-game-ended", window)
     asked = read_form(SHIPPED / "workload.yaml").value
     items = tuple(map(form_item, asked.items))
@@ -95,7 +97,7 @@ def at_the_kiosk() -> Iterator[Shot]:
     yield Shot("kiosk-workload", window)
     answers: dict[str, Answer] = {"agree": 4.0, "hard": 35.0, "used": ("a drone",)}
     kinds = FormToFill(
-        8, "The robots", "There are no right answers.", ALL_KINDS, answers, part=2, parts=3, back=words.BACK,
+        8, "The robots", "There are no right answers.", ALL_KINDS, answers, part=2, parts=3, back=True,
         progress=StudyProgress(9, STEPS),
     )  # fmt: skip
     window.receive(kinds)
@@ -118,17 +120,17 @@ def at_the_kiosk() -> Iterator[Shot]:
     yield Shot("kiosk-leaving", window)
     window.leaving_panel.stay.click()
     run = Run("P-7K3FQ", Place(0, 0, 0), (), state=RunState.COMPLETE)
-    window.receive(TextToRead(10, *words.farewell(run), "Finish", code="7K3FQ9XB"))
+    window.receive(TextToRead(10, *words.farewell(texts, run), texts.text("kiosk.finish"), code="7K3FQ9XB"))
     yield Shot("kiosk-thanks", window)
     left = Run("P-7K3FQ", Place(0, 0, 0), (), state=RunState.LEFT)
-    window.receive(TextToRead(11, *words.before_debriefing(left)))
+    window.receive(TextToRead(11, *words.before_debriefing(texts, left)))
     yield Shot("kiosk-before-debriefing", window)
     debriefing = (EXAMPLE / "texts" / "debrief.txt").read_text(encoding="utf-8")
-    window.receive(TextToRead(11, words.BEFORE_YOU_GO, debriefing))
+    window.receive(TextToRead(11, texts.text("kiosk.before_you_go"), debriefing))
     yield Shot("kiosk-debriefing", window)
-    window.receive(TextToRead(11, *words.farewell(left), "Finish"))
+    window.receive(TextToRead(11, *words.farewell(texts, left), texts.text("kiosk.finish")))
     yield Shot("kiosk-left", window)
-    window.receive(HostStops(words.STOPPED, words.STOPPED_TEXT))
+    window.receive(HostStops(texts.text("kiosk.pauses"), texts.text("kiosk.stopped_text")))
     yield Shot("kiosk-stopped", window)
     window.give_way()
 

@@ -9,10 +9,17 @@ from typing import Literal, TypeAlias
 
 import msgspec
 
+from thbridge.roles.notices import GameTexts
 from ui.model.window_protocol import WindowProtocol
 
 Answer: TypeAlias = float | str | tuple[str, ...] | None
 """Answer to an item: a number, words or an option, several options; None: not answered."""
+
+
+class StudyTexts(msgspec.Struct, frozen=True, tag=True):
+    """Host: the texts of the study's language, before all else. A window shows nothing before they come."""
+
+    texts: GameTexts
 
 
 class StudyProgress(msgspec.Struct, frozen=True):
@@ -29,7 +36,7 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
         page: number of the page.
         heading: above the text; empty: none.
         text: in paragraphs, or Markdown.
-        button: what leads on; empty: nothing does, and the page is there until another comes.
+        button: what leads on; None: the usual word; empty: nothing does, and the page is there until another comes.
         markdown: True where the text is Markdown.
         code: completion code to copy down; empty: none.
         anew: True where the next person begins: what the one before chose for themselves (size of text, sound) is over.
@@ -39,7 +46,7 @@ class TextToRead(msgspec.Struct, frozen=True, tag=True):
     page: int
     heading: str
     text: str
-    button: str = "Continue"
+    button: str | None = None
     markdown: bool = False
     code: str = ""
     anew: bool = False
@@ -59,6 +66,7 @@ class FormItem(msgspec.Struct, frozen=True):
     """An item of a form as people see it; most attributes are those of `questionnaires.form.Item`.
 
     Attributes:
+        labels: of the options, in their order; empty: the options themselves.
         one_line: True where a text is a word or a code, and Enter leads on.
     """
 
@@ -73,6 +81,7 @@ class FormItem(msgspec.Struct, frozen=True):
     step: float = 1.0
     unit: str = ""
     options: tuple[str, ...] = ()
+    labels: tuple[str, ...] = ()
     several: bool = False
     required: bool = True
     not_applicable: bool = False
@@ -93,8 +102,7 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
         missing: ids of required items without an answer, to be pointed at.
         part: number of the page within the form, from 1.
         parts: pages of the form.
-        button: what leads on.
-        back: what leads back to the page before; empty: nothing does.
+        back: True where the person may go back to the page before.
         progress: of the person.
     """
 
@@ -107,8 +115,7 @@ class FormToFill(msgspec.Struct, frozen=True, tag=True):
     missing: tuple[str, ...] = ()
     part: int = 1
     parts: int = 1
-    button: str = "Continue"
-    back: str = ""
+    back: bool = False
     progress: StudyProgress = StudyProgress()
 
 
@@ -196,7 +203,7 @@ class CloseKiosk(msgspec.Struct, frozen=True, tag=True):
 class HostStops(msgspec.Struct, frozen=True, tag=True):
     """Host: it ends in the middle of somebody's run; the window stays and shows this until another one opens.
 
-    A window whose host ends without this or `CloseKiosk` has words of its own for that.
+    A window whose host ends without this or `CloseKiosk` says so with the study's texts.
     """
 
     heading: str
@@ -277,7 +284,8 @@ class KioskClosed(msgspec.Struct, frozen=True, tag=True):
 
 
 ToKiosk: TypeAlias = (
-    TextToRead
+    StudyTexts
+    | TextToRead
     | ConsentToAsk
     | FormToFill
     | AnswerKept
@@ -311,14 +319,14 @@ def _answered(form: FormToFill, kept: AnswerKept) -> FormToFill:
 
 
 def _kept(before: Sequence[ToKiosk], message: ToKiosk) -> Sequence[ToKiosk]:
-    """The last page, with a form's answers that are in the log by now, a game's last news, and the instructions."""
+    """The texts, the last page, with a form's answers that are in the log, a game's last news, and the instructions."""
     match message:
         case GameNews() | InstructionsSoFar():
             return [*(one for one in before if type(one) is not type(message)), message]
         case AnswerKept():
             return [_answered(one, message) if isinstance(one, FormToFill) else one for one in before]
         case _:
-            return [*(one for one in before if isinstance(one, InstructionsSoFar)), message]
+            return [*(one for one in before if isinstance(one, StudyTexts | InstructionsSoFar)), message]
 
 
 KIOSK = WindowProtocol(msgspec.json.Decoder(ToKiosk), msgspec.json.Decoder(FromKiosk), KioskClosed(), _kept)

@@ -23,9 +23,9 @@ from thbridge.experiment.questionnaires.form import Item
 from thbridge.experiment.rehearsal.people import normal, read_people
 from thbridge.experiment.store.event_log import LogFollower
 from thbridge.experiment.trials import setting_of_trial
+from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.view import View
-from ui.hosting.kiosk import words
 from ui.hosting.kiosk.answers import to_answer
 from ui.model.kiosk import (
     KIOSK,
@@ -45,6 +45,7 @@ from ui.model.kiosk import (
     ItemNews,
     KioskClosed,
     StoppedTakingPart,
+    StudyTexts,
     TextToRead,
     ToKiosk,
     WentOn,
@@ -52,7 +53,7 @@ from ui.model.kiosk import (
 from ui.windows.link import ParticipantLink
 
 SEED = 7
-FULL = words.NO_PLACES["full"][0]
+FULL = shipped_texts().text("kiosk.full")
 
 
 class Somebody:
@@ -157,7 +158,7 @@ class Window:
             self._somebody.look_up()
             if isinstance(message, AnswerKept):
                 self._kept(message)
-            elif not isinstance(message, GameNews | InstructionsSoFar):
+            elif not isinstance(message, GameNews | InstructionsSoFar | StudyTexts):
                 self._shown(message)
 
     def _kept(self, message: AnswerKept) -> None:
@@ -206,7 +207,7 @@ class Window:
         match message:
             case TextToRead(heading=heading) if heading == FULL:
                 self.say(KioskClosed())
-            case TextToRead(button=button) if button:
+            case TextToRead(button=button) if button != "":
                 self.say(WentOn(message.page))
             case ConsentToAsk():
                 self.say(ConsentReply(message.page, True, time.monotonic_ns()))

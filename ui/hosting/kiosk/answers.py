@@ -23,6 +23,7 @@ def form_item(item: Item) -> FormItem:
         step=item.step,
         unit=item.unit,
         options=item.options,
+        labels=item.labels if item.scale is Scale.CHOICE else (),
         several=item.several,
         required=item.required,
         not_applicable=item.not_applicable,

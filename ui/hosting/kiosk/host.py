@@ -16,6 +16,7 @@ from typing import Protocol, TypeAlias, TypeVar
 
 from msgspec import structs
 
+from thbridge.app.compose.setting import texts_of
 from thbridge.app.consent import ParticipantDeclined
 from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.places import NoPlace
@@ -29,6 +30,7 @@ from thbridge.experiment.store.events import Actor, Clocks, EventKind, JsonValue
 from thbridge.experiment.trials import PracticeCount, results_of
 from thbridge.files.disk.text_files import read_bytes, read_text, text_of
 from thbridge.files.errors import BadFile
+from thbridge.roles.notices import GameTexts
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
 from ui.hosting.kiosk import words
@@ -58,6 +60,7 @@ from ui.model.kiosk import (
     KioskClosed,
     StoppedTakingPart,
     StudyProgress,
+    StudyTexts,
     TextToRead,
     ToKiosk,
     WentBack,
@@ -133,6 +136,9 @@ class KioskHost:
         games: plays its games.
         clock: of its events.
 
+    Raises:
+        BadFile: the texts of the study's language cannot be read.
+
     Attributes:
         changed: called after each event of the log, and when another page is shown.
     """
@@ -147,6 +153,7 @@ class KioskHost:
     ) -> None:
         self.changed: Callable[[], None] = _ignore
         self._design = design
+        self._texts = texts_of(design.study, design.beside)
         self._conductor = conductor
         self._window = window
         self._games = games
@@ -188,7 +195,7 @@ class KioskHost:
         if under_way := unfinished(self.progress):
             return f"{under_way[0].participant} is still under way."
         if isinstance(place := self.progress.next_place(), NoPlace):
-            return words.NO_PLACES[place][0] + "."
+            return words.NO_PLACE_TOLD[place]
         self._admits = True
         self._wake()
         return None
@@ -262,6 +269,7 @@ class KioskHost:
     async def _host(self, people: Coroutine[object, object, None]) -> None:
         """Keep the window open while people go through something."""
         async with self._window.opened():
+            await self._window.send(StudyTexts(GameTexts.of(self._texts)))
             listening = asyncio.create_task(self._listen())
             failed = False
             try:
@@ -292,8 +300,8 @@ class KioskHost:
         if self._closed or not self._person or self._run.state is not RunState.UNDER_WAY:
             await self._window.send(CloseKiosk())
             return
-        heading, text = (words.FAILED, words.FAILED_TEXT) if failed else (words.STOPPED, words.STOPPED_TEXT)
-        await self._window.send(HostStops(heading, text))
+        text = self._texts.text("kiosk.failed_text" if failed else "kiosk.stopped_text")
+        await self._window.send(HostStops(self._texts.text("kiosk.pauses"), text))
         self._window.leave_open()
 
     async def _listen(self) -> None:
@@ -306,7 +314,7 @@ class KioskHost:
         for run in unfinished(self.progress):
             self._person = run.participant
             with contextlib.suppress(_RunOver):
-                await self._read(TextToRead(0, words.RESTARTED, words.RESTARTED_TEXT))
+                await self._read(TextToRead(0, *words.headed(self._texts, "restarted")))
             await self._go_through(run.participant, again=True)
         if runs and runs[-1].state is not RunState.UNDER_WAY and not runs[-1].farewell_read:
             self._person = runs[-1].participant
@@ -318,12 +326,13 @@ class KioskHost:
         while True:
             place = self.progress.next_place()
             if isinstance(place, NoPlace):
-                heading, text = words.NO_PLACES[place]
-                await self._show(TextToRead(0, heading, text, button="", anew=True))
+                await self._show(TextToRead(0, *words.no_place(self._texts, place), button="", anew=True))
             elif self._design.file.begins is WhoBegins.RESEARCHER:
-                await self._show(TextToRead(0, words.WELCOME, words.WELCOME_RESEARCHER, button="", anew=True))
+                text = self._texts.text("kiosk.welcome_wait")
+                await self._show(TextToRead(0, self._texts.text("kiosk.welcome"), text, button="", anew=True))
             else:
-                await self._show(TextToRead(0, words.WELCOME, words.WELCOME_PARTICIPANT, button="Begin", anew=True))
+                begin = self._texts.text("kiosk.begin")
+                await self._show(TextToRead(0, *words.headed(self._texts, "welcome"), button=begin, anew=True))
             message: FromKiosk | _Woken | None = None
             while not (self._admits or isinstance(message, WentOn | BeginNext | _Woken)):
                 message = await self._next()
@@ -398,9 +407,9 @@ class KioskHost:
     async def _part(self, participant: str) -> None:
         """Show the last pages until the person has gone."""
         await self._debrief()
-        heading, text = words.farewell(self.progress.runs[participant])
+        heading, text = words.farewell(self._texts, self.progress.runs[participant])
         code = self.progress.runs[participant].code
-        await self._read_last(TextToRead(0, heading, text, "Finish", code=code))
+        await self._read_last(TextToRead(0, heading, text, self._texts.text("kiosk.finish"), code=code))
         by: Actor = "experimenter" if self._admits else "participant"
         self._person = ""
         self._conductor.tell_of_run(EventKind.FAREWELL_READ, participant, {}, by)
@@ -411,10 +420,11 @@ class KioskHost:
         if self.progress.next_debriefing(self._person) is None:
             return
         if not run.debriefs:
-            await self._read_last(TextToRead(0, *words.before_debriefing(run)))
+            await self._read_last(TextToRead(0, *words.before_debriefing(self._texts, run)))
         while not self._admits and (step := self._conductor.debrief(self._person)) is not None:
             text, markdown = self._text_of(step)
-            if await self._read_last(TextToRead(0, words.BEFORE_YOU_GO, text, markdown=markdown)):
+            heading = self._texts.text("kiosk.before_you_go")
+            if await self._read_last(TextToRead(0, heading, text, markdown=markdown)):
                 self._conductor.end(self._person, step)
 
     async def _read_last(self, page: TextToRead) -> bool:
@@ -510,7 +520,8 @@ class KioskHost:
         if not ask or self._run.recruiting_code is not None:
             return
         asked = FormItem("code", ask, "text", one_line=True)
-        page = FormToFill(0, words.RECRUITING, words.CODE_NOT_KEPT if again else "", (asked,))
+        instructions = self._texts.text("kiosk.code_not_kept") if again else ""
+        page = FormToFill(0, self._texts.text("kiosk.recruiting"), instructions, (asked,))
         await self._show(page)
         code = ""
         while True:
@@ -531,24 +542,24 @@ class KioskHost:
         if check is None or check.number in run.failed:
             return
         named = run.plan[run.step - 1]
-        before = "" if named.number == check.number else words.spoken(named.entry.step)
-        text = words.repetition(before, check.entry.attempts - run.attempts[check.number])
-        await self._read(TextToRead(0, words.ONCE_MORE, text))
+        first = None if named.number == check.number else named.entry.step
+        text = words.repetition(self._texts, first, check.entry.attempts - run.attempts[check.number])
+        await self._read(TextToRead(0, self._texts.text("kiosk.once_more"), text))
 
     async def _text(self, step: PlannedStep) -> None:
         text, markdown = self._text_of(step)
-        heading = "" if markdown else words.HEADINGS[step.entry.step]
+        heading = "" if markdown else words.step_heading(self._texts, step.entry.step)
         await self._read(TextToRead(0, heading, text, markdown=markdown))
 
     def _text_of(self, step: PlannedStep) -> tuple[str, bool]:
         """Return what is read in a step, and whether it is Markdown."""
         if step.entry.text is None:
-            return words.PAUSE_TEXT, False
+            return self._texts.text("kiosk.pause_text"), False
         path = self._design.path.parent / step.entry.text
         text = read_text(path)
         if step.entry.step is StepKind.DEBRIEF and step.entry.results:
             games = results_of(self._design, SettingCache(self._design.beside), self._run)
-            text = "\n\n".join(filter(None, (text.rstrip(), words.results(games))))
+            text = "\n\n".join(filter(None, (text.rstrip(), words.results(self._texts, games))))
         return text, path.suffix == ".md"
 
     async def _consent(self, step: PlannedStep) -> None:
@@ -578,7 +589,7 @@ class KioskHost:
             items = pages[part - 1]
             before = next((page for page in range(part - 1, 0, -1) if not _is_limited(pages[page - 1])), 0)
             is_closed = _is_limited(items) and not self._is_open(items)
-            if is_closed or await self._fill_in(form, items, part, len(pages), words.BACK if before else ""):
+            if is_closed or await self._fill_in(form, items, part, len(pages), back=before > 0):
                 part += 1
             else:
                 part = before
@@ -594,7 +605,7 @@ class KioskHost:
         run = self._run
         return item.required and run.given.get(item.id) is None and item.id not in run.timed_out
 
-    async def _fill_in(self, form: Form, items: tuple[Item, ...], part: int, parts: int, back: str) -> bool:
+    async def _fill_in(self, form: Form, items: tuple[Item, ...], part: int, parts: int, *, back: bool) -> bool:
         """Have a page of a form filled in; False: the person goes back to the one before, whatever is answered here.
 
         What nobody need answer gets no answer in the end, which is one, too.
@@ -653,28 +664,31 @@ class KioskHost:
     async def _practice(self, step: PlannedStep) -> None:
         """Have practice played until all is done that its step asks for, or it was played often enough."""
         for game in range(MOST_PRACTICE):
-            await self._show(GamePrepared(0, words.PRACTICE_COMES))
+            await self._show(GamePrepared(0, self._texts.text("kiosk.practice_comes")))
             visit = _Visit(self, practice=True)
             done = await self._at_game(visit, self._games.practise(self._run, step, visit))
             self._conductor.tell(EventKind.PRACTICE_PLAYED, self._person, step, done.data, "program")
             if not visit.went_on:
-                await self._read_result(visit, GameRecorded(0, words.PRACTICE_ENDED, words.result(None)))
+                ended = self._texts.text("kiosk.practice_ended")
+                await self._read_result(visit, GameRecorded(0, ended, words.result(self._texts, None)))
             if not done.missing:
                 return
             if game + 1 < MOST_PRACTICE:
-                await self._read(TextToRead(0, words.ONCE_MORE, words.practice_again(words.to_do(done.missing))))
+                text = words.practice_again(self._texts, words.to_do(self._texts, done.missing))
+                await self._read(TextToRead(0, self._texts.text("kiosk.once_more"), text))
 
     async def _trial(self, step: PlannedStep, how: ResumeRule | None) -> None:
         visit = _Visit(self, practice=False)
         if self._run.game is None:
             goes_on = how is ResumeRule.EXACT
-            told = words.GAME_COMES_BACK if goes_on else words.GAME_COMES
-            await self._show(GamePrepared(0, told))
+            told = "kiosk.game_comes_back" if goes_on else "kiosk.game_comes"
+            await self._show(GamePrepared(0, self._texts.text(told)))
             game = await self._at_game(visit, self._games.play(self._run, step, visit, goes_on=goes_on))
             if game is not None:
                 self._conductor.tell(EventKind.GAME_PLAYED, self._person, step, game, "program")
         if not visit.went_on:
-            await self._read_result(visit, GameRecorded(0, words.GAME_ENDED, words.result(self._run.game)))
+            text = words.result(self._texts, self._run.game)
+            await self._read_result(visit, GameRecorded(0, self._texts.text("kiosk.game_ended"), text))
 
     async def _at_game(self, visit: "_Visit", game: Coroutine[object, object, PlayedT]) -> PlayedT:
         """Play a game to its end, unless the run or the program ends before."""
@@ -735,10 +749,10 @@ class _Visit:
             self._say(news)
 
     def still_to_do(self, missing: Mapping[PracticeTerm, float]) -> None:
-        self._to_do = words.to_do(missing)
+        self._to_do = words.to_do(self._host._texts, missing)
 
     def time_is_up(self) -> None:
-        self._send(GamePrepared(0, words.TIME_IS_UP))
+        self._send(GamePrepared(0, self._host._texts.text("kiosk.time_is_up")))
 
     def has_left(self) -> bool:
         host = self._host

@@ -9,7 +9,7 @@ from PySide6.QtCore import QEvent, Qt, QTimer
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QCloseEvent, QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QProgressBar, QStackedWidget, QVBoxLayout, QWidget
 
-from thbridge.files.language_texts import shipped_texts
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.view import GiveConsent
 from ui.model.keys import HELP
 from ui.model.kiosk import (
@@ -33,6 +33,7 @@ from ui.model.kiosk import (
     KioskClosed,
     StoppedTakingPart,
     StudyProgress,
+    StudyTexts,
     TextToRead,
     ToKiosk,
     WentBack,
@@ -63,36 +64,29 @@ FRAME = 15
 """Milliseconds between two polls of a game's link."""
 WARNINGS = (60, 10)
 """Seconds before the end of a game at which people are warned of it; from the first one on they see the seconds."""
-STOPPED = TextToRead(
-    0,
-    "The program has stopped",
-    "All that you have answered is kept. Please stay here and tell the researcher, who starts it again; you then go on "
-    "where you were.",
-    button="",
-)
-STOPPED_BETWEEN = TextToRead(
-    0, STOPPED.heading, "Please tell the researcher, who starts it again. Nothing is lost.", button=""
-)
-"""For whoever is at the window while nobody is in the middle of the study."""
 
 
-def time_words(seconds: int) -> str:
+def time_words(texts: Texts, seconds: int) -> str:
     """Return a time in words: in whole minutes; in seconds only near its end, so that no clock ticks before."""
     if seconds > WARNINGS[0]:
-        return f"{math.ceil(seconds / 60)} minutes"
-    return "1 second" if seconds == 1 else f"{seconds} seconds"
+        return texts.text("kiosk.minutes_left", count=math.ceil(seconds / 60))
+    return texts.text("kiosk.seconds_left", count=seconds)
 
 
 class ProgressStrip(QWidget):
     """Progress of a person through the study, and the way out of it: a full screen has no cross.
+
+    Args:
+        texts: of the study.
 
     Attributes:
         again: opens the instructions that they have read.
         stop: asks whether they want to stop taking part.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, texts: Texts) -> None:
         super().__init__()
+        self._texts = texts
         row = spaced(QHBoxLayout(self), 2 * GAP, 2 * GAP, GAP, 2 * GAP, 0)
         self._words, self._bar = look.label(size="small", muted=True), QProgressBar()
         self._words.setWordWrap(False)
@@ -104,13 +98,14 @@ class ProgressStrip(QWidget):
         self._time.setWordWrap(False)
         self._seconds: int | None = None
         row.addWidget(self._time)
-        self.again = ActionButton(shipped_texts(), "small")
-        self.again.show_face(ButtonFace("Instructions", HELP_KEY), "Read the instructions again")
+        self.again = ActionButton(texts, "small")
+        self.again.show_face(ButtonFace(texts.text("kiosk.read_again"), HELP_KEY), texts.text("kiosk.read_again_name"))
         self.again.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.again.hide()
         row.addWidget(self.again)
-        self.stop = ActionButton(shipped_texts(), "small")
-        self.stop.show_face(ButtonFace("Stop taking part", STOP_KEYS), "Stop taking part")
+        self.stop = ActionButton(texts, "small")
+        stop = texts.text("kiosk.stop")
+        self.stop.show_face(ButtonFace(stop, STOP_KEYS), stop)
         # Pages have their own order of Tab, and get the focus back.
         self.stop.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         row.addWidget(self.stop)
@@ -122,19 +117,20 @@ class ProgressStrip(QWidget):
         if seconds is None:
             return ""
         near = seconds <= WARNINGS[0]
-        set_text(self._time, f"{time_words(seconds)} left in this game")
+        left = time_words(self._texts, seconds)
+        set_text(self._time, left)
         self._time.setFont(look.font("small", bold=near))
         if self._time.property("muted") == near:
             self._time.setProperty("muted", not near)
             self._time.style().polish(self._time)
         passed = before is not None and any(seconds <= limit < before for limit in WARNINGS)
-        return f"{time_words(seconds)} left in this game." if passed else ""
+        return left if passed else ""
 
     def show_progress(self, way: StudyProgress) -> None:
         """Show it; nothing where there are no steps."""
         self.show_time(None)
         self.setVisible(way.steps > 0)
-        words = f"Step {way.step} of {way.steps}"
+        words = self._texts.text("kiosk.step", step=way.step, steps=way.steps)
         set_text(self._words, words)
         self._bar.setAccessibleName(words)
         self._bar.setRange(0, max(way.steps, 1))
@@ -142,7 +138,10 @@ class ProgressStrip(QWidget):
 
 
 class LeavingPanel(TitledPanel):
-    """The question to whoever closes the window.
+    """The question to a person who closes the window.
+
+    Args:
+        texts: of the study.
 
     Attributes:
         stay: goes back to the study.
@@ -150,20 +149,16 @@ class LeavingPanel(TitledPanel):
         close_button: closes the window.
     """
 
-    def __init__(self) -> None:
-        super().__init__(shipped_texts(), "Leave the study?")
+    def __init__(self, texts: Texts) -> None:
+        super().__init__(texts, texts.text("kiosk.leave"))
         self.text = look.label()
         self.rows.addWidget(self.text, 1)
-        self.stay = ActionButton(shipped_texts(), "main", hints=True)
-        self.stop = ActionButton(shipped_texts(), hints=True)
-        self.close_button = ActionButton(shipped_texts(), hints=True)
-        self.stop.show_face(
-            ButtonFace("Stop taking part", hint="The study ends here for you."),
-            "Stop taking part: the study ends here for you",
-        )
-        self.close_button.show_face(
-            ButtonFace("Close the window", hint="For the researcher."), "Close the window, for the researcher"
-        )
+        self.stay = ActionButton(texts, "main", hints=True)
+        self.stop, self.close_button = ActionButton(texts, hints=True), ActionButton(texts, hints=True)
+        stop = ButtonFace(texts.text("kiosk.stop"), hint=texts.text("kiosk.stop_hint"))
+        self.stop.show_face(stop, texts.text("kiosk.stop_name"))
+        close = ButtonFace(texts.text("kiosk.close_window"), hint=texts.text("kiosk.close_window_hint"))
+        self.close_button.show_face(close, texts.text("kiosk.close_window_name"))
         for button in (self.stay, self.stop, self.close_button):
             self.rows.addWidget(button)
 
@@ -174,10 +169,9 @@ class LeavingPanel(TitledPanel):
             takes_part: somebody is in the middle of the study.
             can_stop: there is a host to be told that they stop.
         """
-        self.entitle("Leave the study?" if takes_part else "Close the window?")
-        who = "You can stop at any time and need not say why. " if takes_part else ""
-        set_text(self.text, f"{who}The window itself is closed by the researcher; what was done is kept.")
-        stay = "Go on with the study" if takes_part else "Leave it open"
+        self.entitle(self._texts.text("kiosk.leave" if takes_part else "kiosk.close"))
+        set_text(self.text, self._texts.text("kiosk.leave_text" if takes_part else "kiosk.close_text"))
+        stay = self._texts.text("kiosk.go_on" if takes_part else "kiosk.leave_open")
         self.stay.show_face(ButtonFace(stay, "Esc"), stay)
         self.stop.setVisible(takes_part and can_stop)
 
@@ -186,6 +180,7 @@ class KioskWindow(QMainWindow):
     """The window of one laboratory's computer.
 
     Args:
+        texts: of the study.
         preferences: of the person who takes part; they are forgotten when the next one comes.
         send: sends to the host.
         clock: monotonic seconds.
@@ -196,11 +191,13 @@ class KioskWindow(QMainWindow):
 
     def __init__(
         self,
+        texts: Texts,
         preferences: Preferences,
         send: Callable[[FromKiosk], None],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         super().__init__()
+        self._texts = preferences.texts = texts
         self._preferences = preferences
         self._send = send
         self._clock = clock
@@ -209,17 +206,17 @@ class KioskWindow(QMainWindow):
         self._focused: bool | None = None
         self._instructions: tuple[tuple[str, bool], ...] = ()
         self.game: GamePage | None = None
-        self.setWindowTitle("Study")
+        self.setWindowTitle(texts.text("kiosk.window"))
         self.setMinimumSize(800, 480)
         self._inside = inside = QWidget()
         rows = spaced(QVBoxLayout(inside), 0, 0)
-        self.progress, self.pages = ProgressStrip(), QStackedWidget()
+        self.progress, self.pages = ProgressStrip(texts), QStackedWidget()
         self.progress.hide()
         rows.addWidget(self.progress)
         rows.addWidget(self.pages, 1)
         self.setCentralWidget(inside)
-        self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel()
-        self.instructions = HelpSheet(shipped_texts())
+        self.overlay, self.leaving_panel = ModalOverlay(inside), LeavingPanel(texts)
+        self.instructions = HelpSheet(texts)
         self._build_leaving()
         # Until they are shown they are nobody's children.
         self.destroyed.connect(self.leaving_panel.deleteLater)
@@ -257,14 +254,14 @@ class KioskWindow(QMainWindow):
             case ConsentToAsk(page=page):
                 self._show(page, self._consent(message), message.progress)
             case FormToFill(page=page):
-                form = FormPage(message, self._clock)
+                form = FormPage(message, self._texts, self._clock)
                 form.news.connect(self._send)
                 form.went_on.connect(partial(self._leave_page, WentOn(page)))
                 form.went_back.connect(partial(self._leave_page, WentBack(page)))
                 self._show(page, form, message.progress)
                 form.start()
             case GamePrepared(page=page, sentence=sentence):
-                waiting = ConnectingPage(shipped_texts())
+                waiting = ConnectingPage(self._texts)
                 waiting.show_waiting(sentence)
                 self._show(page, waiting, message.progress)
             case GameToJoin():
@@ -286,7 +283,7 @@ class KioskWindow(QMainWindow):
                 self._offer_instructions()
                 if not texts and self.instructions.isVisible():
                     self._stay()
-            case AnswerKept() | GameNews():
+            case AnswerKept() | GameNews() | StudyTexts():
                 pass
 
     def leave(self) -> None:
@@ -294,7 +291,9 @@ class KioskWindow(QMainWindow):
         if self._leaving or self._host_gone:
             return
         self._host_gone = True
-        self._show_text(0, STOPPED if self._has_run else STOPPED_BETWEEN)
+        text = "kiosk.program_stopped_text" if self._has_run else "kiosk.program_stopped_between"
+        stopped = self._texts.text("kiosk.program_stopped")
+        self._show_text(0, TextToRead(0, stopped, self._texts.text(text), button=""))
 
     def give_way(self) -> None:
         """Close if nobody needs this window any more: another one has opened."""
@@ -304,7 +303,7 @@ class KioskWindow(QMainWindow):
     # Pages
 
     def _show_text(self, page: int, text: TextToRead) -> None:
-        shown = ReadingPage(text, self._clock)
+        shown = ReadingPage(text, self._texts, self._clock)
         shown.went_on.connect(partial(self._go_on, page))
         self._show(page, shown, text.progress)
         shown.start()
@@ -317,9 +316,8 @@ class KioskWindow(QMainWindow):
                 self._page = -1
                 self._send(ConsentReply(page, agrees, time.monotonic_ns()))
 
-        return consent_page(
-            shipped_texts(), asked.text, answer, "The study ends here for you.", markdown=asked.markdown
-        )
+        hint = self._texts.text("kiosk.stop_hint")
+        return consent_page(self._texts, asked.text, answer, hint, markdown=asked.markdown)
 
     def _join(self, game: GameToJoin) -> None:
         consent = GiveConsent(game.agreed_at) if game.agreed_at else None
@@ -331,12 +329,12 @@ class KioskWindow(QMainWindow):
         back = on if game.practice else None
         shown = GamePage(
             link,
-            shipped_texts(),
+            self._texts,
             self._preferences,
             game.practice,
             back,
             self._clock,
-            "Go on with the study",
+            self._texts.text("kiosk.go_on"),
             True,
         )
         shown.went_on.connect(on)
@@ -415,6 +413,7 @@ class KioskWindow(QMainWindow):
                 self._tell_reading(is_open=False)
             self.game.leave()
             self.game = None
+            self._preferences.texts = self._texts
 
     def _pump(self) -> None:
         if self.game is not None:
@@ -483,23 +482,60 @@ class KioskWindow(QMainWindow):
         self.overlay.setGeometry(self._inside.rect())
 
 
+class _KioskProgram:
+    """Opens the window once its words have come; before that, nothing is shown.
+
+    Args:
+        app: the application.
+        choice: of colours.
+        send: sends to the host.
+        windowed: True for a window that does not fill the screen.
+        title: of the window; empty: the usual one.
+    """
+
+    def __init__(
+        self, app: QApplication, choice: look.Choice, send: Callable[[FromKiosk], None], *, windowed: bool, title: str
+    ) -> None:
+        self._app = app
+        self._preferences = preferences_of(app, "kiosk", choice, has_sound=True)
+        self._send = send
+        self._windowed = windowed
+        self._title = title
+        self._window: KioskWindow | None = None
+
+    def receive(self, message: ToKiosk) -> None:
+        """Act on a message of the host."""
+        if self._window is not None:
+            self._window.receive(message)
+        elif isinstance(message, StudyTexts) and (texts := message.texts.texts()) is not None:
+            self._window = self._open(texts)
+
+    def leave(self) -> None:
+        """Act on the end of the host."""
+        if self._window is None:
+            self._app.quit()
+        else:
+            self._window.leave()
+
+    def _open(self, texts: Texts) -> KioskWindow:
+        window = KioskWindow(texts, self._preferences, self._send)
+        self._preferences.add_keys(window)
+        Successor(window.give_way).setParent(window)
+        if self._title:
+            window.setWindowTitle(self._title)
+        if self._windowed:
+            look.open_within_screen(window)
+            window.show()
+        else:
+            # Where no window manager runs, nobody else makes it as large as the screen.
+            window.setGeometry(window.screen().geometry())
+            window.showFullScreen()
+        return window
+
+
 def open_kiosk(choice: look.Choice, *, windowed: bool, title: str = "") -> int:
     """Open the window for the host at standard input and output; returns when it is closed."""
     app = application()
     pipe = HostPipe(KIOSK)
-    preferences = preferences_of(app, "kiosk", choice, has_sound=True)
-    window = KioskWindow(preferences, pipe.send)
-    preferences.add_keys(window)
-    successor = Successor(window.give_way)
-    successor.setParent(window)
-    pipe.listen(window)
-    if title:
-        window.setWindowTitle(title)
-    if windowed:
-        look.open_within_screen(window)
-        window.show()
-    else:
-        # Where no window manager runs, nobody else makes it as large as the screen.
-        window.setGeometry(window.screen().geometry())
-        window.showFullScreen()
+    pipe.listen(_KioskProgram(app, choice, pipe.send, windowed=windowed, title=title))
     return app.exec()

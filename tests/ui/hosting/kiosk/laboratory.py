@@ -18,8 +18,8 @@ from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent, NewEvent
+from thbridge.files.language_texts import shipped_texts
 from thbridge.sockets.addresses import ListeningAddress
-from ui.hosting.kiosk import words
 from ui.hosting.kiosk.host import GamesOfStudy, KioskHost, StudyClock
 from ui.model.kiosk import (
     KIOSK,
@@ -33,11 +33,13 @@ from ui.model.kiosk import (
     GameRecorded,
     ItemNews,
     KioskClosed,
+    StudyTexts,
     TextToRead,
     ToKiosk,
     WentOn,
 )
 
+TEXTS = shipped_texts()
 STUDY = """\
 title: A small study
 seed: 5
@@ -129,7 +131,7 @@ class Person:
         if item.id in self.answers:
             return self.answers[item.id]
         if self.learns and item.id == "who":
-            return "you" if words.ONCE_MORE in headings(self) else "they"
+            return "you" if TEXTS.text("kiosk.once_more") in headings(self) else "they"
         match item.scale:
             case "choice":
                 return item.options[0]
@@ -160,7 +162,7 @@ class Person:
                     yield ItemNews(page, item.id, "changed", 3, answer)
                     yield ItemNews(page, item.id, "given", 4, answer)
                 yield WentOn(page)
-            case TextToRead(page=page, button=button) if button:
+            case TextToRead(page=page, button=button) if button != "":
                 yield WentOn(page)
             case GameRecorded(page=page):
                 yield WentOn(page)
@@ -186,12 +188,9 @@ class ShownWindow:
 
     async def send(self, message: ToKiosk) -> None:
         message = KIOSK.decode_from_host(KIOSK.encode(message))
-        if isinstance(message, CloseKiosk):
+        if isinstance(message, CloseKiosk | StudyTexts):
             return
-        waits = isinstance(message, TextToRead) and message.heading in {
-            words.WELCOME,
-            *(heading for heading, _ in words.NO_PLACES.values()),
-        }
+        waits = isinstance(message, TextToRead) and message.anew
         self._left -= waits
         if waits and (self._left < 0 or not message.button):
             self._person.seen.append(message)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.system.small_disk import SmallDisk, why_not
-from tests.ui.hosting.kiosk.laboratory import STUDY, InstantGames, KilledError, Laboratory, Person, headings
+from tests.ui.hosting.kiosk.laboratory import STUDY, TEXTS, InstantGames, KilledError, Laboratory, Person, headings
 from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.export.tables import tables_of
@@ -42,6 +42,12 @@ from ui.model.kiosk import (
     WentBack,
     WentOn,
 )
+
+PRACTICE_ENDED = TEXTS.text("kiosk.practice_ended")
+ONCE_MORE = TEXTS.text("kiosk.once_more")
+GAME_ENDED = TEXTS.text("kiosk.game_ended")
+PAUSE = TEXTS.text("kiosk.pause")
+BEFORE_YOU_GO = TEXTS.text("kiosk.before_you_go")
 
 
 @pytest.fixture
@@ -82,14 +88,14 @@ def test_somebody_goes_through_a_whole_study(laboratory: Laboratory) -> None:
     assert run.answers["final.line"] == 35.0
     assert headings(person) == [
         "Welcome",
-        words.PRACTICE_ENDED,
+        PRACTICE_ENDED,
         "Before we begin",
-        words.ONCE_MORE,
-        words.PRACTICE_ENDED,
+        ONCE_MORE,
+        PRACTICE_ENDED,
         "Before we begin",
-        words.GAME_ENDED,
+        GAME_ENDED,
         "How you feel",
-        words.GAME_ENDED,
+        GAME_ENDED,
         "The end",
         "What this study was about",
         "Thank you",
@@ -150,7 +156,7 @@ def test_a_no_is_final_even_if_the_program_dies_with_it(laboratory: Laboratory) 
     (run,) = laboratory.people
     assert run.state is RunState.DECLINED
     assert not any(isinstance(page, ConsentToAsk) for page in person.seen)
-    assert words.farewell(run)[1] in [page.text for page in person.seen if isinstance(page, TextToRead)]
+    assert words.farewell(TEXTS, run)[1] in [page.text for page in person.seen if isinstance(page, TextToRead)]
 
 
 def test_a_check_that_is_failed_for_good_ends_the_run_kindly_or_marks_it(tmp_path: Path) -> None:
@@ -162,7 +168,7 @@ def test_a_check_that_is_failed_for_good_ends_the_run_kindly_or_marks_it(tmp_pat
         laboratory.run(person)
         (run,) = laboratory.people
         assert run.state is told
-        assert headings(person).count(words.ONCE_MORE) == 1
+        assert headings(person).count(ONCE_MORE) == 1
         last = [page for page in person.seen if isinstance(page, TextToRead)][-2]
         assert ("You have done nothing wrong" in last.text) == (told is RunState.EXCLUDED)
 
@@ -201,7 +207,7 @@ def test_a_step_begins_anew_or_ends_the_run_as_its_rule_says(tmp_path: Path, rul
     forms = [page for page in person.seen if isinstance(page, FormToFill)]
     if rule == "never":
         assert (run.state, forms) == (RunState.EXCLUDED, [])
-        assert "not your fault" in words.farewell(run)[1]
+        assert "not your fault" in words.farewell(TEXTS, run)[1]
     else:
         assert (run.state, forms[0].answers) == (RunState.COMPLETE, {})
         assert run.answers["final.age"] == 99.0
@@ -262,12 +268,12 @@ def debriefed(laboratory: Laboratory) -> list[tuple[str, int]]:
 
 
 def test_whoever_stops_reads_the_debriefing_and_the_log_has_that(tmp_path: Path) -> None:
-    laboratory, person = leavers(tmp_path), stops_at(words.PAUSE)
+    laboratory, person = leavers(tmp_path), stops_at(PAUSE)
     laboratory.run(person)
     (run,) = laboratory.people
     assert (run.state, run.reason, run.step) == (RunState.LEFT, "stopped taking part", 3)
-    assert headings(person)[-5:] == [words.PAUSE, "Thank you", words.BEFORE_YOU_GO, "Thank you", "Welcome"]
-    read = [page.text for page in person.seen if getattr(page, "heading", "") == words.BEFORE_YOU_GO]
+    assert headings(person)[-5:] == [PAUSE, "Thank you", BEFORE_YOU_GO, "Thank you", "Welcome"]
+    read = [page.text for page in person.seen if getattr(page, "heading", "") == BEFORE_YOU_GO]
     assert read == ["It was about robots.\n", "# More\n\nRead on at home.\n"], "not the one that says otherwise"
     assert debriefed(laboratory) == [("step-begun", 4), ("step-ended", 4), ("step-begun", 6), ("step-ended", 6)]
     assert run.debriefs == {4: True, 6: True}
@@ -279,7 +285,7 @@ def test_whoever_fails_a_check_is_told_so_first_and_reads_the_debriefing(tmp_pat
     laboratory.run(person)
     assert laboratory.people[0].state is RunState.EXCLUDED
     ends = "The study ends here"
-    assert headings(person)[-4:] == [ends, words.BEFORE_YOU_GO, ends, "Welcome"]
+    assert headings(person)[-4:] == [ends, BEFORE_YOU_GO, ends, "Welcome"]
     first = next(page for page in person.seen if isinstance(page, TextToRead) and page.heading == ends)
     assert first.text == (
         "Your answers to the questions were not those that the study needs to go on. You have done nothing wrong. "
@@ -300,7 +306,7 @@ def test_whoever_never_agreed_gets_a_page_and_no_debriefing(tmp_path: Path, decl
 
 def test_a_program_that_dies_in_a_debriefing_goes_on_with_it_and_the_run_stays_left(tmp_path: Path) -> None:
     whole = leavers(tmp_path)
-    whole.run(stops_at(words.PAUSE))
+    whole.run(stops_at(PAUSE))
     kinds = whole.kinds()
     ended = kinds.index(EventKind.RUN_ENDED)
     for dies in range(ended + 1, len(kinds)):
@@ -309,7 +315,7 @@ def test_a_program_that_dies_in_a_debriefing_goes_on_with_it_and_the_run_stays_l
             folder.mkdir()
             laboratory = leavers(folder)
             with pytest.raises(KilledError):
-                laboratory.run(stops_at(words.PAUSE), dies=dies, written=written)
+                laboratory.run(stops_at(PAUSE), dies=dies, written=written)
             laboratory.run(Person(), people=0)
             (run,) = laboratory.people
             assert (run.state, run.step, run.farewell_read) == (RunState.LEFT, 3, True)
@@ -321,7 +327,7 @@ def test_a_program_that_dies_in_a_debriefing_goes_on_with_it_and_the_run_stays_l
 def test_a_debriefing_that_somebody_stops_at_is_not_shown_again(tmp_path: Path) -> None:
     laboratory, person = leavers(tmp_path), stops_at("What this study was about")
     laboratory.run(person)
-    assert [page.text for page in person.seen if getattr(page, "heading", "") == words.BEFORE_YOU_GO] == [
+    assert [page.text for page in person.seen if getattr(page, "heading", "") == BEFORE_YOU_GO] == [
         "# More\n\nRead on at home.\n"
     ]
     assert laboratory.people[0].debriefs == {6: True}
@@ -331,9 +337,9 @@ def test_the_researcher_goes_on_for_somebody_who_has_walked_away(tmp_path: Path)
     laboratory = leavers(tmp_path)
 
     def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
-        if getattr(page, "heading", "") == words.PAUSE and len(laboratory.people) == 1:
+        if getattr(page, "heading", "") == PAUSE and len(laboratory.people) == 1:
             return [StoppedTakingPart()]
-        if getattr(page, "heading", "") == words.BEFORE_YOU_GO and laboratory.people[-1].debriefs == {4: False}:
+        if getattr(page, "heading", "") == BEFORE_YOU_GO and laboratory.people[-1].debriefs == {4: False}:
             assert laboratory.host is not None and laboratory.host.admit_next() is None
             return []
         return None
@@ -411,7 +417,7 @@ def test_nobody_comes_back_to_an_item_with_a_time_limit(tmp_path: Path) -> None:
     laboratory, person = limited(tmp_path), Person({"look": 2.0}, does=does)
     laboratory.run(person)
     assert pages_of_items(person) == [("calm",), ("quick",), ("look", "sure"), ("calm",), ("look", "sure")]
-    assert [page.back for page in pages_seen(person)] == ["", "Back", "Back", "", "Back"]
+    assert [page.back for page in pages_seen(person)] == [False, True, True, False, True]
     assert laboratory.people[0].state is RunState.COMPLETE
 
 
@@ -551,10 +557,10 @@ def test_practice_is_not_left_before_all_is_done_that_it_asks_for(tmp_path: Path
     assert [game.to_do for game in games] == [("send a robot to a room", "name 2 more treasures")] * 3
     news = [page for page in person.seen if isinstance(page, GameNews)]
     assert (news[0].page, news[0].to_do, news[0].seconds_left) == (games[0].page, games[0].to_do, 60)
-    assert headings(person) == ["Welcome", *[words.PRACTICE_ENDED, words.ONCE_MORE] * 2, words.PRACTICE_ENDED,
-                                words.PAUSE, "Thank you", "The study is complete"]  # fmt: skip
-    again = next(page for page in person.seen if isinstance(page, TextToRead) and page.heading == words.ONCE_MORE)
-    assert "send a robot to a room, name 2 more treasures" in again.text
+    assert headings(person) == ["Welcome", *[PRACTICE_ENDED, ONCE_MORE] * 2, PRACTICE_ENDED,
+                                PAUSE, "Thank you", "The study is complete"]  # fmt: skip
+    again = next(page for page in person.seen if isinstance(page, TextToRead) and page.heading == ONCE_MORE)
+    assert "send a robot to a room and name 2 more treasures" in again.text
     assert laboratory.data(EventKind.PRACTICE_PLAYED) == [{"missing": ["moves", "identified"]}] * 3
 
 
@@ -562,7 +568,7 @@ def test_practice_is_left_at_once_when_all_is_done(tmp_path: Path) -> None:
     laboratory = Laboratory(tmp_path, PRACTICE_ONLY)
     person = Person(does=lambda page: [WentOn(page.page)] if isinstance(page, GameToJoin) else None)
     laboratory.run(person)
-    assert headings(person) == ["Welcome", words.PAUSE, "Thank you", "The study is complete"]
+    assert headings(person) == ["Welcome", PAUSE, "Thank you", "The study is complete"]
     assert laboratory.data(EventKind.PRACTICE_PLAYED) == [{"missing": []}]
 
 
@@ -593,7 +599,7 @@ def test_people_go_back_within_a_form_and_what_they_change_is_in_the_log(tmp_pat
     laboratory, person = Laboratory(tmp_path, FEELINGS), Person(does=goes_back)
     laboratory.run(person)
     (run,), pages = laboratory.people, pages_seen(person)
-    assert [(page.part, page.back) for page in pages] == [(1, ""), (2, "Back"), (1, ""), (2, "Back")]
+    assert [(page.part, page.back) for page in pages] == [(1, False), (2, True), (1, False), (2, True)]
     assert pages[2].answers == {item.id: 3.0 for item in pages[0].items}
     (later,) = pages[3].items
     assert pages[3].answers == {later.id: 2.0}, "what was begun there before"
@@ -641,13 +647,13 @@ def test_a_window_whose_program_ends_in_the_middle_of_a_run_stays_and_says_why(l
     laboratory.games.during = stop
     first = Person()
     laboratory.run(first)
-    assert first.seen[-1] == HostStops(words.STOPPED, words.STOPPED_TEXT)
+    assert first.seen[-1] == HostStops(TEXTS.text("kiosk.pauses"), TEXTS.text("kiosk.stopped_text"))
     assert laboratory.window is not None and laboratory.window.left_open
     laboratory.games.during = fail
     second = Person()
     with pytest.raises(BadFile):
         laboratory.run(second)
-    assert second.seen[-1] == HostStops(words.FAILED, words.FAILED_TEXT)
+    assert second.seen[-1] == HostStops(TEXTS.text("kiosk.pauses"), TEXTS.text("kiosk.failed_text"))
     laboratory.games.during = lambda: None
     laboratory.run(Person(learns=True), people=0)
     assert not laboratory.window.left_open, "nobody is in the middle of the study"
@@ -670,7 +676,7 @@ def test_on_a_full_disk_people_are_told_and_no_answer_is_lost(when: str, tmp_pat
         person = Person(learns=True, does=fill)
         with pytest.raises(BadFile, match=r"log: cannot be written \(No space left on device\)"):
             laboratory.run(person)
-        assert person.seen[-1] == HostStops(words.FAILED, words.FAILED_TEXT)
+        assert person.seen[-1] == HostStops(TEXTS.text("kiosk.pauses"), TEXTS.text("kiosk.failed_text"))
         told = laboratory.events
         filled.close()
         person.does = lambda page: None
@@ -723,7 +729,7 @@ def test_a_code_that_was_not_kept_is_asked_for_again_and_says_so(tmp_path: Path)
     assert AnswerKept(pages_seen(first)[0].page, "code", "SV") in first.seen, "a window that crashes gets it again"
     second = Person(answers={"code": "SVC-1"})
     laboratory.run(second, people=0)
-    assert pages_seen(second)[0].instructions == words.CODE_NOT_KEPT
+    assert pages_seen(second)[0].instructions == TEXTS.text("kiosk.code_not_kept")
     assert laboratory.data(EventKind.RECRUITING_CODE) == [{"code": "SVC-1"}]
 
 
@@ -744,7 +750,7 @@ def test_the_researcher_begins_ends_and_excludes_runs(tmp_path: Path) -> None:
         host = laboratory.host
         assert host is not None
         runs = list(host.progress.runs)
-        if isinstance(page, TextToRead) and page.heading == words.WELCOME:
+        if isinstance(page, TextToRead) and page.heading == TEXTS.text("kiosk.welcome"):
             assert page.button == ""
             if len(runs) == 3:
                 return [KioskClosed()]
@@ -896,7 +902,7 @@ def test_a_check_is_judged_by_its_condition_and_the_order_of_its_answers_is_reco
 def test_a_debriefing_tells_the_results_that_games_left_out(tmp_path: Path) -> None:
     laboratory = Laboratory(tmp_path, STUDY.replace("{step: debrief,", "{step: debrief, results: true,"))
     laboratory.run(person := Person())
-    page = next(page for page in person.seen if getattr(page, "heading", "") == words.HEADINGS["debrief"])
+    page = next(page for page in person.seen if getattr(page, "heading", "") == TEXTS.text("kiosk.debrief"))
     best = r"With the same energy and enough time, \d+ points were possible\."
     assert re.fullmatch(
         rf"It was about robots\.\n\nYour score in game 1: 10\. {best}\n\nYour score in game 2: 10\. {best}",

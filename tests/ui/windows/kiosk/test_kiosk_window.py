@@ -15,6 +15,7 @@ from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.preferred import preferred
 from tests.ui.windows.walking import nameless
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
+from thbridge.files.language_texts import shipped_texts
 from ui.model.kiosk import (
     KIOSK,
     Answer,
@@ -42,7 +43,7 @@ from ui.model.kiosk import (
     WentOn,
 )
 from ui.windows import look
-from ui.windows.kiosk.items.panel import CLOSED, ItemPanel
+from ui.windows.kiosk.items.panel import ItemPanel
 from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.window import BEGIN_KEYS, KioskWindow
 from ui.windows.participant.pages.pages import ConsentPage
@@ -51,6 +52,7 @@ from ui.windows.participant.widgets.reading import ReadingText
 from ui.windows.participant_program import GamePage
 from ui.windows.preferences import Preferences
 
+TEXTS = shipped_texts()
 SEVEN = ("not at all", "", "", "", "", "", "completely")
 ITEMS = (
     FormItem("agree", "The robots did what I wanted.", "likert", SEVEN, not_applicable=True),
@@ -74,7 +76,7 @@ class Opened:
     told: list[FromKiosk] = field(default_factory=list)
     now: float = 10.0
 
-    def form(self, *ids: str, answers: dict[str, Answer] | None = None, back: str = "") -> FormPage:
+    def form(self, *ids: str, answers: dict[str, Answer] | None = None, back: bool = False) -> FormPage:
         items = tuple(item for item in ITEMS if item.id in ids or not ids)
         self.window.receive(FormToFill(7, "Some questions", "Answer.", items, answers or {}, back=back, progress=WAY))
         self.now += 1.0
@@ -94,7 +96,7 @@ def opened(qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch, tm
     monkeypatch.setattr(QApplication, "quit", lambda: None)
     told: list[FromKiosk] = []
     preferences = preferred(qapp, tmp_path)
-    window = KioskWindow(preferences, told.append, lambda: made.now)
+    window = KioskWindow(TEXTS, preferences, told.append, lambda: made.now)
     made = Opened(window, preferences, told)
     made.window.resize(1024, 600)
     made.window.show()
@@ -221,7 +223,7 @@ def test_a_page_that_has_just_come_is_not_left_by_a_second_click(opened: Opened,
 
 @pytest.mark.parametrize("by", ["mouse", "keyboard"])
 def test_the_way_back_leaves_what_is_missing_and_gives_what_is_begun(opened: Opened, qtbot: QtBot, by: str) -> None:
-    form = opened.form("age", "hand", back="Back")
+    form = opened.form("age", "hand", back=True)
     keys(qtbot, "41")
     if by == "mouse":
         qtbot.mouseClick(form.back, Qt.MouseButton.LeftButton)
@@ -413,7 +415,7 @@ def test_games_too_show_the_step_the_time_left_and_how_to_stop(
     assert shown[540][1] == "9 minutes left in this game"
     assert (shown[61][1], shown[60][1]) == ("2 minutes left in this game", "60 seconds left in this game")
     assert (shown[1][1], shown[0][1]) == ("1 second left in this game", "0 seconds left in this game")
-    assert said == ["60 seconds left in this game.", "10 seconds left in this game."]
+    assert said == ["60 seconds left in this game", "10 seconds left in this game"]
     assert opened.window.progress.stop.isVisible()
     qtbot.mouseClick(opened.window.progress.stop, Qt.MouseButton.LeftButton)
     assert opened.window.leaving_panel.isVisible()
@@ -448,8 +450,8 @@ def test_an_item_with_a_time_limit_is_closed_with_the_answer_so_far(
     opened.now += 10.0
     qtbot.waitUntil(lambda: one.closed)
     assert opened.news("quick")[-1] == ("timed out", "56")
-    assert said[-1] == CLOSED and CLOSED in labels(one)
-    assert one.accessibleName().endswith(f"Answered: 56. {CLOSED}")
+    assert said[-1] == TEXTS.text("forms.time_is_over") and TEXTS.text("forms.time_is_over") in labels(one)
+    assert one.accessibleName().endswith(f"Answered: 56. {TEXTS.text('forms.time_is_over')}")
     assert QApplication.focusWidget() is form.go_on
     keys(qtbot, "7")
     assert one.answer == "56", "it is closed"

@@ -3,6 +3,7 @@
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.kiosk import Answer, FormItem
 
 
@@ -11,6 +12,7 @@ class AnswerField(QWidget):
 
     Args:
         item: what is answered.
+        texts: of the study.
 
     Attributes:
         touched: a person begins to answer.
@@ -26,9 +28,10 @@ class AnswerField(QWidget):
     pasted = Signal(int)
     passed = Signal()
 
-    def __init__(self, item: FormItem) -> None:
+    def __init__(self, item: FormItem, texts: Texts) -> None:
         super().__init__()
         self.item = item
+        self.texts = texts
 
     @property
     def answer(self) -> Answer:
@@ -51,3 +54,11 @@ class AnswerField(QWidget):
     def focus_target(self) -> QWidget | None:
         """Return the widget that gets the focus when the item does; None where it would look like an answer."""
         raise NotImplementedError
+
+    def number(self, number: float) -> str:
+        """Return a number of the item with all its decimals."""
+        return f"{number:g}".replace(".", self.texts.forms.decimal)
+
+    def told(self, answer: Answer) -> str:
+        """Return an answer in words."""
+        return self.number(answer) if isinstance(answer, float) else str(answer)

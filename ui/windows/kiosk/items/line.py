@@ -4,6 +4,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QSlider, QVBoxLayout, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.kiosk import Answer, FormItem
 from ui.windows import look
 from ui.windows.kiosk.items.field import AnswerField
@@ -118,8 +119,8 @@ class MarkedLine(QSlider):
 class LineField(AnswerField):
     """A line on which a value is marked."""
 
-    def __init__(self, item: FormItem) -> None:
-        super().__init__(item)
+    def __init__(self, item: FormItem, texts: Texts) -> None:
+        super().__init__(item, texts)
         span = item.maximum - item.minimum
         places = max(round(span / item.step), 1) if item.step > 0.0 else _FINE
         rows = spaced(QVBoxLayout(self), 0, 0)
@@ -161,7 +162,14 @@ class LineField(AnswerField):
 
     def _name(self) -> None:
         item, answer = self.item, self.answer
-        state = f"marked at {answer:g}" if isinstance(answer, float) else "not marked"
-        ends = f"line from {item.minimum:g}, {item.low}, to {item.maximum:g}, {item.high}"
-        self.line.setAccessibleName(f"{item.text}, {state}, {ends}")
-        self.line.setAccessibleDescription("Arrows move the mark.")
+        name = self.texts.text(
+            "forms.line_marked" if isinstance(answer, float) else "forms.line_open",
+            question=item.text,
+            place=self.told(answer),
+            least=self.number(item.minimum),
+            low=item.low,
+            greatest=self.number(item.maximum),
+            high=item.high,
+        )
+        self.line.setAccessibleName(name)
+        self.line.setAccessibleDescription(self.texts.text("forms.line_keys"))

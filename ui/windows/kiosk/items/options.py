@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
-from thbridge.files.language_texts import shipped_texts
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.kiosk import Answer, FormItem
 from ui.windows import look
 from ui.windows.kiosk.items.field import AnswerField
@@ -34,7 +34,7 @@ class OptionButton(ActionButton):
     def __init__(
         self, field: AnswerField, label: str, name: str, key: str = "", weight: Weight = "plain", *, alone: bool = True
     ) -> None:
-        super().__init__(shipped_texts(), weight, hints=len(label) > _SHORT)
+        super().__init__(field.texts, weight, hints=len(label) > _SHORT)
         self._field = field
         self._alone = alone
         self.setCheckable(True)
@@ -71,16 +71,21 @@ class OptionButton(ActionButton):
 class PointsField(AnswerField):
     """Points of a scale between two words, or each with a word of its own."""
 
-    def __init__(self, item: FormItem) -> None:
-        super().__init__(item)
+    def __init__(self, item: FormItem, texts: Texts) -> None:
+        super().__init__(item, texts)
         self.buttons: list[OptionButton] = []
         count, words = len(item.words), item.words
         has_words = any(words[1:-1])
         grid = spaced(QGridLayout(self), GAP // 2, 0)
-        ends = f", from 1, {words[0]}, to {count}, {words[-1]}" if not has_words and words[0] and words[-1] else ""
         for index, word in enumerate(words):
             number = str(index + 1)
-            button = OptionButton(self, number, f"{number} of {count}{f', {word}' if word else ends}")
+            if word:
+                name = texts.text("forms.point_word", point=number, points=count, word=word)
+            elif not has_words and words[0] and words[-1]:
+                name = texts.text("forms.point_ends", point=number, points=count, low=words[0], high=words[-1])
+            else:
+                name = texts.text("forms.point", point=number, points=count)
+            button = OptionButton(self, number, name)
             button.clicked.connect(lambda _=False, value=index + 1.0: self._choose(value))
             grid.addWidget(button, 0, index)
             grid.setColumnStretch(index, 1)
@@ -127,13 +132,14 @@ class PointsField(AnswerField):
 class ChoiceField(AnswerField):
     """Options, of which one or several are chosen."""
 
-    def __init__(self, item: FormItem) -> None:
-        super().__init__(item)
-        in_a_row = len(item.options) <= _BESIDE and max(map(len, item.options)) <= _SHORT
+    def __init__(self, item: FormItem, texts: Texts) -> None:
+        super().__init__(item, texts)
+        self._labels = dict(zip(item.options, item.labels or item.options, strict=True))
+        in_a_row = len(item.options) <= _BESIDE and max(map(len, self._labels.values())) <= _SHORT
         rows = spaced(QHBoxLayout(self) if in_a_row else QVBoxLayout(self), GAP // 2, 0)
         self.buttons: list[OptionButton] = []
-        for number, option in enumerate(item.options, start=1):
-            button = OptionButton(self, option, option, str(number) if number < 10 else "", alone=not item.several)
+        for number, (option, label) in enumerate(self._labels.items(), start=1):
+            button = OptionButton(self, label, label, str(number) if number < 10 else "", alone=not item.several)
             button.clicked.connect(lambda _=False, chosen=option: self._choose(chosen))
             rows.addWidget(button)
             self.buttons.append(button)
@@ -163,6 +169,11 @@ class ChoiceField(AnswerField):
     def focus_target(self) -> QWidget | None:
         """See `AnswerField`."""
         return next((button for button in self.buttons if button.isChecked()), None)
+
+    def told(self, answer: Answer) -> str:
+        """See `AnswerField`."""
+        chosen = answer if isinstance(answer, tuple) else (answer,)
+        return ", ".join(label for option, label in self._labels.items() if option in chosen)
 
     def _chosen(self) -> Sequence[str]:
         return [option for option, button in zip(self.item.options, self.buttons, strict=True) if button.isChecked()]

@@ -7,6 +7,7 @@ from PySide6.QtCore import QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QKeyEvent, QPaintEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QVBoxLayout, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from ui.model.kiosk import Answer, FormItem
 from ui.windows import look
@@ -23,7 +24,6 @@ PAUSE = 700
 
 LIMIT_WARNING = 10
 """Seconds before the end of a longer time limit at which a screen reader says how many are left."""
-CLOSED = "The time for this question is over. Go on when you are ready."
 
 What = Literal["shown", "touched", "changed", "given", "pasted", "timed out"]
 
@@ -44,6 +44,7 @@ class ItemPanel(QFrame):
         item: as people see it.
         number: of the item on its page, from 1.
         of: items on the page.
+        texts: of the study.
 
     Attributes:
         news: something happened with it; what, and how many characters were pasted.
@@ -53,15 +54,16 @@ class ItemPanel(QFrame):
     news = Signal(str, int)
     passed = Signal()
 
-    def __init__(self, item: FormItem, number: int, of: int) -> None:
+    def __init__(self, item: FormItem, number: int, of: int, texts: Texts) -> None:
         super().__init__()
         self.item = item
+        self._texts = texts
         self._number, self._of = number, of
         self._touched = self._is_shown = self._ungiven = False
         look.style_as_panel(self)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         rows = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
-        self.question = look.label(item.text or f"{item.low[:1].upper()}{item.low[1:]} or {item.high}?", bold=True)
+        self.question = look.label(item.text or texts.text("forms.either", low=item.low, high=item.high), bold=True)
         rows.addWidget(self.question)
         self.closed = False
         self._left = math.ceil(item.seconds)
@@ -69,8 +71,8 @@ class ItemPanel(QFrame):
         rows.addWidget(self._limit)
         self._limit.setVisible(item.seconds > 0.0)
         if item.several:
-            rows.addWidget(look.label("You may choose more than one.", "small", muted=True))
-        self.field = LineOfTextField(item) if item.one_line else _FIELDS[item.scale](item)
+            rows.addWidget(look.label(texts.text("forms.several"), "small", muted=True))
+        self.field = LineOfTextField(item, texts) if item.one_line else _FIELDS[item.scale](item, texts)
         rows.addWidget(self.field)
         foot = spaced(QHBoxLayout(), GAP)
         rows.addLayout(foot)
@@ -79,13 +81,13 @@ class ItemPanel(QFrame):
         foot.addWidget(self.missing, 20)
         self.not_applicable: OptionButton | None = None
         if item.not_applicable:
-            words = "Not applicable"
+            words = texts.text("forms.not_applicable")
             self.not_applicable = OptionButton(self.field, words, words, "N", "small", alone=False)
             self.not_applicable.clicked.connect(self._refuse)
             foot.addStretch(1)
             foot.addWidget(self.not_applicable)
         elif not item.required:
-            foot.addWidget(look.label("You may leave this out.", "small", muted=True))
+            foot.addWidget(look.label(texts.text("forms.optional"), "small", muted=True))
         self.missing.setVisible(False)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)
         self._pause.timeout.connect(self._changed)
@@ -111,7 +113,7 @@ class ItemPanel(QFrame):
             return ""
         if self.answer is None and self.field.problem:
             return self.field.problem
-        return "Please answer this." if self.answer is None and self.item.required else ""
+        return self._texts.text("forms.please_answer") if self.answer is None and self.item.required else ""
 
     def show_answer(self, answer: Answer) -> None:
         """Show an answer that was given before."""
@@ -147,12 +149,12 @@ class ItemPanel(QFrame):
         self.field.setEnabled(False)
         if self.not_applicable is not None:
             self.not_applicable.setEnabled(False)
-        self._limit.setText(CLOSED)
+        self._limit.setText(self._texts.text("forms.time_is_over"))
         self.point_at_missing("")
-        self._announce(CLOSED)
+        self._announce(self._limit.text())
 
     def _show_limit(self) -> None:
-        self._limit.setText("1 second left" if self._left == 1 else f"{self._left} seconds left")
+        self._limit.setText(self._texts.text("forms.seconds_left", count=self._left))
 
     def _announce(self, sentence: str) -> None:
         QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, sentence))
@@ -234,14 +236,18 @@ class ItemPanel(QFrame):
         self.news.emit("changed", 0)
 
     def _name(self) -> None:
-        answer = self.answer
-        told = (
-            ", ".join(answer) if isinstance(answer, tuple) else f"{answer:g}" if isinstance(answer, float) else answer
-        )
-        state = "Not answered." if answer is None else f"Answered: {told}."
-        lack = "" if self.missing.isHidden() else f" {self.missing.text()}"
-        limit = (
-            f" {CLOSED}" if self.closed else f" Time limit: {self.item.seconds:g} seconds." if self.item.seconds else ""
-        )
-        name = f"Question {self._number} of {self._of}: {self.question.text()} {state}{lack}{limit}"
-        make_region(self, name)
+        """Name it for screen readers: its question, its state, what is missing, and its time limit."""
+        texts, answer = self._texts, self.answer
+        parts = [texts.text("forms.question", number=self._number, total=self._of, question=self.question.text())]
+        if answer is None:
+            parts.append(texts.text("forms.state_open"))
+        else:
+            told = texts.text("forms.not_applicable") if answer == NOT_APPLICABLE else self.field.told(answer)
+            parts.append(texts.text("forms.state_answered", answer=told))
+        if not self.missing.isHidden():
+            parts.append(self.missing.text())
+        if self.closed:
+            parts.append(self._limit.text())
+        elif self.item.seconds:
+            parts.append(texts.text("forms.time_limit", count=math.ceil(self.item.seconds)))
+        make_region(self, " ".join(parts))

@@ -4,6 +4,7 @@ from PySide6.QtCore import QMimeData, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPlainTextEdit, QVBoxLayout, QWidget
 
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.kiosk import Answer, FormItem
 from ui.windows import look
 from ui.windows.kiosk.items.field import AnswerField
@@ -16,13 +17,16 @@ LONGEST = 20_000
 class NumberField(AnswerField):
     """A number, with its unit."""
 
-    def __init__(self, item: FormItem) -> None:
-        super().__init__(item)
+    def __init__(self, item: FormItem, texts: Texts) -> None:
+        super().__init__(item, texts)
         self.line = follow_text(QLineEdit(), lambda it: it.setMaximumWidth(px(160)))
         self.line.setMaxLength(20)
-        bounds = f"a number from {item.minimum:g} to {item.maximum:g}"
-        self.line.setPlaceholderText(f"{item.minimum:g} to {item.maximum:g}")
-        self.line.setAccessibleName(f"{item.text}, {item.unit + ', ' if item.unit else ''}{bounds}")
+        least, greatest = self.number(item.minimum), self.number(item.maximum)
+        self._wanted = texts.text("forms.number_wanted", least=least, greatest=greatest)
+        self.line.setPlaceholderText(texts.text("forms.range", least=least, greatest=greatest))
+        name = "forms.number_field_unit" if item.unit else "forms.number_field"
+        named = texts.text(name, question=item.text, unit=item.unit, least=least, greatest=greatest)
+        self.line.setAccessibleName(named)
         row = spaced(QHBoxLayout(self), GAP, 0)
         row.addWidget(self.line)
         row.addWidget(look.label(item.unit, muted=True), 1)
@@ -41,11 +45,11 @@ class NumberField(AnswerField):
         """See `AnswerField`."""
         if not self.line.text().strip() or self.answer is not None:
             return ""
-        return f"Please write a number from {self.item.minimum:g} to {self.item.maximum:g}."
+        return self._wanted
 
     def show_answer(self, answer: Answer) -> None:
         """See `AnswerField`."""
-        self.line.setText(f"{answer:g}" if isinstance(answer, float) else "")
+        self.line.setText(self.number(answer) if isinstance(answer, float) else "")
 
     def focus_target(self) -> QWidget:
         """See `AnswerField`."""
@@ -62,11 +66,11 @@ class NumberField(AnswerField):
 class LineOfTextField(AnswerField):
     """A text of one line, such as a code."""
 
-    def __init__(self, item: FormItem) -> None:
-        super().__init__(item)
+    def __init__(self, item: FormItem, texts: Texts) -> None:
+        super().__init__(item, texts)
         self.line = follow_text(QLineEdit(), lambda it: it.setMaximumWidth(px(420)))
         self.line.setMaxLength(LONGEST)
-        self.line.setAccessibleName(f"{item.text}, one line")
+        self.line.setAccessibleName(texts.text("forms.line_of_text", question=item.text))
         row = spaced(QHBoxLayout(self), 0, 0)
         row.addWidget(self.line, 20)
         row.addStretch(1)
@@ -120,10 +124,10 @@ class FreeText(QPlainTextEdit):
 class TextField(AnswerField):
     """A free text."""
 
-    def __init__(self, item: FormItem) -> None:
-        super().__init__(item)
+    def __init__(self, item: FormItem, texts: Texts) -> None:
+        super().__init__(item, texts)
         self.text = FreeText(self)
-        self.text.setAccessibleName(f"{item.text}, free text")
+        self.text.setAccessibleName(texts.text("forms.free_text", question=item.text))
         self._showing = False
         spaced(QVBoxLayout(self), 0, 0).addWidget(self.text)
         self.text.textChanged.connect(self._edited)

@@ -14,7 +14,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QApplication, QFrame, QHBoxLayout, QScrollArea, QVBoxLayout, QWidget
 
-from thbridge.files.language_texts import shipped_texts
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.kiosk import FormToFill, ItemNews
 from ui.windows import look
 from ui.windows.kiosk.items.panel import ItemPanel
@@ -35,6 +35,7 @@ class FormPage(QWidget):
 
     Args:
         form: the page.
+        texts: of the study.
         clock: monotonic seconds.
 
     Attributes:
@@ -48,9 +49,10 @@ class FormPage(QWidget):
     went_on = Signal()
     went_back = Signal()
 
-    def __init__(self, form: FormToFill, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, form: FormToFill, texts: Texts, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__()
         self._form = form
+        self._texts = texts
         self._clock, self._came = clock, clock()
         self._active: ItemPanel | None = None
         make_region(self, form.title)
@@ -67,7 +69,7 @@ class FormPage(QWidget):
             column.addWidget(look.label(form.instructions))
         self.panels: list[ItemPanel] = []
         for number, item in enumerate(form.items, start=1):
-            panel = ItemPanel(item, number, len(form.items))
+            panel = ItemPanel(item, number, len(form.items), texts)
             if item.id in form.answers:
                 panel.show_answer(form.answers[item.id])
             panel.news.connect(lambda what, characters, panel=panel: self._tell(panel, what, characters))
@@ -80,8 +82,8 @@ class FormPage(QWidget):
         self._area.setWidget(inside)
         inside.setAutoFillBackground(False)
         self._count = look.label(muted=True)
-        self.go_on = ActionButton(shipped_texts(), "main")
-        self.back = ActionButton(shipped_texts()) if form.back else None
+        self.go_on = ActionButton(texts, "main")
+        self.back = ActionButton(texts) if form.back else None
         self._build_foot(rows)
         self._limits = QTimer(self, interval=LIMIT_STEP)
         self._limits.timeout.connect(self._count_down)
@@ -104,17 +106,18 @@ class FormPage(QWidget):
         column.addLayout(row)
         row.addWidget(self._count, 1)
         if self.back is not None:
-            self._add_to_foot(row, self.back, ButtonFace(self._form.back, "Alt+Left"), "Alt+Left")
+            self._add_to_foot(row, self.back, self._texts.text("kiosk.back"), "Alt+Left", "Alt+Left")
             self.back.clicked.connect(self._go_back)
-        self._add_to_foot(row, self.go_on, ButtonFace(self._form.button, "Ctrl+Enter"), "Ctrl+Return", "Ctrl+Enter")
+        go_on = self._texts.text("kiosk.continue")
+        self._add_to_foot(row, self.go_on, go_on, "Ctrl+Enter", "Ctrl+Return", "Ctrl+Enter")
         self.go_on.clicked.connect(self._leave)
 
     def _align_foot(self, scroll_bar: int) -> None:
         """Keep the foot below the items, which stand beside a scroll bar of this width."""
         self._foot.setContentsMargins(0, 0, scroll_bar, 0)
 
-    def _add_to_foot(self, row: QHBoxLayout, button: ActionButton, face: ButtonFace, *keys: str) -> None:
-        button.show_face(face, face.label)
+    def _add_to_foot(self, row: QHBoxLayout, button: ActionButton, label: str, shown: str, *keys: str) -> None:
+        button.show_face(ButtonFace(label, shown), label)
         row.addWidget(button)
         for key in keys:
             shortcut = QShortcut(QKeySequence(key), self)
@@ -125,7 +128,7 @@ class FormPage(QWidget):
         """Give the focus to the first item without an answer, or to what the host found missing."""
         missing = [panel for panel in self.panels if panel.item.id in self._form.missing]
         for panel in missing:
-            panel.point_at_missing("Please answer this.")
+            panel.point_at_missing(self._texts.text("forms.please_answer"))
         first = next(
             iter(missing),
             next((panel for panel in self.panels if panel.answer is None and not panel.closed), self.panels[0]),
@@ -225,8 +228,7 @@ class FormPage(QWidget):
         if not lacking:
             self.went_on.emit()
             return
-        number = "One answer is" if len(lacking) == 1 else f"{len(lacking)} answers are"
-        said = f"{number} missing; {'it is' if len(lacking) == 1 else 'they are'} marked."
+        said = self._texts.text("forms.missing", count=len(lacking))
         set_text(self._count, said)
         QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, said))
         lacking[0].focus_target().setFocus(Qt.FocusReason.OtherFocusReason)
@@ -244,9 +246,12 @@ class FormPage(QWidget):
 
     def _tell_count(self) -> None:
         answered = sum(panel.answer is not None for panel in self.panels)
-        page = f"Page {self._form.part} of {self._form.parts}. " if self._form.parts > 1 else ""
-        count = f"{answered} of {len(self.panels)} answered." if len(self.panels) > 1 else ""
-        set_text(self._count, f"{page}{count}")
+        told = []
+        if self._form.parts > 1:
+            told.append(self._texts.text("forms.page", page=self._form.part, pages=self._form.parts))
+        if len(self.panels) > 1:
+            told.append(self._texts.text("forms.answered", answered=answered, total=len(self.panels)))
+        set_text(self._count, " ".join(told))
 
 
 def _column(inside: QWidget, vertical: int = 2 * GAP) -> QVBoxLayout:

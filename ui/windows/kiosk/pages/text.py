@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import QLineEdit, QVBoxLayout, QWidget
 
-from thbridge.files.language_texts import shipped_texts
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.kiosk import TextToRead
 from ui.windows import look
 from ui.windows.look import GAP, follow_text, px, spaced
@@ -29,6 +29,7 @@ class ReadingPage(QWidget):
 
     Args:
         page: the text.
+        texts: of the study.
         clock: monotonic seconds.
 
     Attributes:
@@ -37,10 +38,10 @@ class ReadingPage(QWidget):
 
     went_on = Signal()
 
-    def __init__(self, page: TextToRead, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, page: TextToRead, texts: Texts, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__()
         self._clock, self._came = clock, clock()
-        make_region(self, page.heading or "A text to read")
+        make_region(self, page.heading or texts.text("kiosk.text_to_read"))
         rows = spaced(page_column(self, 760), 2 * GAP, 0)
         is_short = len(page.text) <= SHORT and not page.markdown
         rows.addStretch(2)
@@ -50,16 +51,18 @@ class ReadingPage(QWidget):
         if is_short:
             rows.addWidget(look.label(page.text.rstrip(), "title"))
         else:
-            self.text = ReadingText(page.heading or "The text")
+            self.text = ReadingText(page.heading or texts.text("kiosk.text_to_read"))
             self.text.show_text(page.text, markdown=page.markdown)
             rows.addWidget(self.text, FILLS)
         if page.code:
-            _add_code(rows, page.code)
+            _add_code(rows, page.code, texts)
         self.go_on: ActionButton | None = None
-        if page.button:
-            self.go_on = ActionButton(shipped_texts(), "main")
-            self.go_on.show_face(ButtonFace(page.button, "Enter"), page.button)
-            self.go_on.setAccessibleDescription(page.text[:SHORT] if is_short else "Key: Enter.")
+        label = texts.text("kiosk.continue") if page.button is None else page.button
+        if label:
+            self.go_on = ActionButton(texts, "main")
+            self.go_on.show_face(ButtonFace(label, "Enter"), label)
+            if is_short:
+                self.go_on.setAccessibleDescription(page.text[:SHORT])
             self.go_on.clicked.connect(self._leave)
             rows.addSpacing(GAP)
             rows.addWidget(self.go_on, 0, Qt.AlignmentFlag.AlignRight)
@@ -80,13 +83,13 @@ class ReadingPage(QWidget):
             self.went_on.emit()
 
 
-def _add_code(rows: QVBoxLayout, code: str) -> None:
-    rows.addWidget(look.label("This is your completion code. Please write it down or copy it:", bold=True))
+def _add_code(rows: QVBoxLayout, code: str, texts: Texts) -> None:
+    rows.addWidget(look.label(texts.text("kiosk.completion_code"), bold=True))
     groups = " ".join(code[at : at + _IN_A_GROUP] for at in range(0, len(code), _IN_A_GROUP))
     shown = follow_text(QLineEdit(groups), lambda it: it.setFont(look.font("hero", bold=True)))
     shown.setReadOnly(True)
     shown.setAlignment(Qt.AlignmentFlag.AlignCenter)
     follow_text(shown, lambda it: it.setMaximumWidth(px(420)))
-    shown.setAccessibleName(f"Completion code: {', '.join(code)}")
+    shown.setAccessibleName(texts.text("kiosk.completion_code_name", code=", ".join(code)))
     rows.addWidget(shown)
-    rows.addWidget(look.label("The blank in the middle does not belong to it.", "small", muted=True))
+    rows.addWidget(look.label(texts.text("kiosk.completion_code_blank"), "small", muted=True))
