@@ -4,6 +4,7 @@ import secrets
 from pathlib import Path
 
 from thbridge.app import programs
+from thbridge.files.language_texts import shipped_texts
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.roles.view import View
@@ -29,7 +30,7 @@ def seat_of(
         for option, value in (("--templates", templates), ("--seed", seed)):
             if value is not None:
                 note(f"{option} has no effect here: it is for simulated participants.")
-        return seat_of_person()
+        return seat_of_person(shipped_texts())
     beside = Path() if study_file is None or templates is not None else study_file.parent
     return seat_of_bot(who, read_templates(study.templates, beside), study)
 

@@ -177,7 +177,7 @@ def play(
     if who is ParticipantKind.PERSON:
         START_BAR.close()  # Who types needs the line.
         text = None if legacy.TABUI in others else setting.consent
-        seat = seat_of_person(None if text is None else ask_for_consent(text))
+        seat = seat_of_person(setting.texts, None if text is None else ask_for_consent(setting.texts, text))
     else:
         seat = seat_of_bot(who, setting.templates, study)
     path = bag or usual_bag(setting)

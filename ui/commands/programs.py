@@ -208,10 +208,10 @@ def tabui(
 
         raise typer.Exit(play_hosted(look.value))
     from thbridge.app import programs
+    from thbridge.files.language_texts import shipped_texts
     from ui.actions.programs import ANOTHER_GAME, address_of, new_token, seat_of, show_nothing, tell_lost
     from ui.door_keys import key_of
     from ui.event_loop import run
-    from ui.model.consent_words import THANKS
     from ui.settings import study_of
 
     study_file = the_study(study_file, study_option)
@@ -230,7 +230,7 @@ def tabui(
     program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing, shown)
     last = run(program, seat.typed)
     if seat.tabui.declined:
-        say(THANKS)
+        say((seat.tabui.texts or shipped_texts()).text("terminal.thanks"))
         raise typer.Exit(DECLINED)
     if last is None:
         fail(FAILED, "stopped before the game was over")
@@ -238,7 +238,8 @@ def tabui(
         visited = sum(room.state == "visited" for room in last.rooms)
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
     else:
-        show(f"The game is over. Score {last.score}.")
+        if participant is not ParticipantKind.PERSON:  # Who types has been told.
+            show(f"The game is over. Score {last.score}.")
         note(ANOTHER_GAME)
 
 

@@ -2,27 +2,29 @@
 
 import typer
 
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.view import GiveConsent
 from thbridge.timing.wall_clock import utc_now
 from ui.event_loop import read_line
-from ui.model.consent_words import QUESTION, THANKS, answer_in
+from ui.model.consent_words import answer_in
 from ui.terminal import DECLINED, NOT_TAKING_PART, fail, say
 
 
-def ask_for_consent(text: str) -> GiveConsent:
+def ask_for_consent(texts: Texts, text: str) -> GiveConsent:
     """Show the study's text and wait for a yes; a no is thanked and ends the command, as does the end of the input."""
     for line in text.splitlines():
         say(line)
-    say(QUESTION)
+    question = texts.text("terminal.question")
+    say(question)
     while True:
         line = read_line()
         if not line:
             fail(DECLINED, NOT_TAKING_PART)
-        match answer_in(line):
+        match answer_in(texts, line):
             case True:
                 return GiveConsent(utc_now())
             case False:
-                say(f"{THANKS} Nothing was recorded.")
+                say(texts.text("terminal.thanks_not_recorded"))
                 raise typer.Exit(DECLINED)
             case None:
-                say(QUESTION)
+                say(question)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from thbridge.app.compose.game import build_bot
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.template_files import TemplateSet
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
@@ -32,9 +33,14 @@ def seat_of_bot(who: ParticipantKind, templates: TemplateSet, study: Study) -> S
     return Seat(TabUI(build_bot(templates, BotStrategy(who), study.seed, study.participant.attitude)), None)
 
 
-def seat_of_person(consent: GiveConsent | None = None) -> Seat:
-    """Seat a person, who knows what the game tells, and may have agreed to take part already."""
-    person = TerminalPlayer(show, lambda: tabui.room_names)
+def seat_of_person(texts: Texts, consent: GiveConsent | None = None) -> Seat:
+    """Seat a person, who knows what the game tells, and may have agreed to take part already.
+
+    Args:
+        texts: until the game has told those of its language.
+        consent: of a person who has agreed.
+    """
+    person = TerminalPlayer(show, lambda: tabui.room_names, lambda: tabui.texts or texts)
     tabui = TabUI(person, consent=consent)
 
     def typed(line: str) -> None:

@@ -4,13 +4,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from sim.common.robot_numbers import index_of, number_of, robot_name
-from thbridge.files.language_texts import shipped_texts
-from thbridge.hunt.costs import energy_text
-from thbridge.hunt.events import Condition
+from sim.common.robot_numbers import index_of, number_of
+from thbridge.dialogue.wording.texts import NamedRoom, Texts
+from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import Teller, TreasureProperty, properties_in_words
 from thbridge.hunt.rooms import RoomNames
+from thbridge.hunt.rules import RuleReason
 from thbridge.hunt.treasures import name_in_words
+from thbridge.roles.participant_rules import revealed
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -24,6 +25,7 @@ from thbridge.roles.view import (
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
+    RefusalView,
     RequestHandback,
     RequestSuggestion,
     RobotView,
@@ -35,38 +37,16 @@ from thbridge.roles.view import (
     TakeUpTreasure,
     TellProperty,
     View,
+    refusal_wishes,
 )
 from thbridge.timing.wall_clock import utc_now
-from ui.model.consent_words import QUESTION, answer_in
+from ui.model.consent_words import answer_in
 from ui.model.keys import choice_keys
 from ui.model.playing.memory.history import spoken
 from ui.model.playing.popups.dialogues import OVERRIDE
-from ui.model.playing.words import outcome_of, verdict_words
+from ui.model.playing.possible import why_refused
+from ui.model.playing.words import commander_in_words, outcome_of, verdict_words
 from ui.model.rules_sheet import rules_of
-from ui.story import CONDITIONS
-
-HELP = """\
-  1 4        talk with robot 1 about going to room 4
-  1 ?        don't know: ask robot 1 where to go
-  c   s      the first, or the last, answer in the dialogue that waits; or its letter, where it has one
-  2   1:2    the second answer in the dialogue that waits; to robot 1, where several wait
-  p 4        take a picture of what is in room 4; a terminal cannot show it
-  m 4 WHAT   let the robot sense one more property of what is in room 4, where the game has such
-  t 4 WHAT VALUE   tell what you see on the picture of room 4, where the game asks for it
-  n 4 NAME   name the treasure in room 4 (the list: names)
-  n 4 ?      don't know: ask the robot what it is, where robots argue
-  l 4        leave the treasure in room 4
-  u 4        take it up again, while the robot stands there
-  b 1        call robot 1 back
-  a 1        ask for robot 1, which somebody else commands, to be given back
-  end        end the game
-  names      which names treasures may have
-  rules      the rules of the game
-  ?          how things stand"""
-
-YOURS = "  This is your decision."
-"""Mark of the answer by which a person decides against a robot's advice."""
-NO_NAMES = "No treasure has been found yet."
 
 
 @dataclass(slots=True)
@@ -76,23 +56,27 @@ class TerminalPlayer:
     Attributes:
         show: puts a line in front of the person.
         rooms: gives the names of the map's rooms.
+        texts: gives those of the game's language.
         declined: the person does not take part.
     """
 
     show: Callable[[str], None]
-    rooms: Callable[[], RoomNames] = RoomNames
+    rooms: Callable[[], RoomNames]
+    texts: Callable[[], Texts]
     declined: bool = False
     _view: View | None = None
     _wanted: tuple[ParticipantRequest, ...] = ()
+    _typed: ParticipantRequest | None = None
     _names: dict[int, str] = field(default_factory=dict)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the requests typed since the last call, and those that follow from agreements; see `Player`."""
         if view != self._view:
             before, self._view = self._view, view
-            for line in _changes(before, view, self.rooms()):
+            for line in Telling(self.texts(), self.rooms(), view, self._typed).changes(before):
                 self.show(line)
         wanted, self._wanted = self._wanted, ()
+        self._typed = next(iter(wanted), self._typed)
         follow = [request for consent in view.consents if (request := self._follow(consent)) is not None]
         sense = [SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.found]
         return (*wanted, *follow, *sense)
@@ -101,23 +85,24 @@ class TerminalPlayer:
         """Take in one typed line; a line that cannot be understood is answered with help."""
         view = self._view
         if view is None:
-            self.show("The game has not begun yet.")
+            self.show(self.texts().text("terminal.not_begun"))
             return
         if view.consent is not None:
             self._answer_consent(line)
             return
+        telling = Telling(self.texts(), self.rooms(), view, self._typed)
         match line.split():
             case []:
                 pass
             case ["?"]:
-                for state in _state_lines(view, self.rooms()):
+                for state in telling.state():
                     self.show(state)
-            case ["rules"]:
-                for rule in rules_of(shipped_texts(), view):
+            case [word] if self._means(word, "rules"):
+                for rule in rules_of(self.texts(), view):
                     self.show(f"  {rule}")
-            case ["names"]:
-                self.show(f"  {_listed(view.names)}" if view.names else NO_NAMES)
-            case ["end"]:
+            case [word] if self._means(word, "names"):
+                self.show(f"  {_listed(view.names)}" if view.names else telling.texts.text("terminal.no_names"))
+            case [word] if self._means(word, "end"):
                 self._wanted = (GiveUp(view.game),)
             case [letter] if letter in (waiting := _letters(view)) or letter in ("c", "s"):
                 self._answer(view, waiting.get(letter, 0 if letter == "c" else -1))
@@ -148,33 +133,37 @@ class TerminalPlayer:
             case [robot, room] if _is_number(robot) and _is_number(room):
                 self._wanted = (SelectRoom(index_of(int(robot)), int(room)),)
             case _:
-                self.show(HELP)
+                self.show(self.texts().text("terminal.help"))
+
+    def _means(self, typed: str, word: str) -> bool:
+        """Return True for one of the words that may be typed, in the game's language or in English."""
+        return typed.casefold() in (word, self.texts().text(f"terminal.word_{word}").casefold())
 
     def _answer_consent(self, line: str) -> None:
-        match answer_in(line):
+        match answer_in(self.texts(), line):
             case True:
                 self._wanted = (GiveConsent(utc_now()),)
             case False:
                 self.declined = True
             case None:
-                self.show(QUESTION)
+                self.show(self.texts().text("terminal.question"))
 
     def _answer(self, view: View, choice: int) -> None:
         """Answer the first dialogue that waits; -1 is its last answer."""
         dialogue = _waiting(view)
         if dialogue is None:
-            self.show("No robot waits for an answer.")
+            self.show(self.texts().text("terminal.nobody_waits"))
             return
         self._wanted = (AnswerDialogue(dialogue.dialogue, dialogue.turn, choice % len(dialogue.choices)),)
 
     def _answer_by_number(self, view: View, robot: int | None, number: int) -> None:
         waiting = [each for each in view.dialogues if each.choices and robot in (None, each.robot)]
         if not waiting:
-            self.show("No robot waits for an answer." if robot is None else "This robot waits for no answer.")
+            self.show(self.texts().text("terminal.nobody_waits" if robot is None else "terminal.does_not_wait"))
         elif len(waiting) > 1:
-            self.show(f"Several robots wait: type {number_of(waiting[0].robot)}:{number} to answer the first.")
+            self.show(self.texts().text("terminal.several_wait", answer=f"{number_of(waiting[0].robot)}:{number}"))
         elif not 0 < number <= len(waiting[0].choices):
-            self.show(f"The answers are 1 to {len(waiting[0].choices)}.")
+            self.show(self.texts().text("terminal.answers_are", number=len(waiting[0].choices)))
         else:
             self._wanted = (AnswerDialogue(waiting[0].dialogue, waiting[0].turn, number - 1),)
 
@@ -183,7 +172,8 @@ class TerminalPlayer:
         fitting = [name for name in view.names if name_in_words(name).casefold().startswith(words)]
         fitting = [name for name in fitting if name_in_words(name).casefold() == words] or fitting
         if len(fitting) != 1:
-            self.show(f"{typed} is not one of: {_listed(view.names)}" if view.names else NO_NAMES)
+            key = "terminal.no_such_name" if view.names else "terminal.no_names"
+            self.show(self.texts().text(key, names=_listed(view.names)))
             return
         self._names[room] = fitting[0]
         self._discuss(view, room, "take-treasure", None if view.has_last_word is None else fitting[0])
@@ -191,7 +181,7 @@ class TerminalPlayer:
     def _measure(self, view: View, room: int, words: Sequence[str]) -> None:
         asked = _begun([each for each in view.properties if each.is_measured], words)
         if asked is None:
-            self.show("Robots sense nothing of that name on request.")
+            self.show(self.texts().text("terminal.nothing_to_sense"))
         else:
             self._wanted = (MeasureProperty(room, asked.name),)
 
@@ -202,7 +192,7 @@ class TerminalPlayer:
             (value for value in (() if told is None else told.values) if typed.endswith(value.casefold())), None
         )
         if told is None or value is None:
-            self.show("People tell nothing of that name here.")
+            self.show(self.texts().text("terminal.nothing_to_tell"))
         else:
             self._wanted = (TellProperty(room, told.name, value),)
 
@@ -211,7 +201,7 @@ class TerminalPlayer:
     ) -> None:
         robot = view.room(room).robot if 0 < room <= len(view.rooms) else None
         if robot is None:
-            self.show(f"No robot stands in room {self.rooms().numbered(room)}.")
+            self.show(self.texts().text("terminal.no_robot", room=NamedRoom(room, self.rooms().named.get(room, ""))))
         else:
             self._wanted = (OpenDialogue(robot, matter, room, name),)
 
@@ -257,125 +247,153 @@ def _is_number(word: str) -> bool:
     return word.isdecimal() and len(word) < 6
 
 
-def _changes(before: View | None, view: View, rooms: RoomNames) -> list[str]:
-    """Lines that tell a person the changes since the view before."""
-    if view.consent is not None and (before is None or before.consent is None):
-        return [*view.consent.splitlines(), QUESTION]
-    if before is not None and before.consent is not None and view.consent is None:
-        before = None
-    if before is None or before.game != view.game:
-        return [
-            f"Game {view.game}. Type rules for its rules, ? to see how things stand, h for help.",
-            *_state_lines(view, rooms),
+@dataclass(frozen=True, slots=True)
+class Telling:
+    """Lines that a view becomes, in the language of its participant.
+
+    Attributes:
+        texts: of the language.
+        rooms: names of the map's rooms.
+        view: the view.
+        typed: the last request that was typed, for the reason why it is refused.
+    """
+
+    texts: Texts
+    rooms: RoomNames
+    view: View
+    typed: ParticipantRequest | None
+
+    def changes(self, before: View | None) -> list[str]:
+        """Return the changes since the view before."""
+        view = self.view
+        if view.consent is not None and (before is None or before.consent is None):
+            return [*view.consent.splitlines(), self.texts.text("terminal.question")]
+        if before is not None and before.consent is not None and view.consent is None:
+            before = None
+        if before is None or before.game != view.game:
+            return [self.texts.text("terminal.game", number=view.game), *self.state()]
+        lines: list[str] = []
+        for was, now in zip(before.robots, view.robots, strict=True):
+            lines += self._robot_changes(was, now)
+        for old, new in zip(before.rooms, view.rooms, strict=True):
+            lines += self._room_changes(old, new)
+        known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues}
+        told = {dialogue.dialogue: len(dialogue.said) for dialogue in before.dialogues}
+        for dialogue in view.dialogues:
+            if (dialogue.dialogue, dialogue.turn) not in known:
+                lines += self._asked(dialogue, told.get(dialogue.dialogue, 0))
+        for words in view.last_words:
+            if words not in before.last_words:
+                lines += self._told(words, told.get(words.dialogue, 0))
+                lines += () if words.is_told else (outcome_of(self.texts, words),)
+        if view.refusal is not None and view.refusal != before.refusal:
+            lines.append(self._refused(view.refusal))
+        if view.over is not None and before.over is None:
+            lines.append(self.texts.text("terminal.over", score=view.score))
+        return lines
+
+    def _refused(self, refusal: RefusalView) -> str:
+        unknown = refusal.reason in {RuleReason.UNKNOWN_ROBOT, RuleReason.UNKNOWN_ROOM}
+        asked = self.typed is not None and refusal.wish in refusal_wishes(self.typed) and not unknown
+        return why_refused(self.texts, revealed(self.view), refusal, self.typed if asked else None)
+
+    def state(self) -> list[str]:
+        """Return how things stand."""
+        view, lines = self.view, []
+        for robot in view.robots:
+            driving = robot.moving_to is not None
+            key = "terminal.under_way" if driving else "terminal.in_room"
+            room = self.room(robot.place if robot.moving_to is None else robot.moving_to)
+            lines.append(self.texts.text(key, robot=robot.robot, energy=robot.energy, room=room))
+            if robot.condition is not Condition.WELL:
+                lines.append(self.texts.text(f"terminal.{robot.condition}", robot=robot.robot))
+            if robot.commander is not Commander.PARTICIPANT:
+                lines.append(self.texts.text("terminal.commanded", robot=robot.robot, commander=self._commander(robot)))
+        lines += [self._found(room) for room in view.rooms if room.found and room.undecided]
+        free = " ".join(self.rooms.numbered(room.room) for room in view.rooms if room.state == "unvisited")
+        key = "terminal.not_visited" if free else "terminal.all_visited"
+        lines.append(self.texts.text(key, rooms=free, score=view.score))
+        for dialogue in view.dialogues:
+            lines += self._asked(dialogue, len(dialogue.said) - 1)
+        return [f"  {line}" for line in lines]
+
+    def room(self, room: int) -> NamedRoom:
+        """Return a room with its name, if it has one."""
+        return NamedRoom(room, self.rooms.named.get(room, ""))
+
+    def _commander(self, robot: RobotView) -> str:
+        return commander_in_words(self.texts, robot.commander, robot.commander_name)
+
+    def _robot_changes(self, was: RobotView, now: RobotView) -> list[str]:
+        robot, lines = now.robot, []
+        if now.moving_to is not None and was.moving_to != now.moving_to:
+            goal = self.room(now.moving_to)
+            lines.append(self.texts.text("terminal.sets_out", robot=robot, energy=now.energy, room=goal))
+        if was.moving_to is not None and now.moving_to is None:
+            key = "terminal.arrived" if now.place == was.moving_to else "terminal.stopped"
+            lines.append(self.texts.text(key, robot=robot, room=self.room(now.place)))
+        if now.condition is not was.condition:
+            lines.append(self.texts.text(f"terminal.{now.condition}", robot=robot))
+        if (now.commander, now.commander_name) != (was.commander, was.commander_name):
+            other = now.commander is not Commander.PARTICIPANT
+            key = "terminal.commanded_now" if other else "terminal.yours_again"
+            lines.append(self.texts.text(key, robot=robot, commander=self._commander(now)))
+        if now.asked_back and not was.asked_back:
+            lines.append(self.texts.text("terminal.asked_back", robot=robot, commander=self._commander(now)))
+        return lines
+
+    def _room_changes(self, old: RoomView, new: RoomView) -> list[str]:
+        lines, room = [], self.room(new.room)
+        if new.found and (new.known != old.known or (old.left and not new.left)):
+            lines.append(self._found(new))
+        if new.left and not old.left:
+            again = [] if new.robot is None else [self.texts.text("terminal.take_up", number=new.room)]
+            lines.append(" ".join([self.texts.text("terminal.left", room=room), *again]))
+        if new.picture is not None and old.picture is None:
+            lines.append(self.texts.text("terminal.pictured", room=room))
+        if new.verdict is not None and old.verdict is None:
+            words = verdict_words(self.texts, new.verdict.name, new.verdict.points)
+            lines.append(self.texts.text("terminal.verdict", words=words, room=room))
+        return lines
+
+    def _found(self, room: RoomView) -> str:
+        properties, number = self.view.properties, room.room
+        what = properties_in_words(properties, room.known)
+        seen = self.texts.text("terminal.found", what=what, room=self.room(number))
+        more = [
+            self.texts.text("terminal.sense_more", number=number, property=each.label.lower(), energy=each.cost)
+            for each in properties
+            if each.is_measured and each.name not in room.known
         ]
-    lines: list[str] = []
-    for was, now in zip(before.robots, view.robots, strict=True):
-        lines += _robot_changes(was, now, rooms)
-    for old, new in zip(before.rooms, view.rooms, strict=True):
-        lines += _room_changes(view, old, new, rooms)
-    known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues}
-    told = {dialogue.dialogue: len(dialogue.said) for dialogue in before.dialogues}
-    for dialogue in view.dialogues:
-        if (dialogue.dialogue, dialogue.turn) not in known:
-            lines += _asked(view, dialogue, told.get(dialogue.dialogue, 0))
-    for words in view.last_words:
-        if words not in before.last_words:
-            lines += _told(words, told.get(words.dialogue, 0))
-            lines += () if words.is_told else (outcome_of(shipped_texts(), words),)
-    if view.refusal is not None and view.refusal != before.refusal:
-        lines.append(view.refusal.sentence)
-    if view.over is not None and before.over is None:
-        lines.append(f"The game is over. Score {view.score}.")
-    return lines
+        more += [
+            self.texts.text(
+                "terminal.tell_more", number=number, property=each.label.lower(), values=", ".join(each.values)
+            )
+            for each in properties
+            if each.told_by is Teller.PERSON and room.picture is not None and each.name not in room.told
+        ]
+        return " ".join([seen, *more, self.texts.text("terminal.name_it", number=number)])
 
+    def _asked(self, dialogue: DialogueView, told: int = 0) -> list[str]:
+        """Lines on what waits for an answer; where robots argue, sentences from number `told` on, and the choices."""
+        robot = dialogue.robot
+        if not dialogue.choices:
+            return [self.texts.text("window.thinking", robot=robot)]
+        if self.view.has_last_word is None:
+            answers = ", ".join(f"{letter} {choice}" for letter, choice in _lettered(dialogue))
+            return [self.texts.text("terminal.asked", robot=robot, words=dialogue.said[-1], answers=answers)]
+        several = sum(bool(each.choices) for each in self.view.dialogues) > 1
+        to = f"{number_of(robot)}:" if several else ""
+        acts = dialogue.acts or ("",) * len(dialogue.choices)
+        numbered = enumerate(zip(dialogue.choices, acts, strict=True), start=1)
+        yours = f"  {self.texts.text('popups.your_decision')}"
+        return [
+            *self._told(dialogue, told),
+            *(f"  {to}{number}  {text}{yours if act == OVERRIDE else ''}" for number, (text, act) in numbered),
+        ]
 
-def _robot_changes(was: RobotView, now: RobotView, rooms: RoomNames) -> list[str]:
-    name = robot_name(now.robot).capitalize()
-    lines = []
-    if now.moving_to is not None and was.moving_to != now.moving_to:
-        lines.append(
-            f"{name} sets out for {rooms.titled(now.moving_to)}; it has {energy_text(now.energy)} energy left."
-        )
-    if was.moving_to is not None and now.moving_to is None:
-        there = now.place == was.moving_to
-        lines.append(f"{name} is in {rooms.titled(now.place)}." if there else f"{name} has stopped.")
-    if now.condition is not was.condition:
-        lines.append(f"{name} {CONDITIONS[now.condition]}")
-    if (now.commander, now.commander_name) != (was.commander, was.commander_name):
-        other = now.other_commander
-        lines.append(f"{name} is commanded by {other} now." if other else f"{name} is yours again.")
-    if now.asked_back and not was.asked_back:
-        lines.append(f"You have asked {now.other_commander} for {robot_name(now.robot)} back.")
-    return lines
-
-
-def _room_changes(view: View, old: RoomView, new: RoomView, rooms: RoomNames) -> list[str]:
-    lines = []
-    room = f"Room {rooms.numbered(new.room)}"
-    if new.found and (new.known != old.known or (old.left and not new.left)):
-        lines.append(_found(view, new, rooms))
-    if new.left and not old.left:
-        again = f" u {new.room} takes it up again, until its robot sets out." if new.robot is not None else ""
-        lines.append(f"{room}: what is there is left there.{again}")
-    if new.picture is not None and old.picture is None:
-        lines.append(f"{room}: a picture is taken. A terminal cannot show it.")
-    if new.verdict is not None and old.verdict is None:
-        lines.append(f"{room}: {verdict_words(shipped_texts(), new.verdict.name, new.verdict.points)}")
-    return lines
-
-
-def _found(view: View, room: RoomView, rooms: RoomNames) -> str:
-    seen = properties_in_words(view.properties, room.known)
-    more = [
-        f" m {room.room} {each.label.lower()} senses its {each.label.lower()} for {energy_text(each.cost)} energy."
-        for each in view.properties
-        if each.is_measured and each.name not in room.known
-    ]
-    more += [
-        f" t {room.room} {each.label.lower()} VALUE tells its {each.label.lower()}: {', '.join(each.values)}."
-        for each in view.properties
-        if each.told_by is Teller.PERSON and room.picture is not None and each.name not in room.told
-    ]
-    return f"Room {rooms.numbered(room.room)}: {seen}.{''.join(more)} n {room.room} NAME names it."
-
-
-def _asked(view: View, dialogue: DialogueView, told: int = 0) -> list[str]:
-    """Lines on what waits for an answer; where robots argue, those from sentence number `told` on, and the choices."""
-    name = robot_name(dialogue.robot).capitalize()
-    if not dialogue.choices:
-        return [f"{name} is thinking."]
-    if view.has_last_word is None:
-        answers = ", ".join(f"{letter} {choice}" for letter, choice in _lettered(dialogue))
-        return [f"{name}: {dialogue.said[-1]}   [{answers}]"]
-    several = sum(bool(each.choices) for each in view.dialogues) > 1
-    to = f"{number_of(dialogue.robot)}:" if several else ""
-    acts = dialogue.acts or ("",) * len(dialogue.choices)
-    numbered = enumerate(zip(dialogue.choices, acts, strict=True), start=1)
-    return [
-        *_told(dialogue, told),
-        *(f"  {to}{number}  {text}{YOURS if act == OVERRIDE else ''}" for number, (text, act) in numbered),
-    ]
-
-
-def _told(dialogue: DialogueView | LastWords, told: int) -> list[str]:
-    """Sentences of a dialogue from number `told` on."""
-    name = robot_name(dialogue.robot).capitalize()
-    return [f"{name if speaker == 'robot' else 'You'}: {sentence}" for speaker, sentence in spoken(dialogue)[told:]]
-
-
-def _state_lines(view: View, rooms: RoomNames) -> list[str]:
-    lines = []
-    for robot in view.robots:
-        goal = robot.moving_to
-        where = f"in {rooms.titled(robot.place)}" if goal is None else f"under way to {rooms.titled(goal)}"
-        name = robot_name(robot.robot).capitalize()
-        lines.append(f"  {name}: {where}, energy {energy_text(robot.energy)}")
-        if robot.condition is not Condition.WELL:
-            lines.append(f"  {name} {CONDITIONS[robot.condition]}")
-        if other := robot.other_commander:
-            lines.append(f"  {name} is commanded by {other}.")
-    lines += [f"  {_found(view, room, rooms)}" for room in view.rooms if room.found and room.undecided]
-    free = [rooms.numbered(room.room) for room in view.rooms if room.state == "unvisited"]
-    lines.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
-    lines += [f"  {line}" for dialogue in view.dialogues for line in _asked(view, dialogue, len(dialogue.said) - 1)]
-    return lines
+    def _told(self, dialogue: DialogueView | LastWords, told: int) -> list[str]:
+        """Sentences of a dialogue from number `told` on."""
+        who = {"robot": self.texts.text("window.robot", robot=dialogue.robot), "you": self.texts.text("window.you")}
+        said = spoken(dialogue)[told:]
+        return [self.texts.text("window.said", who=who[speaker], words=sentence) for speaker, sentence in said]

@@ -1,16 +1,19 @@
-"""Words of the question whether somebody takes part, for people who type."""
+"""Answers to the question whether somebody takes part, for people who type."""
 
-QUESTION = "Do you agree to take part? Type yes or no."
+from thbridge.dialogue.wording.texts import Texts
 
-THANKS = "Thank you. You do not take part."
+_YES = frozenset({"yes", "y"})
+_NO = frozenset({"no", "n"})
+"""Answers in each language beside its own."""
 
-_YES = frozenset({"yes", "y", "agree", "i agree"})
-_NO = frozenset({"no", "n", "decline", "i do not agree"})
 
-
-def answer_in(line: str) -> bool | None:
+def answer_in(texts: Texts, line: str) -> bool | None:
     """Return the answer in a typed line, True for yes; None when it is neither yes nor no."""
     words = " ".join(line.split()).casefold().rstrip(".!")
-    if words in _YES:
+    if words in _YES | _listed(texts.text("terminal.yes")):
         return True
-    return False if words in _NO else None
+    return False if words in _NO | _listed(texts.text("terminal.no")) else None
+
+
+def _listed(words: str) -> frozenset[str]:
+    return frozenset(word.strip().casefold() for word in words.split(","))

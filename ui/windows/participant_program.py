@@ -392,7 +392,7 @@ class ParticipantMainWindow(QMainWindow):
                 self._decline()
             sent = True
 
-        self._show(consent_page(self._texts, text, answer, self._texts.text("pages.decline_hint")))
+        self._show(consent_page(self._texts, text, answer, self._texts.text("game.decline_hint")))
 
     def _decline(self) -> None:
         """Thank the participant, who does not take part; nothing more is asked of them."""

@@ -9,6 +9,7 @@ from tests.thbridge.roles.stage import Stage, templates
 from thbridge.app.compose.game import known_treasures
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.engine import DialogueEngine
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, TreasureIdentified, TreasuresHidden
 from thbridge.roles.keeper.disclosed.briefing import Briefing
@@ -17,8 +18,11 @@ from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from thbridge.study.built_in import STANDARD
 from ui.hosting.terminal_player import TerminalPlayer
-from ui.model.consent_words import QUESTION
+from ui.model.consent_words import answer_in
 from ui.model.rules_sheet import rules_of
+
+ENGLISH = shipped_texts()
+QUESTION = ENGLISH.text("terminal.question")
 
 
 class Seat:
@@ -27,9 +31,10 @@ class Seat:
         briefing: Briefing | None = None,
         set_name: str = "original-2016",
         talk: DialogueEngine | None = None,
+        texts: Texts = ENGLISH,
     ) -> None:
         self.shown: list[str] = []
-        self.person = TerminalPlayer(self.shown.append, lambda: self.stage.tabui.room_names)
+        self.person = TerminalPlayer(self.shown.append, lambda: self.stage.tabui.room_names, lambda: texts)
         self.stage = Stage(participant=TabUI(self.person), briefing=briefing, set_name=set_name, talk=talk)
         self.stage.run(6)
 
@@ -76,7 +81,7 @@ def test_a_person_hunts_by_keyboard_alone(seat):
     ]
     assert seat.type("p 3") == ["Room 3: a picture is taken. A terminal cannot show it."]
     assert seat.type("names") == ["  Blue Bottle, Orange Bottle, Pink can, Yellow can"]
-    assert seat.type("n 3 moon") == ["moon is not one of: Blue Bottle, Orange Bottle, Pink can, Yellow can"]
+    assert seat.type("n 3 moon") == ["Type one of these names: Blue Bottle, Orange Bottle, Pink can, Yellow can"]
     assert seat.type(f"n 3 {treasure.name.lower()}") == [
         f"Room 3: {treasure.name} is right, {treasure.points} points won."
     ]
@@ -137,8 +142,8 @@ def test_stop_sends_nobody(seat):
     ("typed", "answer"),
     [
         ("hello", "  1 4        talk with robot 1 about going to room 4"),
-        ("9 3", "There is no robot 9; the team has 2."),
-        ("1 77", "Room 77 is not a room of this game; it has 1 to 8."),
+        ("9 3", "There is no such robot."),
+        ("1 77", "There is no such room."),
         ("p 77", "No robot stands in room 77."),
         ("n 3 moon", "No treasure has been found yet."),
         ("names", "No treasure has been found yet."),
@@ -155,7 +160,7 @@ def test_a_person_is_told_of_robots_that_do_not_answer_or_know_where_they_are(se
     seat.stage.run(60)
     assert seat.shown[-2:] == ["Robot 1 does not answer any more.", "Robot 2 does not know where it is."]
     assert "  Robot 2 does not know where it is." in seat.type("?")
-    assert seat.type("1 3") == ["Robot 1 does not answer any more."]
+    assert seat.type("1 3") == ["Robot 1 does not answer."]
 
 
 def test_a_person_is_told_whose_a_robot_is(seat):
@@ -163,7 +168,7 @@ def test_a_person_is_told_whose_a_robot_is(seat):
     seat.stage.run(10)
     assert seat.shown[-1:] == ["Robot 1 is commanded by ground station 255 now."]
     assert "  Robot 1 is commanded by ground station 255." in seat.type("?")
-    assert seat.type("1 3") == ["Robot 1 is commanded by ground station 255 just now."]
+    assert seat.type("1 3")[0].startswith("Robot 1 is commanded by ground station 255. You get it back")
     seat.stage.session.ask("station", ReleaseCommand(0))
     seat.stage.run(10)
     assert seat.shown[-1:] == ["Robot 1 is yours again."]
@@ -207,14 +212,14 @@ def test_a_person_has_more_sensed_and_tells_what_they_see():
     seat.type("1 3")
     seat.type("c", 20)
     kind = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
-    assert "m 3 weight senses its weight for 2 energy." in seat.shown[-1]
+    assert "m 3 weight lets the robot sense it for 2 energy." in seat.shown[-1]
     assert seat.type("m 3 smell") == ["Robots sense nothing of that name on request."]
-    assert seat.type("t 3 material wood") == ["There is no picture of what is in room 3 yet."]
+    assert seat.type("t 3 material wood") == ["Too little is known about what is there."]
     (line,) = seat.type("m 3 weight")
     assert f"{kind.properties['weight']} to lift" in line
     seat.type("p 3")
     seat.type("c")
-    assert "t 3 material VALUE tells its material: wood, metal, ceramic." in seat.type("?")[2]
+    assert "t 3 material VALUE tells what you see: wood, metal, ceramic." in seat.type("?")[2]
     assert seat.type("t 3 age old") == ["People tell nothing of that name here."]
     (line,) = seat.type("t 3 material Wood")
     assert "made of wood" in line
@@ -278,3 +283,24 @@ def test_who_does_not_know_what_was_found_asks_a_robot_that_argues():
     seat.type("1")
     (named,) = [event for event in seat.stage.log.events if isinstance(event, TreasureIdentified)]
     assert named.name is not None and named.name in answer and named.points > 0
+
+
+def test_a_person_plays_in_the_games_language():
+    german = shipped_texts("de")
+    seat = Seat(texts=german)
+    assert seat.shown[1] == "  Roboter 1: im Flur, Energie 100"
+    help_text = seat.type("hilfe")[0]
+    for english, word in (("end", "ende"), ("names", "namen"), ("rules", "regeln")):
+        assert f"\n  {word} " in f"\n{help_text}" and word == german.text(f"terminal.word_{english}")
+    assert seat.type("Regeln") == seat.type("rules") == [f"  {rule}" for rule in rules_of(german, seat.stage.view())]
+    assert seat.type("namen") == ["Es wurde noch kein Schatz gefunden."]
+    seat.type("1 3")
+    seat.type("c")
+    assert seat.type("c", 20)[0] == "Roboter 1 fährt zu Raum 3; er hat noch 83 Energie."
+    assert "n 3 NAME benennt ihn." in seat.shown[-1]
+    assert seat.type("ende")[-1] == "Das Spiel ist zu Ende. Punktestand 0."
+
+
+@pytest.mark.parametrize(("typed", "agrees"), [("ja", True), ("Yes.", True), ("Nein", False), ("vielleicht", None)])
+def test_an_answer_may_be_in_the_games_language_or_in_english(typed, agrees):
+    assert answer_in(shipped_texts("de"), typed) is agrees

@@ -26,6 +26,14 @@ PREPOSITIONS = ("", "to", "from", "in")
 
 
 @dataclass(frozen=True, slots=True)
+class NamedRoom:
+    """A room, or the corridor, by its number as people count, and its own name; empty where it has none."""
+
+    number: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class TextForms:
     """Forms of values in texts, from a language's grammar.
 
@@ -68,7 +76,7 @@ class Texts:
     entries: Mapping[str, Text]
     forms: TextForms
 
-    def text(self, key: str, /, *, count: int | None = None, **values: str | float | Room) -> str:
+    def text(self, key: str, /, *, count: int | None = None, **values: str | float | Room | NamedRoom) -> str:
         """Return a text with its values.
 
         Args:
@@ -81,7 +89,7 @@ class Texts:
         """
         return fill(self._form(key, count), self._words(values, count))
 
-    def clause(self, key: str, *, count: int | None = None, **values: str | float | Room) -> str:
+    def clause(self, key: str, *, count: int | None = None, **values: str | float | Room | NamedRoom) -> str:
         """Return a text within a sentence: a value at its beginning gets no capital. All else is as for `text`."""
         return fill(self._form(key, count), self._words(values, count), _WITHIN)
 
@@ -93,12 +101,12 @@ class Texts:
         """Return a robot's name within a sentence."""
         return fill(self.forms.robot, {"number": str(number_of(robot))})
 
-    def room(self, room: Room | int, preposition: str = "") -> str:
-        """Return a room's name within a sentence, after a preposition if one is given."""
+    def room(self, room: Room | int, preposition: str = "", *, name: str = "") -> str:
+        """Return a room within a sentence, after a preposition if one is given, and with its own name if it has one."""
         number = room.people if isinstance(room, Room) else room
         if number == CORRIDOR.people:
             return self.forms.corridor[preposition]
-        return fill(self.forms.rooms[preposition], {"number": str(number)})
+        return fill(self.forms.rooms[preposition], {"number": f"{number} ({name})" if name else str(number)})
 
     def number(self, number: float) -> str:
         """Return a number with two decimals at most: `13`, `12.5`."""
@@ -109,6 +117,15 @@ class Texts:
         *first, last = things
         return f"{self.forms.between.join(first)}{self.forms.last}{last}" if first else last
 
+    def _room(self, room: float | Room | NamedRoom, preposition: str) -> str:
+        match room:
+            case Room():
+                return self.room(room, preposition)
+            case NamedRoom(number, name):
+                return self.room(number, preposition, name=name)
+            case _:
+                return self.room(int(room), preposition)
+
     def _form(self, key: str, count: int | None) -> str:
         text = self.entries[key]
         if isinstance(text, str):
@@ -116,15 +133,14 @@ class Texts:
         form = 0 if count is None else _plural_form(self.forms.plural)(abs(count))
         return text[min(form, len(text) - 1)]
 
-    def _words(self, values: Mapping[str, str | float | Room], count: int | None) -> dict[str, str]:
+    def _words(self, values: Mapping[str, str | float | Room | NamedRoom], count: int | None) -> dict[str, str]:
         words: dict[str, str] = {} if count is None else {COUNT: str(count)}
         for name, value in values.items():
             if name in ROOM_VALUES and not isinstance(value, str):
-                room = value if isinstance(value, Room) else Room(int(value))
-                words |= {_with(preposition, name): self.room(room, preposition) for preposition in PREPOSITIONS}
+                words |= {_with(preposition, name): self._room(value, preposition) for preposition in PREPOSITIONS}
             elif name in ROBOT_VALUES and isinstance(value, int):
                 words[name] = self.robot(value)
-            elif isinstance(value, str | Room):
+            elif isinstance(value, str | Room | NamedRoom):
                 words[name] = str(value)
             else:
                 words[name] = self.number(value)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from sim.common.observations import TICKS_PER_SECOND
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
@@ -78,6 +79,7 @@ class TabUI:
     Attributes:
         view: the latest view, None before the first.
         room_names: of the game's map, as far as the keeper has told.
+        texts: of the game's language; likewise.
         run: marks this run of the program; see `ParticipantReady`.
         declined: the participant has said that they do not take part; this program is to leave then.
     """
@@ -96,6 +98,7 @@ class TabUI:
         self._consent = consent
         self.view: View | None = None
         self.room_names = RoomNames()
+        self.texts: Texts | None = None
         self.run = ""
         self.declined = False
         self._introduce = False
@@ -129,6 +132,8 @@ class TabUI:
                 self.view, changed = update, True
             elif isinstance(update, FloorPlan):
                 self.room_names = update.room_names
+            elif isinstance(update, GameTexts):
+                self.texts = update.texts() or self.texts
             if update is not None and self._observer is not None:
                 self._observer.observe(update)
         outgoing: list[TextMessage] = []

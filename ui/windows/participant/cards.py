@@ -354,7 +354,7 @@ def spoken_card(texts: Texts, card: RobotCard) -> str:
     parts = [
         card.name,
         texts.text("window.selected") if card.selected else "",
-        texts.text("window.commanded", commander=card.commander) if card.commander else "",
+        card.commanded,
         texts.text("window.energy_of", energy=card.energy, full=card.energy_at_start),
         _spoken_cost(texts, card),
         card.state,

@@ -153,8 +153,8 @@ def consent_page(
         markdown: True where the text is Markdown.
     """
     page = ConsentPage(texts)
-    agree = keyed(AgreeToTakePart(), texts.text("pages.agree"), hint=texts.text("pages.agree_hint"))
-    decline = keyed(DeclineToTakePart(), texts.text("pages.decline"), hint=hint_of_no)
+    agree = keyed(AgreeToTakePart(), texts.text("game.agree"), hint=texts.text("game.agree_hint"))
+    decline = keyed(DeclineToTakePart(), texts.text("game.decline"), hint=hint_of_no)
     page.show_consent(text, agree, decline, markdown=markdown)
     page.requested.connect(lambda act: answered(isinstance(act, AgreeToTakePart)))
     for button in (page.agree, page.decline):
@@ -177,7 +177,7 @@ class ThanksPage(QWidget):
         rows.addWidget(look.label(texts.text("pages.thanks"), "hero", bold=True))
         rows.addWidget(look.label(text, "title"))
         self.close_button = ActionButton(texts, "main")
-        self.close_button.show_face(ButtonFace(texts.text("window.close"), "Enter"), texts.text("pages.close_window"))
+        self.close_button.show_face(ButtonFace(texts.text("popups.close"), "Enter"), texts.text("pages.close_window"))
         for enter in ("Return", "Enter"):
             QShortcut(QKeySequence(enter), self).activated.connect(self.close_button.click)
         _foot(rows).addWidget(self.close_button)
@@ -270,7 +270,7 @@ class HelpSheet(TitledPanel):
 
     def show_help(self, rules: tuple[str, ...], lines: tuple[tuple[str, str], ...], key: str) -> None:
         """Show these rules and keys; `key` closes the sheet."""
-        self.close_button.show_action(Action(ShowHelp(), self._texts.text("window.close"), key))
+        self.close_button.show_action(Action(ShowHelp(), self._texts.text("popups.close"), key))
         if (rules, lines, self.instructions) == self._shown:
             return
         self._shown = rules, lines, self.instructions

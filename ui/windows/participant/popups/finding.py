@@ -172,7 +172,7 @@ class PicturePanel(TitledPanel):
 
     def show_large(self, data: bytes, title: str, robot: int) -> None:
         """Show this picture of what a robot found."""
-        close = Action(EnlargePicture(), self._texts.text("window.close"), "Esc")
+        close = Action(EnlargePicture(), self._texts.text("popups.close"), "Esc")
         self.entitle(title, robot)
         self.close_button.show_action(close)
         self.picture.show_picture(data, enlarge=close)
