@@ -330,6 +330,7 @@ class RoomTile:
             drives and nobody knows where it would be stopped.
         considered: True when the participant looks at it.
         found: its treasure as far as it is known, in a word or two.
+        found_shorter: the same in fewer and fewer words.
         choose: sends the selected robot.
         warning: caution before choosing: enough energy to get there, but not to take a picture or name the treasure.
     """
@@ -343,6 +344,7 @@ class RoomTile:
     found: str
     choose: Action
     warning: str = ""
+    found_shorter: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -211,7 +211,8 @@ def test_a_wrong_name_costs_and_is_said_so():
     seat.press(PickName(wrong))
     pop = seat.do(SubmitName()).popup
     assert pop.verdict == f"{name_in_words(wrong)} is wrong, {treasure.points} points lost."
-    assert seat.screen.tiles[2].found == f"{wrong}, −{treasure.points}"
+    tile = seat.screen.tiles[2]
+    assert (tile.found, *tile.found_shorter) == (f"{wrong}, −{treasure.points}", wrong, f"−{treasure.points}")
     assert seat.screen.tiles[2].state == "lost"
 
 

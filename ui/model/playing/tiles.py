@@ -41,6 +41,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
     robot = memory.selected
     mover = hunt.view.robots[robot]
     refused = why_not_go(hunt.texts, hunt.known, robot, room.room)
+    found, *shorter = _found(hunt.texts, room)
     costs = hunt.view.costs_from(mover) if mover.moving_to is None else hunt.view.costs_when_stopped()
     return RoomTile(
         room=room.room,
@@ -49,7 +50,8 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
         robot=room.robot,
         cost=costs[room.room] if costs is not None and room.state == "unvisited" else None,
         considered=room.room == (memory.considered() or hunt.destination_considered(robot)),
-        found=_found(hunt.texts, room),
+        found=found,
+        found_shorter=tuple(shorter),
         choose=_choose(hunt, robot, room.room, refused),
         warning="" if refused else energy_warning(hunt.texts, hunt.known, robot, room.room),
     )
@@ -81,12 +83,14 @@ def _price(hunt: HuntMemory, robot: int, room: int) -> str:
     return f"{hint} {energy_warning(texts, hunt.known, robot, room)}".rstrip()
 
 
-def _found(texts: Texts, room: RoomView) -> str:
+def _found(texts: Texts, room: RoomView) -> tuple[str, ...]:
+    """What is known of a room's treasure, and the same in fewer and fewer words."""
     if room.verdict is not None:
-        return f"{name_in_words(room.verdict.name) or texts.text('tiles.named')}, {gained(room.verdict.points)}"
+        name, points = name_in_words(room.verdict.name) or texts.text("tiles.named"), gained(room.verdict.points)
+        return f"{name}, {points}", name, points
     if room.left:
-        return texts.text("tiles.left")
+        return (texts.text("tiles.left"),)
     if not room.found:
-        return ""
+        return ("",)
     value = value_in_words(next(iter(room.known.values()), ""))
-    return texts.text("tiles.found_with", value=value) if value else texts.text("tiles.found")
+    return (texts.text("tiles.found_with", value=value), value) if value else (texts.text("tiles.found"),)

@@ -269,8 +269,7 @@ class Tiles(ActionWidget):
 def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
     """Return the line below a room's number, and shorter ones: the finding there, or the cost to go there."""
     if tile.found:
-        name, _, points = tile.found.partition(", ")
-        return tile.found, name, points or name.removeprefix("something ")
+        return tile.found, *tile.found_shorter
     if tile.state == "reserved":
         return texts.text("window.on_the_way"), texts.text("window.taken")
     if tile.state != "unvisited":
