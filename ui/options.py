@@ -25,6 +25,10 @@ MapName = Annotated[str | None, typer.Option("--map", help="Name of a map, or pa
 Seed = Annotated[
     int | None, typer.Option(help="Same seed, same study, same inputs: the same run.", min=0, max=2**31 - 1)
 ]
+LanguageOption = Annotated[
+    str | None,
+    typer.Option("--language", metavar="NAME", help="Language of the participant: en, de, or one that you installed."),
+]
 Port = Annotated[int | None, typer.Option(help="TCP port for other programs; 0 takes a free one.", min=0, max=65535)]
 BagFile = Annotated[Path | None, typer.Option(help="Where to record. An older file is kept under a new name.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, nothing else.")]

@@ -8,6 +8,7 @@ from pathlib import Path
 from thbridge.app.compose.setting import StudySetting, read_map_of, read_setting
 from thbridge.files.map_files import Map
 from thbridge.files.resources import shipped
+from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
 from thbridge.files.yaml.load import Loaded
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.roles.participant.bot_strategy import BotStrategy
@@ -38,6 +39,19 @@ def with_options(study: Study, changes: Mapping[str, object]) -> Study:
         problem = f"--robots {changed.robots}: the study has software for robot {max(changed.each)} (`each`)"
         fail(BAD_INPUT, f"{problem}. Give more robots, or delete it from the study.")
     return changed
+
+
+def with_language(study: Study, language: str | None, file: Path | None) -> Study:
+    """The study in another language, perhaps one of its own folder; None changes nothing."""
+    if language is None:
+        return study
+    folders = [SHIPPED_LANGUAGES]
+    if study.dialogue.words is not None:
+        folders.append((Path() if file is None else file.parent) / study.dialogue.words)
+    known = sorted({name for folder in folders for name in languages_in(folder)})
+    if language not in known:
+        fail(BAD_INPUT, f"--language: there is no language {language!r}. Choose one of these: {', '.join(known)}.")
+    return dataclasses.replace(study, dialogue=dataclasses.replace(study.dialogue, language=language))
 
 
 def with_strategy(study: Study, strategy: BotStrategy | None) -> Study:

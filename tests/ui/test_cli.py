@@ -279,6 +279,19 @@ def test_a_hunt_is_the_standard_study_unless_another_is_named_or_programs_of_oth
     assert played[0].by_position is (templates == "everyday-things")
 
 
+def test_a_language_is_chosen_for_one_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    played: list[StudySetting] = []
+
+    async def play(setting: StudySetting, *_: object) -> None:
+        played.append(setting)
+        raise ParticipantDeclined(True)
+
+    monkeypatch.setattr("thbridge.app.play.play", play)
+    assert thbridge("play", "--language", "de", "--headless", "--rate", "0").exit_code == 3
+    assert [setting.texts.language for setting in played] == ["de"]
+    assert "no language 'xx'. Choose one of these: de, en." in refusal("play", "--language", "xx")
+
+
 @pytest.mark.parametrize("option", [("play", "--rate", "0,2"), ("plan", "--map", "m.yaml", "--start", "0,2", "0")])
 def test_a_decimal_comma_is_refused_with_its_remedy(option: tuple[str, ...]) -> None:
     assert "'0,2' is not a number. Write a point: 0.2." in " ".join(refusal(*option).replace("│", "").split())

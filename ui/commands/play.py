@@ -18,6 +18,7 @@ from ui.options import (
     FoxglovePort,
     KeyFile,
     Keys,
+    LanguageOption,
     LookOption,
     MapName,
     Mavlink,
@@ -56,6 +57,7 @@ def play(
         ),
     ] = None,
     seed: Seed = None,
+    language: LanguageOption = None,
     rate: Annotated[
         float | None,
         typer.Option(
@@ -133,7 +135,16 @@ def play(
     from ui.open_doors import check_doors, with_open_to
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report
-    from ui.settings import changes_of, setting_of, study_of, with_mavlink, with_options, with_server, with_strategy
+    from ui.settings import (
+        changes_of,
+        setting_of,
+        study_of,
+        with_language,
+        with_mavlink,
+        with_options,
+        with_server,
+        with_strategy,
+    )
     from ui.story import print_story
 
     files, assignments = changes_of(changes or [])
@@ -143,7 +154,7 @@ def play(
         study = with_changes(study, files, assignments)
     study = with_server(with_options(study, {"robots": robots, "map": map_name, "seed": seed}), None, port)
     study = with_mavlink(study, mavlink, identity=identity, udp=udp, udp_listen=udp_listen, tcp=tcp, tlog=tlog)
-    study = with_open_to(study, open_to)
+    study = with_language(with_open_to(study, open_to), language, study_file)
     if participant not in (None, ParticipantKind.PERSON):
         study = with_strategy(study, BotStrategy(participant))
     if study.robots_from is RobotsFrom.ROS:
