@@ -36,6 +36,7 @@ from ui.model.screen import (
     Screen,
     ShowHelp,
     ShowNext,
+    ShowSettings,
     StopRobot,
     SubmitName,
     SwitchSound,
@@ -45,6 +46,9 @@ from ui.model.screen import (
     TypeDigit,
     TypeLetter,
 )
+
+SETTINGS_KEYS = "Ctrl+,"
+"""Keys that open the settings in each window."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +82,7 @@ PLAYING = (
     KeyBinding(("F",), FollowRobot(), "keys.follow"),
     KeyBinding(("A",), FitMap(), "keys.whole_map"),
     KeyBinding(("M",), SwitchSound(), "keys.sound"),
+    KeyBinding((SETTINGS_KEYS,), ShowSettings(), "keys.settings"),
     KeyBinding(("E",), EndGame(), "keys.end"),
 )
 """Keys while the game goes on. While letters belong to a list, Ctrl and the letter does what the letter does."""

@@ -17,6 +17,7 @@ from ui.model.playing.marks import MapMarks
 from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.memory.state import DrawnState, ParticipantMemory
 from ui.model.playing.offers import offer
+from ui.model.playing.sounds import why_silent
 from ui.model.playing.view_update import open_requests, receive_tick, receive_view
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import Act, RoomTile, Screen
@@ -76,6 +77,12 @@ class Participant:
     def followed(self) -> int | None:
         """The robot to keep in the middle of the map."""
         return self._memory.followed
+
+    @property
+    def why_silent(self) -> str:
+        """Why there can be no sound, as a sentence; empty when there can be, or nobody knows yet."""
+        memory = self._memory
+        return "" if memory.hunt is None else why_silent(memory, memory.hunt)
 
     @property
     def leaving(self) -> bool:

@@ -222,6 +222,11 @@ class GoOnFromGame(Act):
 
 
 @dataclass(frozen=True, slots=True)
+class ShowSettings(Act):
+    """Open the page of settings, which is the window's own."""
+
+
+@dataclass(frozen=True, slots=True)
 class ShowHelp(Act):
     """Open or close the sheet of rules and keys."""
 

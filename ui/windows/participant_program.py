@@ -110,6 +110,7 @@ class GamePage(QWidget):
         self._is_over = False
         self._preferences, command = preferences, system_player()
         self._model = Participant(texts=texts, sound_on=preferences.sound_on, can_sound=command is not None, once=once)
+        preferences.why_silent = lambda: self._model.why_silent
         self._sound_on = self._model.sound_on
         self._sounds = SoundPlayer(self, command)
         self._texts = texts
@@ -138,6 +139,7 @@ class GamePage(QWidget):
         window.declined.connect(self.declined)
         window.went_on.connect(self.went_on)
         window.help_shown.connect(self.help_shown)
+        window.settings_wanted.connect(lambda: self._preferences.open(self))
         self._rows.addWidget(window, 1)
         self.setFocusProxy(window)
 
@@ -259,6 +261,7 @@ class GamePage(QWidget):
         """Take a choice of the settings."""
         if on != self._model.sound_on:
             self.window_of_game.do(SwitchSound())
+            self._keep_sound(on)
 
     def _keep_sound(self, on: bool) -> None:
         """Keep the participant's choice for other games; be silent at once where it is that."""
@@ -275,6 +278,7 @@ class GamePage(QWidget):
         """Leave the server."""
         self._link.stop()
         self._sounds.stop()
+        self._preferences.why_silent = str
         self.window_of_game.close()
 
 

@@ -4,6 +4,7 @@ Each kind of window keeps its own, in a file of the user's folder for settings, 
 a participant's choice changes nothing at the researcher's desk.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import Literal
 from weakref import WeakSet
@@ -23,14 +24,13 @@ from PySide6.QtWidgets import (
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
+from ui.model.keys import SETTINGS_KEYS
 from ui.model.theme import DARK, LIGHT
 from ui.windows import look
 from ui.windows.look import GAP, Choice, spaced
 
 TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
 """Sizes of text that may be chosen, percent of the usual one."""
-SETTINGS_KEYS = "Ctrl+,"
-"""Keys that open the settings in each window."""
 
 WindowKind = Literal["participant", "kiosk", "watch", "desk", "study", "templates", "arena"]
 """Kind of a window, and name of the file of its settings."""
@@ -73,6 +73,7 @@ class Preferences(QObject):
         sound_chosen: True when the user wants sounds, False when they do not.
         percent: the size of text, of the usual one; see `look.usual_growth` for what is usual.
         texts: of the page of settings; None: English.
+        why_silent: returns why there can be no sound just now, as a sentence; empty when there can be.
     """
 
     changed = Signal(object)
@@ -94,6 +95,7 @@ class Preferences(QObject):
         self._placed: WeakSet[QWidget] = WeakSet()
         self.percent = 0
         self.texts: Texts | None = None
+        self.why_silent: Callable[[], str] = str
         app.styleHints().colorSchemeChanged.connect(self._apply_look)
         app.focusWindowChanged.connect(self._add_keys_to_box)
         self._apply_look()
@@ -234,7 +236,10 @@ class SettingsDialog(QDialog):
         form.addRow(say("settings.look"), self.look)
         form.addRow(say("settings.text_size"), self.text_size)
         if preferences.has_sound:
+            why_not = preferences.why_silent()
+            self.sound.setEnabled(not why_not)
             form.addRow(say("settings.sound"), self.sound)
+            form.addRow("", look.label(why_not or say("settings.sound_hint"), "small", muted=True))
         done = QDialogButtonBox()
         done.addButton(say("settings.close"), QDialogButtonBox.ButtonRole.RejectRole)
         done.rejected.connect(self.reject)

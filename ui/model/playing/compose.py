@@ -30,8 +30,8 @@ from ui.model.screen import (
     Phase,
     Screen,
     ShowHelp,
+    ShowSettings,
     ShowWaiting,
-    SwitchSound,
     TreasurePopup,
     WaitingItem,
 )
@@ -184,25 +184,17 @@ def _help(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[tuple[str
     )
 
 
-def _sound(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[Action, ...]:
-    """The switch of the sound; none where the study is without sound."""
-    if not hunt.view.sound:
-        return ()
-    texts, why_not = hunt.texts, why_silent(memory, hunt)
-    label = texts.text("game.mute" if memory.sound_on else "game.unmute")
-    return (keyed(SwitchSound(), label, not why_not, why_not or texts.text("game.sound_hint")),)
-
-
 def _tools(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[Action, ...]:
     texts = memory.texts
     sheet = Action(ShowHelp(), texts.text("game.help"), HELP.keys[0], hint=texts.text("game.help_hint"))
+    settings = keyed(ShowSettings(), texts.text("settings.title"), hint=texts.text("settings.hint"))
     if hunt is None:
         return (sheet,)
     follow = texts.text("game.follow" if memory.followed is None else "game.unfollow")
     return (
         keyed(FollowRobot(), follow, hint=texts.text("game.follow_hint", robot=memory.selected)),
         keyed(FitMap(), texts.text("game.whole_map"), hint=texts.text("game.whole_map_hint")),
-        *_sound(memory, hunt),
+        settings,
         sheet,
     )
 

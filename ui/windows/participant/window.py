@@ -40,6 +40,7 @@ from ui.model.screen import (
     PickName,
     RoomTile,
     Screen,
+    ShowSettings,
     TakeThePicture,
     TreasurePopup,
     TypeDigit,
@@ -98,12 +99,14 @@ class ParticipantWindow(QWidget):
         sounded: a `GameSound` is to be heard.
         went_on: the participant goes on with what comes after the game.
         help_shown: the sheet of rules and keys was opened, or closed.
+        settings_wanted: the participant wants to open the settings.
     """
 
     declined = Signal()
     went_on = Signal()
     sounded = Signal(object)
     help_shown = Signal(bool)
+    settings_wanted = Signal()
 
     def __init__(
         self, model: Participant, clock: Callable[[], float], palette: Palette, *, can_cancel: bool = False
@@ -238,6 +241,9 @@ class ParticipantWindow(QWidget):
         if isinstance(act, TypeDigit) and now - self._digits_at < ANSWER_DELAY:
             return
         if isinstance(act, ChooseRoom | AskAdvice | TypeDigit) and now - self._selected_at < ANSWER_DELAY:
+            return
+        if isinstance(act, ShowSettings):
+            self.settings_wanted.emit()
             return
         if isinstance(act, GoOnFromGame):
             self.went_on.emit()

@@ -35,6 +35,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from ui.model.keys import SETTINGS_KEYS
 from ui.model.theme import Palette
 from ui.model.watching.bookmarks import clock
 from ui.model.watching.scene import EntryKind
@@ -42,7 +43,6 @@ from ui.model.watching.tools import Shape
 from ui.windows.controls import ChoiceBox
 from ui.windows.key_sheet import KeySheet
 from ui.windows.look import open_within_screen
-from ui.windows.preferences import SETTINGS_KEYS
 from ui.windows.researcher.docks.arguments import ArgumentsDock
 from ui.windows.researcher.docks.displays import SWITCHES, DisplaysPanel
 from ui.windows.researcher.docks.log import LogView

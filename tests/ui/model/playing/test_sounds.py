@@ -9,7 +9,6 @@ from tests.ui.model.views import asking, view, with_robot, with_room
 from thbridge.roles.view import IdentificationVerdict, View
 from ui.model.keys import act_for
 from ui.model.participant import Participant
-from ui.model.playing.offers import offer
 from ui.model.screen import GameSound, ShowHelp, SwitchSound
 
 
@@ -86,23 +85,22 @@ def test_nothing_sounds_again_when_the_game_is_reached_again_or_begins_anew():
     assert listener.see(structs.replace(ASKS, game=2)) == []
 
 
-def test_m_switches_it_off_and_on_and_the_button_says_which():
+def test_m_switches_it_off_and_on():
     listener = Listener()
     listener.see(UNDER_WAY)
     assert act_for("M", listener.model.screen(0.0)) == SwitchSound()
     listener.model.do(SwitchSound(), 0.0)
-    screen = listener.model.screen(0.0)
-    assert (offer(screen, SwitchSound()).label, screen.banner.text) == ("Unmute", "Sound is off.")
+    assert listener.model.screen(0.0).banner.text == "Sound is off."
     assert listener.see(THERE) == [] and not listener.model.sound_on
     listener.model.do(SwitchSound(), 0.0)
-    assert offer(listener.model.screen(0.0), SwitchSound()).label == "Mute"
+    assert listener.model.screen(0.0).banner.text == "Sound is on."
     assert listener.see(SENSED) == [GameSound.FIND]
 
 
-def test_a_study_without_sound_offers_no_switch_and_is_silent():
+def test_a_study_without_sound_says_so_and_is_silent():
     quiet = Listener()
     quiet.see(structs.replace(UNDER_WAY, sound=False))
-    assert offer(quiet.model.screen(0.0), SwitchSound()) is None
+    assert quiet.model.why_silent == "This study is without sound."
     quiet.model.do(SwitchSound(), 0.0)
     assert quiet.model.screen(0.0).banner.text == "This study is without sound."
     assert quiet.see(structs.replace(THERE, sound=False)) == []
@@ -111,8 +109,7 @@ def test_a_study_without_sound_offers_no_switch_and_is_silent():
 def test_a_computer_without_a_player_is_said_to_have_none():
     listener = Listener(Participant(can_sound=False))
     listener.see(view())
-    switch = offer(listener.model.screen(0.0), SwitchSound())
-    assert (switch.enabled, switch.hint) == (False, "This computer has no program that plays sounds.")
+    assert listener.model.why_silent == "This computer has no program that plays sounds."
 
 
 @pytest.mark.parametrize(

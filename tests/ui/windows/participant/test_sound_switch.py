@@ -5,14 +5,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QSettings
+from PySide6.QtCore import QSettings, Qt
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.participant.test_leaving import ArrivedLink, Table, at_table
 from tests.ui.windows.participant.test_window import press
-from ui.model.screen import SwitchSound
+from ui.model.screen import ShowSettings
 from ui.windows import participant_program
 from ui.windows.participant.widgets.buttons import ActionButton
+from ui.windows.preferences import SettingsDialog
 
 __all__ = ["at_table"]
 
@@ -22,23 +23,32 @@ def kept_sound(folder: Path) -> object:
     return QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat).value("sound")
 
 
-def switch(table: Table) -> str:
-    """The label of the switch in the game that is shown; empty before it is."""
+def settings_button(table: Table) -> ActionButton | None:
+    """The button of the game that is shown; None before it is."""
     assert table.window is not None and table.window.game is not None
     buttons = table.window.game.window_of_game.findChildren(ActionButton)
-    return next((button.face.label for button in buttons if button.act == SwitchSound() and button.face), "")
+    return next((button for button in buttons if button.act == ShowSettings() and button.isVisible()), None)
 
 
-def test_m_mutes_this_game_and_the_next(
+def test_m_and_the_settings_mute_this_game_and_the_next(
     at_table: Callable[[bool], Table], qtbot: QtBot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(participant_program, "system_player", lambda: (sys.executable, "-c", "pass"))
     table = at_table(True)
     assert table.window is not None and table.window.game is not None
-    qtbot.waitUntil(lambda: switch(table) == "Mute")
+    qtbot.waitUntil(lambda: settings_button(table) is not None)
     press(qtbot, table.window.game.window_of_game, "M")
     qtbot.waitUntil(lambda: kept_sound(tmp_path) == "false")
-    assert switch(table) == "Unmute"
     table.window.join(ArrivedLink())
-    qtbot.waitUntil(lambda: switch(table) != "")
-    assert switch(table) == "Unmute"
+    game = table.window.game
+    qtbot.waitUntil(lambda: settings_button(table) is not None)
+    qtbot.mouseClick(settings_button(table), Qt.MouseButton.LeftButton)
+    dialog = game.findChild(SettingsDialog)
+    assert dialog is not None and dialog.isVisible() and not dialog.sound.isChecked()
+    qtbot.keyClick(dialog.sound, Qt.Key.Key_Space)
+    qtbot.waitUntil(lambda: kept_sound(tmp_path) == "true")
+    qtbot.keyClick(dialog, Qt.Key.Key_Escape)
+    table.window.activateWindow()
+    qtbot.waitUntil(table.window.isActiveWindow)
+    press(qtbot, game.window_of_game, "M")
+    qtbot.waitUntil(lambda: kept_sound(tmp_path) == "false")

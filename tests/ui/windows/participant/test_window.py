@@ -89,7 +89,6 @@ CLICKS: list[tuple[str, Act]] = [
     ("playing", EndGame()),
     ("playing", FollowRobot()),
     ("playing", FitMap()),
-    ("playing", SwitchSound()),
     ("playing", ShowHelp()),
     ("dialogue", GiveAnswer(0)),
     ("dialogue", GiveAnswer(1)),
