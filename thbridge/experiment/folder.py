@@ -1,5 +1,6 @@
 """The folder of an experiment: its file and what that names, the store, recordings and exports."""
 
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,23 @@ REPLACED = "replaced-"
 """Prefix of the folders in the store that keep what was replaced by a backup."""
 EXAMPLE = Path(__file__).parent / "example"
 """An experiment to begin with."""
+_EXAMPLE_IN = Path(__file__).parent / "example_languages"
+"""A folder for each other language, with those files of the example that participants read."""
+_LANGUAGE = "dialogue.language: "
+
+
+def example_languages() -> tuple[str, ...]:
+    """Return the languages that the example is written in, English first."""
+    return ("en", *sorted(path.name for path in _EXAMPLE_IN.iterdir()))
+
+
+def write_example(folder: Path, language: str) -> None:
+    """Write the example into a folder that exists; `language` is one of `example_languages`."""
+    shutil.copytree(EXAMPLE, folder, dirs_exist_ok=True)
+    if language != "en":
+        shutil.copytree(_EXAMPLE_IN / language, folder, dirs_exist_ok=True)
+        text = (EXAMPLE / EXPERIMENT).read_text(encoding="utf-8").replace(f"{_LANGUAGE}en", f"{_LANGUAGE}{language}")
+        (folder / EXPERIMENT).write_text(text, encoding="utf-8")
 
 
 @dataclass(frozen=True, slots=True)

@@ -157,7 +157,9 @@ class DialogueSection:
         1,
         3600,
     )
-    language: str = param("en", "name of the language in which robots argue: en, de, or one of the folder of words")
+    language: str = param(
+        "en", "language of all that participants read and hear: en, de, or the name of a folder in the folder of words"
+    )
     author: str | None = param(
         None,
         "name of an installed program that words robots' sentences, as the entry points `thbridge.wordings` have it; "

@@ -106,6 +106,21 @@ def test_texts_that_a_language_lacks_are_told_of(tmp_path: Path) -> None:
     assert advice.startswith("language nl: ") and f"Write them in {tmp_path}/words/nl/texts/" in advice
 
 
+def test_forms_of_the_program_are_in_the_language_of_the_study_or_it_is_told(tmp_path: Path) -> None:
+    feelings = "  - {step: form, form: feelings.yaml, each_condition: true}\n"
+    text = replaced(feelings, feelings.replace("feelings.yaml", "preference"))
+    design = accepted(folder_of(tmp_path, replaced("base: {", "base: {dialogue.language: de, ", text)))
+    (form,) = (form for form in design.forms.values() if "Zusammenarbeit" in form.title)
+    assert form.items[0].options[0] == "the first" and form.items[0].labels[0] == "die erste"
+    (tmp_path / "words" / "nl").mkdir(parents=True)
+    (tmp_path / "words" / "nl" / "ours.yaml").write_text("language: {title: Nederlands, falls_back_on: en}\n")
+    text = replaced("base: {", "base: {dialogue.language: nl, dialogue.words: words, ", text)
+    assert any(
+        advice.startswith("preference: there is no translation of this form into nl, so it is shown in English.")
+        for advice in advice_on(accepted(folder_of(tmp_path, text)))
+    )
+
+
 # Consent
 
 

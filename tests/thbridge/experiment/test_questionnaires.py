@@ -1,6 +1,7 @@
 """Forms read with all faults, scores by the key, and reliability as others compute it."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,14 +11,39 @@ from thbridge.experiment.questionnaires.form import SHIPPED, Form, Item, Scale, 
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE, is_right, reliability_of, scores_of
 from thbridge.files.errors import BadFile
 
-FORMS = sorted(SHIPPED.glob("*.yaml"))
+FORMS = sorted(SHIPPED.rglob("*.yaml"))
 
 
-@pytest.mark.parametrize("path", FORMS, ids=[path.stem for path in FORMS])
+@pytest.mark.parametrize("path", FORMS, ids=[str(path.relative_to(SHIPPED)) for path in FORMS])
 def test_shipped_forms_are_right(path: Path) -> None:
     form = read_form(path).value
     assert form.source
     assert all(item.text for item in form.items)
+
+
+@pytest.mark.parametrize("path", sorted(SHIPPED.glob("*/*.yaml")), ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_a_translated_form_makes_the_same_data(path: Path) -> None:
+    english = read_form(SHIPPED / path.name).value
+
+    def codes(form: Form) -> tuple[object, ...]:
+        words = dict.fromkeys(("text", "low", "high", "unit"), "") | {"labels": ()}
+        items = tuple(replace(item, **words) for item in form.items)
+        return replace(form, title="", instructions="", source="", items=items, like={})
+
+    assert codes(read_form(path).value) == codes(english)
+    for item, other in zip(read_form(path).value.items, english.items, strict=True):
+        assert not item.options or (item.labels and not set(item.labels) & set(other.options))
+
+
+def test_labels_of_answers_are_as_many_as_these_and_follow_them_when_they_are_shuffled(tmp_path: Path) -> None:
+    who = Item("who", text="Wer?", scale=Scale.CHOICE, options=tuple("abcdef"), labels=tuple("ABCDEF"), shuffle=True)
+    shown = [Form("t", items=(who,)).order(1, f"P-{person}")[0] for person in range(20)]
+    assert len({item.options for item in shown}) > 1
+    assert all("".join(item.labels).lower() == "".join(item.options) for item in shown)
+    form = "title: x\nitems:\n  - {id: who, text: Wer?, scale: choice, options: [a, b], labels: [A]}\n"
+    (tmp_path / "form.yaml").write_text(form)
+    with pytest.raises(BadFile, match=r"1 labels for 2 answers\. Write 2 labels, one for each answer"):
+        read_form(tmp_path / "form.yaml")
 
 
 def test_workload_is_the_mean_of_six_lines_of_which_performance_is_reversed() -> None:

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAccessible
-from PySide6.QtWidgets import QAbstractScrollArea, QWidget
+from PySide6.QtWidgets import QAbstractScrollArea, QLabel, QLineEdit, QWidget
 
 from ui.windows.participant.widgets.buttons import ParticipantButton
 
@@ -40,6 +40,17 @@ def _spoken(widget: QWidget) -> str:
     if isinstance(parent, QAbstractScrollArea) and parent.viewport() is widget:
         return _spoken(parent)
     return QAccessible.queryAccessibleInterface(widget).text(QAccessible.Text.Name).strip()
+
+
+def words_in(inside: QWidget) -> list[str]:
+    """Return all words that are read in a widget, or that a screen reader says."""
+    found = [inside.windowTitle()]
+    for widget in inside.findChildren(QWidget):
+        shown = widget.face.label if isinstance(widget, ParticipantButton) and widget.face is not None else ""
+        written = widget.text() if isinstance(widget, QLabel) else ""
+        asked = widget.placeholderText() if isinstance(widget, QLineEdit) else ""
+        found += [shown, written, asked, widget.accessibleName(), widget.accessibleDescription(), widget.toolTip()]
+    return found
 
 
 def against_the_eye(stops: list[QWidget], inside: QWidget) -> list[tuple[str, str]]:

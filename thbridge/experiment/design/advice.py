@@ -10,8 +10,9 @@ from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign, OrderKind, name_of
 from thbridge.experiment.design.plan import plan_of
 from thbridge.experiment.design.steps import Failed, StepKind
-from thbridge.experiment.questionnaires.form import MEASURED, Form, Scale
+from thbridge.experiment.questionnaires.form import MEASURED, SHIPPED, Form, Scale
 from thbridge.files.disk.text_files import read_text
+from thbridge.files.language_texts import ENGLISH
 
 _GAP = re.compile(r"\[(Replace|Write|Insert|TODO)\b[^\]]*\](?!\()")
 """A place in a text that its author has yet to fill in, as in the example's consent."""
@@ -62,6 +63,12 @@ def _on_languages(design: ExperimentDesign) -> Iterator[str]:
     for study in studies.values():
         if (advice := advice_on_language(study, design.beside)) is not None:
             yield f"{advice}."
+    if own != ENGLISH:
+        for path in {form.path: None for form in design.form_files.values() if form.path.parent == SHIPPED}:
+            yield (
+                f"{path.stem}: there is no translation of this form into {own}, so it is shown in English. Translate a "
+                f"copy of {path}, and name it in the step: `form: {path.name}`."
+            )
 
 
 def _on_orders(design: ExperimentDesign) -> Iterator[str]:

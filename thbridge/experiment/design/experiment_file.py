@@ -13,7 +13,7 @@ from thbridge.experiment.allocation.latin_square import Order, balanced_latin_sq
 from thbridge.experiment.allocation.places import Allocation
 from thbridge.experiment.design.practice import practice_problems, practice_studies, without_bases
 from thbridge.experiment.design.steps import StepEntry, StepKind
-from thbridge.experiment.questionnaires.form import SHIPPED, Form, read_form
+from thbridge.experiment.questionnaires.form import SHIPPED, Form, read_form, shipped_form
 from thbridge.files.disk.inside import fault_of_name
 from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.disk.text_files import read_text
@@ -252,7 +252,7 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
     for index, entry in enumerate(file.steps):
         if entry.form:
             with faults.kept():
-                forms[index] = _form(loaded, index, entry)
+                forms[index] = _form(loaded, index, entry, study.dialogue.language)
         if with_files and entry.text is not None and is_regular(text := path.parent / entry.text):
             with faults.kept():
                 read_text(text)
@@ -326,9 +326,11 @@ def _study(path: Path, start: Node, levels: Mapping[str, Level]) -> Loaded[Study
     return merged(start, path, tree)
 
 
-def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry) -> Loaded[Form]:
-    own, shipped = loaded.path.parent / entry.form, SHIPPED / f"{entry.form}.yaml"
-    path = shipped if not is_regular(own) and not fault_of_name(entry.form) and is_regular(shipped) else own
+def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry, language: str) -> Loaded[Form]:
+    path = loaded.path.parent / entry.form
+    if not is_regular(path) and not fault_of_name(entry.form):
+        shipped = shipped_form(entry.form, language)
+        path = shipped if is_regular(shipped) else path
     if not is_regular(path):
         names = ", ".join(sorted(form.stem for form in SHIPPED.glob("*.yaml")))
         raise loaded.fault(f"steps[{index}].form", f"there is no form {entry.form}", f"Name a file, or one of {names}")

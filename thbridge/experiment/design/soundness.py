@@ -252,9 +252,10 @@ def _of_answers(form: Loaded[Form]) -> Iterator[BadFile]:
     """Yield faults of items whose answers could not be told apart, or not be given."""
     for number, item in enumerate(form.value.items):
         key = f"items[{number}]"
-        if twice := next((option for option in item.options if item.options.count(option) > 1), None):
-            yield form.fault(f"{key}.options", f"{twice!r} stands twice", "Keep one of the two")
+        for name, words in (("options", item.options), ("labels", item.labels if item.options else ())):
+            if twice := next((word for word in words if words.count(word) > 1), None):
+                yield form.fault(f"{key}.{name}", f"{twice!r} stands twice", "Keep one of the two")
         if item.not_applicable and NOT_APPLICABLE in item.options:
             yield form.fault(f"{key}.options", f"{NOT_APPLICABLE!r} is an answer already", "Take it out of the options")
-        if item.labels and item.scale is not Scale.LIKERT:
+        if item.labels and item.scale not in {Scale.LIKERT, Scale.CHOICE}:
             yield form.fault(f"{key}.labels", f"a {item.scale} has words at its ends", "Write low and high instead")

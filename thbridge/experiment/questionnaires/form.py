@@ -10,6 +10,7 @@ import numpy as np
 
 from sim.numerics import noise
 from sim.parameters import param
+from thbridge.files.disk.inside import fault_of_name
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
@@ -17,6 +18,7 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 from thbridge.study.overrides import over
 
 SHIPPED = Path(__file__).parent / "forms"
+"""Folder of the forms that come with the program: in English, and in a folder for each other language."""
 T = TypeVar("T")
 
 
@@ -49,7 +51,11 @@ class Item:
     points: int = param(7, "number of points of a likert or differential scale", "", 2, 11)
     low: str = param("", "word at the lower end of its scale")
     high: str = param("", "word at the upper end of its scale")
-    labels: tuple[str, ...] = param((), "words of all points of a likert scale in their order, not only low and high")
+    labels: tuple[str, ...] = param(
+        (),
+        "words of all points of a likert scale in their order, not only low and high; of a choice: what people read in "
+        "place of its answers, which are what the data have",
+    )
     minimum: float = param(0.0, "least value of an analogue scale or a number")
     maximum: float = param(100.0, "greatest value of an analogue scale or a number")
     step: float = param(1.0, "distance of the values of an analogue scale; 0: any", "", 0)
@@ -155,7 +161,9 @@ class Form:
             return item
         stream = noise.key(seed, "experiment", "options", self.title, item.id, participant)
         drawn = iter(_drawn(tuple(option for option in item.options if option not in item.pinned), stream))
-        return replace(item, options=tuple(each if each in item.pinned else next(drawn) for each in item.options))
+        options = tuple(each if each in item.pinned else next(drawn) for each in item.options)
+        labels = dict(zip(item.options, item.labels, strict=False))
+        return replace(item, options=options, labels=tuple(labels[option] for option in options if labels))
 
     def pages(self, seed: int, participant: str) -> Iterator[tuple[Item, ...]]:
         """Yield the items of each page; one with a time limit has a page of its own, so that its time begins there."""
@@ -175,6 +183,12 @@ def _drawn(values: tuple[T, ...], stream: np.uint64) -> tuple[T, ...]:
     """Return values in a random order."""
     drawn = [(noise.uniform(stream, 0, index), index) for index in range(len(values))]
     return tuple(values[index] for _, index in sorted(drawn))
+
+
+def shipped_form(name: str, language: str) -> Path:
+    """Return the file of a form that comes with the program: in a language, or else in English; it need not exist."""
+    translated = SHIPPED / language / f"{name}.yaml"
+    return translated if not fault_of_name(language) and translated.is_file() else SHIPPED / f"{name}.yaml"
 
 
 def read_form(path: Path) -> Loaded[Form]:
@@ -235,6 +249,9 @@ def _problems(form: Form) -> Iterator[tuple[str, str, str]]:
         if item.labels and item.scale is Scale.LIKERT and len(item.labels) != item.points:
             remedy = f"Write {item.points} words, or set points to {len(item.labels)}"
             yield f"{key}.labels", f"{len(item.labels)} words for {item.points} points", remedy
+        if item.labels and item.scale is Scale.CHOICE and len(item.labels) != len(item.options):
+            remedy = f"Write {len(item.options)} labels, one for each answer"
+            yield f"{key}.labels", f"{len(item.labels)} labels for {len(item.options)} answers", remedy
         if item.scale is Scale.DIFFERENTIAL and not (item.low and item.high):
             yield key, "a differential needs its two words", "Write low and high"
         if item.scale is Scale.CHOICE and len(set(item.options)) < 2:

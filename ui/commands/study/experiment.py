@@ -32,13 +32,17 @@ FolderOfExperiment = Annotated[Path, typer.Argument(help="The folder of an exper
 
 def study_new(
     folder: Annotated[Path, typer.Argument(help="The folder to make; must not exist.", metavar="FOLDER")],
+    language: Annotated[str, typer.Option(help="Language of all that participants read: en or de.")] = "en",
 ) -> None:
     """Begin a study with people: a folder with an example to change."""
-    from thbridge.experiment.folder import EXAMPLE
+    from thbridge.experiment.folder import example_languages, write_example
     from thbridge.files.disk.whole import new_folder
 
+    if language not in example_languages():
+        known = ", ".join(example_languages())
+        fail(BAD_INPUT, f"--language: there is no example in {language}. Choose one of {known}; see docs/languages.md.")
     with bad_input(), new_folder(folder) as new:
-        shutil.copytree(EXAMPLE, new, dirs_exist_ok=True)
+        write_example(new, language)
     note(
         f"Wrote {folder}. Change its experiment.yaml and texts, in an editor or by "
         f"`{command('study', 'edit', folder)}`; then check it: `{command('study', 'check', folder)}`. "

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from thbridge.experiment.design.soundness import faults_of
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import EXPERIMENT
 from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.language_texts import ENGLISH
 from thbridge.files.yaml.tree import Section, parse
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.study.study_file import Study, StudyFile
@@ -98,6 +100,13 @@ def experiment_draft(path: Path, text: str) -> ExperimentDraft:
         return dataclasses.replace(draft, faults=faults.faults)
     except BadFile as fault:
         return dataclasses.replace(draft, faults=(fault,))
+
+
+def language_of(draft: StudyDraft) -> str:
+    """Return the language of a study with people; English as long as its file has faults."""
+    with suppress(BadFile):
+        return experiment_of(draft.path, parse(draft.path, draft.text)).study.dialogue.language
+    return ENGLISH
 
 
 def _heeded(form: FormGroup) -> FormGroup:

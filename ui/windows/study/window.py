@@ -19,9 +19,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from thbridge.experiment.questionnaires.form import SHIPPED
+from thbridge.experiment.questionnaires.form import shipped_form
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
+from ui.model.study_form.experiment import language_of
 from ui.model.study_form.files import all_well
 from ui.model.study_form.form import FieldKind, RepeatKind, editable_text
 from ui.model.study_form.questionnaire import START
@@ -244,7 +245,7 @@ class StudyWindow(QMainWindow):
     def _open_form(self, key: str) -> None:
         """Edit the questionnaire that a step names in a window of its own; make the file first if there is none."""
         name = editable_text(self.editor.draft.fields()[key])
-        beside, shipped = self.editor.path.parent, SHIPPED / f"{name}.yaml"
+        beside, shipped = self.editor.path.parent, shipped_form(name, language_of(self.editor.draft))
         path, start = beside / (name or "questionnaire.yaml"), START
         if not path.is_file():
             path = path if path.suffix else path.with_suffix(".yaml")

@@ -40,6 +40,16 @@ def test_from_a_new_study_to_its_tables(folder: Path, tmp_path: Path) -> None:
     assert "is the one that was frozen" in (tmp_path / "tables" / "CHANGES.md").read_text()
 
 
+def test_a_new_study_may_be_in_german(tmp_path: Path) -> None:
+    thbridge("study", "new", tmp_path / "streit", "--language", "de")
+    said = thbridge("study", "check", tmp_path / "streit")
+    assert "no faults; 24 people" in said and "language" not in said and "translation" not in said
+    assert (tmp_path / "streit" / "texts" / "welcome.txt").read_text().startswith("Willkommen.")
+    done = runner.invoke(app, ["study", "new", str(tmp_path / "nl"), "--language", "nl"])
+    assert (done.exit_code, (tmp_path / "nl").exists()) == (2, False)
+    assert "--language: there is no example in nl. Choose one of en, de;" in done.stderr
+
+
 def test_a_quota_that_leaves_orders_uneven_is_told(folder: Path) -> None:
     file = folder / "experiment.yaml"
     assert "some come more often" not in thbridge("study", "check", folder)

@@ -247,11 +247,11 @@ class Laboratory:
 
     Args:
         folder: of the study.
-        text: its file.
+        text: its file; None: the folder has all files already.
     """
 
-    def __init__(self, folder: Path, text: str = STUDY) -> None:
-        for name, content in {**FILES, "experiment.yaml": text}.items():
+    def __init__(self, folder: Path, text: str | None = STUDY) -> None:
+        for name, content in {**FILES, "experiment.yaml": text}.items() if text is not None else ():
             (folder / name).write_text(content)
         self._log = folder / "store" / "log"
         self._log.parent.mkdir(exist_ok=True)

@@ -1,21 +1,26 @@
 """The kiosk's window page by page, by mouse and by keyboard; it tells all that happens with an item at once."""
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import msgspec
 import pytest
 from msgspec import structs
 from PySide6.QtCore import QEvent, QMimeData, QPoint, Qt
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QScrollArea, QToolTip, QWidget
 from pytestqt.qtbot import QtBot
 
+from tests.ui.languages import english_in, strings_in
 from tests.ui.model.views import view
 from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.preferred import preferred
-from tests.ui.windows.walking import nameless
+from tests.ui.windows.walking import nameless, words_in
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.files.language_texts import shipped_texts
+from ui.hosting.kiosk.words import headed
 from ui.model.kiosk import (
     KIOSK,
     Answer,
@@ -31,6 +36,7 @@ from ui.model.kiosk import (
     GamePrepared,
     GameRecorded,
     GameToJoin,
+    HostStops,
     InstructionsNews,
     InstructionsSoFar,
     InstructionText,
@@ -64,6 +70,8 @@ ITEMS = (
     FormItem("used", "Which have you used?", "choice", options=("a robot that cleans", "a drone"), several=True),
     FormItem("why", "What else?", "text", required=False),
 )
+OWN = {*strings_in(msgspec.to_builtins(ITEMS), frozenset({"id", "scale"})), "Some questions", "Answer."} - {""}
+"""Words of a study's own, in whatever language."""
 WAY = StudyProgress(3, 8)
 
 
@@ -92,11 +100,13 @@ class Opened:
 
 
 @pytest.fixture
-def opened(qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Opened]:
+def opened(
+    request: pytest.FixtureRequest, qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> Iterator[Opened]:
     monkeypatch.setattr(QApplication, "quit", lambda: None)
     told: list[FromKiosk] = []
-    preferences = preferred(qapp, tmp_path)
-    window = KioskWindow(TEXTS, preferences, told.append, lambda: made.now)
+    preferences, language = preferred(qapp, tmp_path), getattr(request, "param", "en")
+    window = KioskWindow(shipped_texts(language), preferences, told.append, lambda: made.now)
     made = Opened(window, preferences, told)
     made.window.resize(1024, 600)
     made.window.show()
@@ -556,26 +566,44 @@ def test_a_window_whose_host_died_stays_and_says_so_until_another_one_comes(open
     assert not opened.window.isVisible()
 
 
-def pages() -> dict[str, Callable[[Opened], object]]:
+def pages(texts: Texts = TEXTS) -> dict[str, Callable[[Opened], object]]:
     """Each page of the kiosk, by its name."""
+    ended, score = texts.text("kiosk.game_ended"), texts.text("kiosk.your_score", score=3)
+    stops = HostStops(texts.text("kiosk.pauses"), texts.text("kiosk.failed_text"))
+    comes, thanks = texts.text("kiosk.game_comes"), texts.text("kiosk.thank_you")
+    finish, completed = texts.text("kiosk.finish"), texts.text("kiosk.completed")
     return {
-        "welcome": lambda it: it.window.receive(TextToRead(1, "Welcome", "Please begin. " * 20, "Begin")),
-        "text": lambda it: it.window.receive(TextToRead(1, "Please read", "Read all of this. " * 200, progress=WAY)),
-        "consent": lambda it: it.window.receive(ConsentToAsk(1, "We record you.", progress=WAY)),
-        "form": lambda it: it.form(),
-        "waiting": lambda it: it.window.receive(GamePrepared(1, "The game is made ready.", WAY)),
-        "result": lambda it: it.window.receive(GameRecorded(1, "The game has ended", "Your score: 3.", WAY)),
-        "code": lambda it: it.window.receive(TextToRead(1, "Thank you", "You may go.", "Finish", code="AB23CD45")),
+        "welcome": lambda it: it.window.receive(
+            TextToRead(1, *headed(texts, "welcome"), texts.text("kiosk.begin"), anew=True)
+        ),
+        "text": lambda it: (
+            it.window.receive(InstructionsSoFar((InstructionText("1, 2, 3. " * 200),))),
+            it.window.receive(TextToRead(1, texts.text("kiosk.instructions"), "1, 2, 3. " * 200, progress=WAY)),
+        ),
+        "again": lambda it: (pages(texts)["text"](it), it.window.progress.again.click()),
+        "consent": lambda it: it.window.receive(ConsentToAsk(1, "1, 2, 3.", progress=WAY)),
+        "form": lambda it: it.form(back=True),
+        "missing": lambda it: it.form(back=True).go_on.click(),
+        "waiting": lambda it: it.window.receive(GamePrepared(1, comes, WAY)),
+        "result": lambda it: it.window.receive(GameRecorded(1, ended, score, WAY)),
+        "code": lambda it: it.window.receive(TextToRead(1, thanks, completed, finish, code="AB23CD45")),
         "leaving": lambda it: (it.form("often"), it.window.close()),
+        "paused": lambda it: it.window.receive(stops),
+        "stopped": lambda it: (it.form("often"), it.window.leave()),
+        "stopped between": lambda it: it.window.leave(),
     }
 
 
 @pytest.mark.parametrize("factor", [1.0, pytest.param(2.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", pages())
-def test_pages_fit_and_speak(opened: Opened, qapp: QApplication, name: str, factor: float) -> None:
+@pytest.mark.parametrize("opened", ["en", "de"], indirect=True)
+def test_pages_fit_and_speak(
+    opened: Opened, qapp: QApplication, name: str, factor: float, request: pytest.FixtureRequest
+) -> None:
+    language = request.node.callspec.params["opened"]
     look.apply_text_size(qapp, factor)
     try:
-        pages()[name](opened)
+        pages(shipped_texts(language))[name](opened)
         for size in ((1024, 600), (1920, 1080)):
             opened.window.resize(*size)
             settle()
@@ -583,3 +611,6 @@ def test_pages_fit_and_speak(opened: Opened, qapp: QApplication, name: str, fact
         assert nameless(opened.window) == []
     finally:
         look.apply_text_size(qapp, 1.0)
+    if language != "en":
+        own = re.compile("|".join(sorted(map(re.escape, OWN), key=len, reverse=True)), re.IGNORECASE)
+        assert english_in([own.sub("", words) for words in words_in(opened.window)], language) == []

@@ -131,7 +131,9 @@ def scale_words(item: Item) -> str:
         case Scale.CHOICE:
             several = "any of" if item.several else "one of"
             shuffled = ", in random order" if item.shuffle else ""
-            return f"{several}: {listed(item.options)}{shuffled}{also}"
+            read = dict(zip(item.options, item.labels or item.options, strict=True))
+            answers = [option if label == option else f"{label} ({option})" for option, label in read.items()]
+            return f"{several}: {listed(answers)}{shuffled}{also}"
         case _:
             return f"free text{also}"
 
