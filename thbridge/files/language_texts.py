@@ -33,6 +33,12 @@ def shipped_texts(language: str = ENGLISH) -> Texts:
     return read_texts((SHIPPED_LANGUAGES,), language)
 
 
+def shipped_languages() -> dict[str, str]:
+    """Return the languages that come with the project: what each calls itself, by its name."""
+    names = languages_in(SHIPPED_LANGUAGES)
+    return {name: read_head((SHIPPED_LANGUAGES,), name).title for name in names}
+
+
 def read_texts(folders: Iterable[Path], language: str) -> Texts:
     """Read the texts of a language.
 

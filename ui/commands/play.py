@@ -120,6 +120,7 @@ def play(
     from thbridge.app.consent import ParticipantDeclined
     from thbridge.app.play import HuntUnfinished, PlayOptions
     from thbridge.app.session.session import TickRecord
+    from thbridge.files.language_texts import shipped_languages
     from thbridge.protocols.text import legacy
     from thbridge.roles.participant.bot_strategy import BotStrategy
     from thbridge.study.built_in import STANDARD
@@ -177,7 +178,8 @@ def play(
     check_doors(study, ring, door, graph)
     check_foxglove(foxglove)
     if windowed:
-        offered = offer_of(setting, given=robots is not None)
+        free = study_file is None and language is None and study.dialogue.language == STANDARD.dialogue.language
+        offered = offer_of(setting, given=robots is not None, languages=shipped_languages() if free else None)
         options = PlayOptions(
             pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=foxglove, mavlink=ports, keys=ring
         )

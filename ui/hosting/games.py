@@ -3,6 +3,7 @@
 import asyncio
 import dataclasses
 import secrets
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,12 +41,13 @@ def practice_setting(game: StudySetting) -> StudySetting:
     return dataclasses.replace(own, templates=dataclasses.replace(own.templates, dialogue=dialogue), texts=game.texts)
 
 
-def offer_of(setting: StudySetting, given: bool) -> Offer:
+def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | None = None) -> Offer:
     """Return the texts, the numbers of robots that may be chosen, the rules of the game, and what is agreed to.
 
     Args:
         setting: its study gives them, as `participant: robots`.
         given: True when the admin has given a number, which then is the only one.
+        languages: that the participant may choose from, by their names; None: the study has chosen.
     """
     study = setting.study
     game, consent = study.game, setting.consent or ""
@@ -58,14 +60,16 @@ def offer_of(setting: StudySetting, given: bool) -> Offer:
         properties=setting.templates.properties,
     )
     if study.participant.robots is None or given:
-        return Offer(setting.texts, study.robots, study.robots, study.robots, rules, consent)
-    least, most = study.participant.robots
-    return Offer(setting.texts, least, most, min(max(study.robots, least), most), rules, consent)
+        least = most = study.robots
+    else:
+        least, most = study.participant.robots
+    usual = min(max(study.robots, least), most)
+    return Offer(setting.texts, least, most, usual, rules, consent, languages or {})
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class WindowGames:
-    """Games that a participant can choose in the window.
+    """Games that a participant can choose in the window, in the language chosen last.
 
     Attributes:
         study: the study to play.
@@ -84,6 +88,12 @@ class WindowGames:
     def setting(self, robots: int) -> StudySetting:
         """The study with so many robots; ends the program where that cannot be."""
         return setting_of(with_team_size(self.study, robots), self.file)
+
+    def speak(self, offer: Offer, language: str) -> Offer:
+        """Play in another language from now on; return the offer in it."""
+        talk = dataclasses.replace(self.study.dialogue, language=language)
+        self.study = dataclasses.replace(self.study, dialogue=talk)
+        return offer_of(self.setting(offer.usual), offer.least == offer.most, offer.languages)
 
     def game(self, robots: int) -> PlayGame:
         """A game with so many robots, recorded."""
@@ -159,7 +169,7 @@ def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] 
         arguments: of the window's command line.
     """
     window = WindowProcess((*WINDOW, *arguments), LOBBY)
-    program = host(window, offer, secrets.token_hex(8), games.game, games.practice)
+    program = host(window, offer, secrets.token_hex(8), games.game, games.practice, games.speak)
     try:
         with bad_input(FAILED):
             answer = asyncio.run(program)

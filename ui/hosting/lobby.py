@@ -14,6 +14,7 @@ from ui.model.lobby import (
     Agreed,
     Back,
     Begin,
+    ChooseLanguage,
     Declined,
     FromHost,
     FromWindow,
@@ -78,7 +79,12 @@ PlayGame = Callable[[GameVisit], Awaitable[None]]
 
 
 async def host(
-    window: LobbyWindow, offer: Offer, token: str, play: Callable[[int], PlayGame], practise: Callable[[], PlayGame]
+    window: LobbyWindow,
+    offer: Offer,
+    token: str,
+    play: Callable[[int], PlayGame],
+    practise: Callable[[], PlayGame],
+    speak: Callable[[Offer, str], Offer] | None = None,
 ) -> Answer:
     """Play games until the participant leaves for good; nothing is played before they have agreed to take part.
 
@@ -88,6 +94,7 @@ async def host(
         token: secret by which the server recognises the window.
         play: gives a game with so many robots.
         practise: gives the practice game.
+        speak: gives an offer in another of its languages, in which games are played from then on.
 
     Returns:
         The participant's answer; a no is final, whatever the window says or does after it.
@@ -110,6 +117,10 @@ async def host(
                     await window.send(offer)
                     continue
                 case _ if offer.consent:
+                    continue
+                case ChooseLanguage(language) if speak is not None and language in offer.languages:
+                    offer = speak(offer, language)
+                    await window.send(offer)
                     continue
                 case Begin(robots) if offer.least <= robots <= offer.most:
                     await window.send(Preparing(offer.texts.text("pages.preparing", count=robots)))

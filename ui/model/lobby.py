@@ -3,7 +3,7 @@
 The window is a process of its own, so that nothing of a game can be in it that the game has not told.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 import msgspec
@@ -22,6 +22,7 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
         usual: number in the study.
         rules: of the game, in sentences.
         consent: text to agree to before anything else; empty: nothing, or no more.
+        languages: languages that the participant may choose from, by their names; empty: the study has chosen.
     """
 
     texts: Texts
@@ -30,6 +31,7 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
     usual: int
     rules: tuple[str, ...] = ()
     consent: str = ""
+    languages: Mapping[str, str] = {}
 
 
 class Preparing(msgspec.Struct, frozen=True, tag=True):
@@ -84,6 +86,12 @@ class Practise(msgspec.Struct, frozen=True, tag=True):
     """Window: play the practice game."""
 
 
+class ChooseLanguage(msgspec.Struct, frozen=True, tag=True):
+    """Window: play in this language."""
+
+    language: str
+
+
 class Back(msgspec.Struct, frozen=True, tag=True):
     """Window: leave this game and show the start page."""
 
@@ -93,7 +101,7 @@ class WindowClosed(msgspec.Struct, frozen=True, tag="Leave"):
 
 
 FromHost: TypeAlias = Offer | Preparing | Join | Thanks
-FromWindow: TypeAlias = Agreed | Declined | Begin | Practise | Back | WindowClosed
+FromWindow: TypeAlias = Agreed | Declined | Begin | Practise | ChooseLanguage | Back | WindowClosed
 
 
 def _kept(before: Sequence[FromHost], message: FromHost) -> Sequence[FromHost]:

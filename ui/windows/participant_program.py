@@ -29,6 +29,7 @@ from ui.model.lobby import (
     Agreed,
     Back,
     Begin,
+    ChooseLanguage,
     Declined,
     FromHost,
     FromWindow,
@@ -320,6 +321,7 @@ class ParticipantMainWindow(QMainWindow):
         self._pumping.setTimerType(Qt.TimerType.PreciseTimer)
         self._pumping.timeout.connect(self._pump)
         self._pumping.start(FRAME)
+        preferences.language_chosen.connect(self._choose_language)
 
     def receive(self, message: FromHost) -> None:
         """Act on a message of the host."""
@@ -327,6 +329,11 @@ class ParticipantMainWindow(QMainWindow):
             case Offer():
                 self._going_back = False
                 self._learn(message.texts)
+                self._preferences.languages = message.languages
+                wanted = self._preferences.language
+                if wanted in message.languages and wanted != message.texts.language:
+                    self._send(ChooseLanguage(wanted))
+                    return
                 if message.consent:
                     self._ask_for_consent(message.consent)
                 else:
@@ -353,11 +360,15 @@ class ParticipantMainWindow(QMainWindow):
         back = None if self._send_to_host is None else lambda: self._send(Back())
         way_back = self._texts.text("pages.back_to_start")
         cancel = back or self.leave
+        self._preferences.languages = {}  # A game goes on in its language.
         game = GamePage(link, self._texts, self._preferences, practice, back, self._clock, way_back, once, cancel)
         game.declined.connect(self._decline)
         game.windowTitleChanged.connect(self.setWindowTitle)
         self._show(game)
         self.game = game
+
+    def _choose_language(self, language: str) -> None:
+        self._send(ChooseLanguage(language))
 
     def _cancel(self, page: ConnectingPage) -> None:
         """Ask the host to go back to the start page: it does when the game's program has stopped."""
@@ -417,6 +428,7 @@ class ParticipantMainWindow(QMainWindow):
         page = StartPage(offer.texts, offer.least, offer.most, offer.usual, offer.rules)
         page.start.connect(lambda robots: self._send(Begin(robots)))
         page.tutorial.connect(lambda: self._send(Practise()))
+        page.settings_wanted.connect(lambda: self._preferences.open(self))
         self._show(page)
 
     def _send(self, message: FromWindow) -> None:

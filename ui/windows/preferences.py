@@ -4,7 +4,7 @@ Each kind of window keeps its own, in a file of the user's folder for settings, 
 a participant's choice changes nothing at the researcher's desk.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Literal
 from weakref import WeakSet
@@ -35,7 +35,7 @@ TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
 WindowKind = Literal["participant", "kiosk", "watch", "desk", "study", "templates", "arena"]
 """Kind of a window, and name of the file of its settings."""
 
-_LOOK, _TEXT, _SOUND, _GEOMETRY = "look", "text/percent", "sound", "geometry"
+_LOOK, _TEXT, _SOUND, _GEOMETRY, _LANGUAGE = "look", "text/percent", "sound", "geometry", "language"
 _KEYS_OF = "keysOf"
 """Property of windows that have the keys: the identity of their preferences."""
 
@@ -71,13 +71,16 @@ class Preferences(QObject):
     Attributes:
         changed: the new palette, for widgets that paint themselves.
         sound_chosen: True when the user wants sounds, False when they do not.
+        language_chosen: the language that the user wants.
         percent: the size of text, of the usual one; see `look.usual_growth` for what is usual.
         texts: of the page of settings; None: English.
+        languages: that may be chosen just now, by their names.
         why_silent: returns why there can be no sound just now, as a sentence; empty when there can be.
     """
 
     changed = Signal(object)
     sound_chosen = Signal(bool)
+    language_chosen = Signal(str)
 
     def __init__(
         self,
@@ -95,6 +98,7 @@ class Preferences(QObject):
         self._placed: WeakSet[QWidget] = WeakSet()
         self.percent = 0
         self.texts: Texts | None = None
+        self.languages: Mapping[str, str] = {}
         self.why_silent: Callable[[], str] = str
         app.styleHints().colorSchemeChanged.connect(self._apply_look)
         app.focusWindowChanged.connect(self._add_keys_to_box)
@@ -135,6 +139,16 @@ class Preferences(QObject):
         """Switch sounds on or off."""
         self._keep(_SOUND, "true" if on else "false")
         self.sound_chosen.emit(on)
+
+    @property
+    def language(self) -> str:
+        """Name of the language that the user wants; empty: none in particular."""
+        return self._value(_LANGUAGE, "")
+
+    def choose_language(self, language: str) -> None:
+        """Keep the language, and report it."""
+        self._keep(_LANGUAGE, language)
+        self.language_chosen.emit(language)
 
     def forget(self) -> None:
         """Let the next person begin with what is usual."""
@@ -240,6 +254,13 @@ class SettingsDialog(QDialog):
             self.sound.setEnabled(not why_not)
             form.addRow(say("settings.sound"), self.sound)
             form.addRow("", look.label(why_not or say("settings.sound_hint"), "small", muted=True))
+        self.language = QComboBox()
+        if preferences.languages and preferences.texts is not None:
+            for name, title in preferences.languages.items():
+                self.language.addItem(title, name)
+            self.language.setCurrentIndex(self.language.findData(preferences.texts.language))
+            self.language.activated.connect(lambda _: self._speak(preferences))
+            form.addRow(say("settings.language"), self.language)
         done = QDialogButtonBox()
         done.addButton(say("settings.close"), QDialogButtonBox.ButtonRole.RejectRole)
         done.rejected.connect(self.reject)
@@ -247,3 +268,8 @@ class SettingsDialog(QDialog):
         rows.addLayout(form)
         rows.addWidget(look.label(say("settings.kept"), "small", muted=True))
         rows.addWidget(done)
+
+    def _speak(self, preferences: Preferences) -> None:
+        """Choose the language. The page closes: it would be in the other one."""
+        self.accept()
+        preferences.choose_language(self.language.currentData())

@@ -4,6 +4,8 @@ import asyncio
 import sys
 from pathlib import Path
 
+from msgspec import structs
+
 from thbridge.files.language_texts import shipped_texts
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.lobby import Answer, GameVisit, LobbyWindow, host
@@ -38,7 +40,10 @@ def hosted(process: LobbyWindow, offer: Offer = OFFER, answer: Answer = Answer.Y
 
         return play
 
-    program = host(process, offer, "t0", lambda robots: game("game", robots), lambda: game("practice", 1))
+    def speak(offer: Offer, language: str) -> Offer:
+        return structs.replace(offer, texts=shipped_texts(language))
+
+    program = host(process, offer, "t0", lambda robots: game("game", robots), lambda: game("practice", 1), speak)
     assert asyncio.run(asyncio.wait_for(program, 30)) is answer
     return played
 
@@ -154,3 +159,20 @@ def test_a_window_that_was_closed_has_not_crashed(tmp_path):
     process = window(tmp_path, "hear()\nsay('Leave')\n")
     hosted(process)
     assert not process.given_up
+
+
+def test_a_language_that_may_be_chosen_is_spoken_from_then_on(tmp_path):
+    script = """
+assert hear()["texts"]["language"] == "en"
+say("ChooseLanguage", language="xx")
+say("ChooseLanguage", language="de")
+assert hear()["texts"]["language"] == "de"
+say("Begin", robots=2)
+assert hear()["sentence"] == "Die 2 Roboter werden vorbereitet."
+hear()
+say("Back")
+assert hear()["texts"]["language"] == "de"
+say("Leave")
+"""
+    free = structs.replace(OFFER, languages={"en": "English", "de": "Deutsch"})
+    assert hosted(window(tmp_path, script), free) == [("game", 2)]

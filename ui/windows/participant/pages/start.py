@@ -5,7 +5,7 @@ from PySide6.QtGui import QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.keys import HELP, help_line, shown_key
+from ui.model.keys import HELP, SETTINGS_KEYS, help_line, shown_key
 from ui.windows import look
 from ui.windows.look import GAP, spaced
 from ui.windows.participant.pages.pages import HelpSheet, page_keys
@@ -32,10 +32,12 @@ class StartPage(QWidget):
     Attributes:
         start: begin a game with so many robots.
         tutorial: begin the practice game.
+        settings_wanted: open the settings.
     """
 
     start = Signal(int)
     tutorial = Signal()
+    settings_wanted = Signal()
 
     def __init__(
         self,
@@ -52,7 +54,14 @@ class StartPage(QWidget):
         self._number = usual
         rows = spaced(page_column(self, 680), 2 * GAP)
         rows.addStretch(2)
-        rows.addWidget(look.label(texts.text("window.title"), "hero", bold=True))
+        head = spaced(QHBoxLayout(), GAP)
+        head.addWidget(look.label(texts.text("window.title"), "hero", bold=True), 1)
+        self.settings = ActionButton(texts, "small")
+        settings = texts.text("settings.title")
+        self.settings.show_face(ButtonFace(settings, SETTINGS_KEYS), settings)
+        self.settings.clicked.connect(self.settings_wanted)
+        head.addWidget(self.settings)
+        rows.addLayout(head)
         rows.addWidget(look.label(texts.text("start.introduction")))
         rows.addSpacing(GAP)
         asks = most > least

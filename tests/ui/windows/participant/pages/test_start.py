@@ -1,14 +1,21 @@
 """The page before a game."""
 
+from pathlib import Path
+
 import pytest
+from msgspec import structs
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QLabel
 from pytestqt.qtbot import QtBot
 
+from tests.ui.windows.preferred import preferred
 from thbridge.files.language_texts import shipped_texts
+from ui.model.lobby import ChooseLanguage, FromWindow, Offer
 from ui.model.rules_sheet import rules_lines
 from ui.windows.participant import StartPage
 from ui.windows.participant.pages.pages import KeyCap
+from ui.windows.participant_program import ParticipantMainWindow
+from ui.windows.preferences import SettingsDialog
 
 
 @pytest.fixture
@@ -103,3 +110,31 @@ def test_one_size_of_team_is_no_question(qtbot: QtBot) -> None:
     assert not page.choices[1].isVisible()
     assert "You will command 1 robot." in [label.text() for label in page.findChildren(QLabel)]
     assert page.begin.accessibleName() == "Start with 1 robot"
+
+
+def test_the_language_is_chosen_in_the_settings_and_kept(
+    qtbot: QtBot, qapp: QApplication, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(QApplication, "quit", lambda: None)
+    offer = Offer(shipped_texts(), 1, 2, 2, languages={"en": "English", "de": "Deutsch"})
+    german = structs.replace(offer, texts=shipped_texts("de"))
+    sent: list[FromWindow] = []
+    window = ParticipantMainWindow(preferred(qapp, tmp_path), sent.append)
+    qtbot.addWidget(window, before_close_func=lambda it: it.leave())
+    window.receive(offer)
+    window.show()
+    page = window.findChild(StartPage)
+    assert page is not None
+    qtbot.mouseClick(page.settings, Qt.MouseButton.LeftButton)
+    dialog = window.findChild(SettingsDialog)
+    assert dialog is not None and dialog.language.currentText() == "English"
+    qtbot.keyClick(dialog.language, Qt.Key.Key_End)
+    assert sent == [ChooseLanguage("de")] and not dialog.isVisible()
+    window.receive(german)
+    assert window.windowTitle() == shipped_texts("de").text("window.title")
+    later = ParticipantMainWindow(preferred(qapp, tmp_path), sent.append)
+    qtbot.addWidget(later, before_close_func=lambda it: it.leave())
+    later.receive(offer)
+    assert sent[1:] == [ChooseLanguage("de")], "without being asked again"
+    later.receive(Offer(shipped_texts(), 2, 2, 2))
+    assert sent[2:] == [], "a study that has chosen its language keeps it"
