@@ -71,7 +71,7 @@ class DialogueTopic:
         room: the destination, or the room of the treasure.
         cost: energy of the proposal.
         energy: of the robot.
-        room_name: of the room, as people read it within a sentence.
+        room_name: of the room, in the participant's language; empty where it has none of its own.
         other_robot: the robot that could get to the room for the least energy besides this one; None without one.
         properties: known of the treasure there.
         reason: of the robot's suggestion, as part of a sentence; empty for what it did not suggest.

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
+from thbridge.dialogue.sentences import reserved_in, spelling_fault
 from thbridge.dialogue.wording.texts import COUNT, Text, TextForms, Texts, value_of, words_for
-from thbridge.dialogue.words import reserved_in, spelling_fault
 from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection

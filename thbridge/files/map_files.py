@@ -1,13 +1,16 @@
 """Map folders: `map.yaml` and its image as read by map_server, and `rooms.yaml` with rooms and start poses.
 
+A folder for each further language, such as `de`, has the names of the rooms in a `words.yaml`.
+
 A folder is checked as a whole: on a map that loads, every robot can stand at its start, drive to the goal of every
 room, and turn there.
 """
 
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Literal, TypeVar
 
@@ -26,6 +29,7 @@ from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.image_files import read_image
 from thbridge.files.map_times import MAP_TIMES, read_map_times
+from thbridge.files.set_words import WORDS, languages_beside, nearest
 from thbridge.files.yaml.load import Loaded, load
 from thbridge.hunt.rooms import Room, RoomNames
 
@@ -78,6 +82,8 @@ class Map:
         rooms: the rooms in the order of their numbers, 1, 2, ...; at least one.
         starts: start poses of robot 1, 2, ... in the map frame; at least one.
         costs: the map's own cost file `mapTimes`, which replaces that of a template folder; None when it has none.
+        language: of the rooms' names; None: that of the study, whatever it is.
+        words: names of the rooms in further languages, by the language and the name in `rooms.yaml`.
     """
 
     name: str
@@ -85,11 +91,19 @@ class Map:
     rooms: tuple[MapRoom, ...]
     starts: tuple[Pose2, ...]
     costs: Path | None
+    language: str | None = None
+    words: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     @property
     def room_names(self) -> RoomNames:
         """Names of the rooms."""
         return RoomNames.of((entry.room.people, entry.name) for entry in self.rooms)
+
+    def room_names_in(self, language: str) -> RoomNames:
+        """Return the names of the rooms in a language; one that has none in it stays as it is."""
+        words = {} if language == self.language else self.words.get(language, {})
+        named = self.room_names.named
+        return RoomNames({number: words.get(name, name) for number, name in named.items()})
 
     def room_at(self, x: float, y: float) -> Room | None:
         """The room with a point of the map frame; None in a corridor."""
@@ -173,6 +187,12 @@ class _StartsEntry:
 class _RoomsYaml:
     rooms: tuple[_RoomEntry, ...]
     starts: _StartsEntry
+    language: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _RoomWords:
+    rooms: Mapping[str, str]
 
 
 def read_grid(map_yaml: Path, *, moved: bool = False) -> OccupancyGrid:
@@ -240,16 +260,19 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
     write_whole(folder / "map.yaml", text.encode())
 
 
-def write_rooms(folder: Path, rooms: Sequence[MapRoom], starts: Sequence[Pose2]) -> None:
+def write_rooms(
+    folder: Path, rooms: Sequence[MapRoom], starts: Sequence[Pose2], *, language: str | None = None
+) -> None:
     """Write `rooms.yaml`, also over an older one. Raises BadFile: it cannot be written; an older one is unchanged."""
-    write_whole(folder / "rooms.yaml", rooms_text(rooms, starts).encode())
+    write_whole(folder / "rooms.yaml", rooms_text(rooms, starts, language).encode())
 
 
-def rooms_text(rooms: Sequence[MapRoom], starts: Sequence[Pose2]) -> str:
+def rooms_text(rooms: Sequence[MapRoom], starts: Sequence[Pose2], language: str | None = None) -> str:
     """The text of `rooms.yaml`."""
     lines = [
         "# Metres and radians in the map frame. region: two opposite corners of a box, or all corners in turn.",
         "# goal and poses: x, y, yaw.",
+        *([] if language is None else [f"language: {json.dumps(language, ensure_ascii=False)}"]),
         "rooms:",
     ]
     for entry in rooms:
@@ -305,8 +328,44 @@ def check_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool 
         rooms=tuple(sorted((_room(entry) for entry in loaded.value.rooms), key=lambda entry: entry.room)),
         starts=tuple(start for _, start in _starts(loaded.value.starts)),
         costs=own_costs,
+        language=loaded.value.language,
+        words=_read_words(folder, [entry.name for entry in loaded.value.rooms], findings),
     )
     return MapCheck(drawn, tuple(findings))
+
+
+def _read_words(folder: Path, names: Sequence[str], findings: list[MapFinding]) -> dict[str, Mapping[str, str]]:
+    """Read the names of rooms in further languages. One for no room may be of a room that was renamed."""
+    words: dict[str, Mapping[str, str]] = {}
+    for language in languages_beside(folder, (WORDS,)):
+        path = folder / language / WORDS
+        loaded = _attempt(partial(load, path, _RoomWords), findings)
+        if loaded is None:
+            continue
+        words[language] = loaded.value.rooms
+        for name, said in loaded.value.rooms.items():
+            if name not in names:
+                fault = loaded.fault(f"rooms.{name}", f"no room is called {name!r}", nearest(name, names))
+                findings.append(MapFinding("warning", fault))
+            elif not said.strip():
+                fault = loaded.fault(f"rooms.{name}", "nothing is written there", "Write the name in this language")
+                findings.append(MapFinding("error", fault))
+    return words
+
+
+def missing_room_names(place: Map, folder: Path, language: str) -> Iterator[BadFile]:
+    """Yield what a map whose names are in another language lacks in this one, with the file to write.
+
+    Args:
+        place: the map.
+        folder: of the map.
+        language: name of the language.
+    """
+    words = place.words.get(language, {})
+    unnamed = [name for name in place.room_names.named.values() if name not in words]
+    if place.language not in {None, language} and unnamed:
+        problem = f"the map is in {place.language}, and these rooms have no name in {language}: {', '.join(unnamed)}"
+        yield BadFile(folder / language / WORDS, problem, "Write them under rooms", key="rooms")
 
 
 def _attempt(read: Callable[[], T], findings: list[MapFinding]) -> T | None:

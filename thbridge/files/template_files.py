@@ -2,25 +2,26 @@
 
 A folder has `treasures` as in 2016 or `treasures.yaml`, `DialogueText` and `pictures/`; perhaps, for the participant's
 machine, which must not know which picture belongs to which treasure, `treasures.participant`. It may have a
-`mapTimes` for maps without one, and a `set.yaml` that names the one map whose moves `mapTimes` prices, and the answers
-to questions. All are UTF-8 text; Windows line ends, a byte order mark and blank lines are accepted.
+`mapTimes` for maps without one, and a `set.yaml` that names the language of the set, the one map whose moves `mapTimes`
+prices, and the answers to questions. A folder for each further language has its words; see `thbridge.files.set_words`.
+All are UTF-8 text; Windows line ends, a byte order mark and blank lines are accepted.
 """
 
 import difflib
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import cast
 
 from thbridge.dialogue.moves import Scenario
-from thbridge.dialogue.scripted.templates import ANSWERS_OF_2016, ScriptedQuestion, Template
+from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template
 from thbridge.dialogue.words import word_fault
 from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.regular_files import open_regular
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.map_times import MAP_TIMES, read_map_times
+from thbridge.files.set_words import WORDS, AnswersYaml, SetWords, languages_beside, read_set_words, values_of
 from thbridge.files.template_lines import first_line, numbered_lines
 from thbridge.files.treasure_files import (
     PARTICIPANT_TREASURES,
@@ -53,27 +54,10 @@ _BETWEEN_WORDINGS = re.compile(r"(?<!\S)\|(?!\S)")
 
 
 @dataclass(frozen=True, slots=True)
-class _Answers:
-    """Texts of the buttons below a question: the one that agrees, and the one that refuses."""
-
-    room: tuple[str, str] = ANSWERS_OF_2016
-    picture: tuple[str, str] = ANSWERS_OF_2016
-    treasure: tuple[str, str] = ANSWERS_OF_2016
-
-    def by_scenario(self) -> dict[Scenario, tuple[str, str]]:
-        """Return the answers to the questions of each scenario."""
-        return {
-            Scenario.SPECIFIC_ROOM: self.room,
-            Scenario.DONT_KNOW: self.room,
-            Scenario.TAKE_PICTURE: self.picture,
-            Scenario.TAKE_TREASURE: self.treasure,
-        }
-
-
-@dataclass(frozen=True, slots=True)
 class _SetYaml:
+    language: str | None = None
     map: str | None = None
-    answers: _Answers = _Answers()
+    answers: AnswersYaml = field(default_factory=AnswersYaml)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +72,8 @@ class TemplateSet:
         kinds: treasures with their images.
         dialogue: the scripted questions.
         pictures: the treasures' image files, by name.
+        language: of its names and questions; None: that of the study, whatever it is.
+        words: in further languages, by their names.
     """
 
     rooms: int
@@ -97,6 +83,25 @@ class TemplateSet:
     kinds: tuple[TreasureKind, ...]
     dialogue: Template
     pictures: Mapping[str, bytes]
+    language: str | None = None
+    words: Mapping[str, SetWords] = field(default_factory=dict)
+
+    def in_language(self, language: str) -> SetWords:
+        """Return what participants read in a language; what is not there in it stays as it is."""
+        spoken = None if language == self.language else self.words.get(language)
+        return SetWords({}, self.properties, self.dialogue) if spoken is None else spoken
+
+    def answering_as(self, other: "TemplateSet") -> "TemplateSet":
+        """Return the set with the answers to questions that another one has, in each language."""
+
+        def answering(dialogue: Template, others: Template) -> Template:
+            return replace(dialogue, answers=others.answers)
+
+        words = {
+            language: replace(said, dialogue=answering(said.dialogue, other.in_language(language).dialogue))
+            for language, said in self.words.items()
+        }
+        return replace(self, dialogue=answering(self.dialogue, other.dialogue), words=words)
 
 
 def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxyType({})) -> TemplateSet:
@@ -144,7 +149,53 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
     if faults.found or treasures is None or dialogue is None:
         raise faults.together()
     dialogue = replace(dialogue, answers=own.answers.by_scenario())
-    return TemplateSet(treasures.rooms, costs, own.map, treasures.properties, treasures.kinds, dialogue, pictures)
+    words: dict[str, SetWords] = {}
+    for language in languages_beside(folder, (WORDS, DIALOGUE_TEXT)):
+        with faults.kept():
+            questions = folder / language / DIALOGUE_TEXT
+            spoken = read_dialogue_text(questions, treasures.properties) if questions.exists() else None
+            words[language] = read_set_words(folder / language / WORDS, treasures, dialogue, spoken)
+    faults.raise_any()
+    return TemplateSet(
+        treasures.rooms,
+        costs,
+        own.map,
+        treasures.properties,
+        treasures.kinds,
+        dialogue,
+        pictures,
+        own.language,
+        words,
+    )
+
+
+def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterator[BadFile]:
+    """Yield what a set that is in another language lacks in this one, each with the file to write.
+
+    Args:
+        templates: the set.
+        folder: of the set.
+        language: name of the language.
+    """
+    if templates.language in {None, language}:
+        return
+    words, path = templates.in_language(language), folder / language / WORDS
+
+    def missing(key: str, names: Sequence[str]) -> BadFile:
+        problem = f"the set is in {templates.language}, and these have no words in {language}: {', '.join(names)}"
+        return BadFile(path, problem, f"Write them into {key}", key=key)
+
+    if unnamed := [kind.name for kind in templates.kinds if kind.name not in words.names]:
+        yield missing("treasures", unnamed)
+    if unlabelled := [each.name for each in words.properties if each in templates.properties and each not in OF_2016]:
+        yield missing("properties", unlabelled)
+    for each in words.properties:
+        if unsaid := [value for value in values_of(each, templates.kinds) if value not in each.words]:
+            yield missing(f"values of {each.name}", unsaid)
+    questions = folder / language / DIALOGUE_TEXT
+    if any(templates.dialogue.questions.values()) and not questions.exists():
+        problem = f"the set is in {templates.language}, and it has no questions in {language}"
+        yield BadFile(questions, problem, f"Translate {folder / DIALOGUE_TEXT} into this file")
 
 
 def _treasures_with_images(path: Path) -> TreasureList:
@@ -184,12 +235,9 @@ def _set_yaml(path: Path) -> _SetYaml:
         return _SetYaml()
     loaded = load(path, _SetYaml)
     if not loaded.lines:
-        raise BadFile(path, "there is nothing in it", "write `map:` or `answers:`, or delete the file")
-    for field in fields(_Answers):
-        agree, refuse = texts = cast(tuple[str, str], getattr(loaded.value.answers, field.name))
-        if not all(text.strip() for text in texts) or agree.casefold() == refuse.casefold():
-            remedy = "write two different answers, such as [Go, Not there]"
-            raise loaded.fault(f"answers.{field.name}", "people could not tell these answers apart", remedy)
+        raise BadFile(path, "there is nothing in it", "write `language:`, `map:` or `answers:`, or delete the file")
+    for fault in loaded.value.answers.faults(loaded):
+        raise fault
     return loaded.value
 
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from thbridge.argumentation.cases import Side
 from thbridge.dialogue.games.contents import ContentKind
 from thbridge.dialogue.games.locutions import Locution
+from thbridge.dialogue.sentences import reserved_in, spelling_fault
 from thbridge.dialogue.wording.authors import can_be_found
 from thbridge.dialogue.wording.language import AboutRobot, Grammar, Language, MoveWording, PhraseWording
 from thbridge.dialogue.wording.lines import LINES, LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, ValueKind, reserved_words
-from thbridge.dialogue.words import reserved_in, spelling_fault
 from thbridge.files.disk.inside import path_inside
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import read_rulebook

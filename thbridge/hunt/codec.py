@@ -15,7 +15,7 @@ import msgspec
 
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Event, GameStarted, JournalEntry, Number, TreasureSensed, TreasuresHidden
-from thbridge.hunt.properties import OF_2016
+from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
 
@@ -37,6 +37,8 @@ def to_json(event: JournalEntry) -> str:
             fields["treasures"] = [treasure_fields(kind) for kind in event.treasures]
         case GameStarted() if event.properties == OF_2016:
             del fields["properties"]
+        case GameStarted():
+            fields["properties"] = [_without_words(each) for each in event.properties]
     return json.dumps({"v": VERSION, **fields}, separators=(",", ":"), allow_nan=False)
 
 
@@ -87,6 +89,13 @@ def treasure_of(fields: Mapping[str, object]) -> TreasureKind:
 def kind_of(event_class: type[Event]) -> str:
     """Return the kind of a class of events in recordings: its kind in journals without hyphens."""
     return str(event_class.__struct_config__.tag).replace("-", "")
+
+
+def _without_words(declared: TreasureProperty) -> dict[str, object]:
+    """Return the fields of a property's declaration, without the words for participants."""
+    fields: dict[str, object] = msgspec.to_builtins(declared)
+    del fields["words"]
+    return fields
 
 
 def _encode_value(value: object) -> object:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeAlias
 
@@ -41,6 +41,7 @@ class TreasureProperty:
         cost: energy of sensing it.
         drawn: beside the value.
         said: of a treasure within a sentence, with the name between pound signs: `weighing £weight£`.
+        words: of values within a sentence, in the participant's language; recordings have none.
     """
 
     name: str
@@ -51,6 +52,7 @@ class TreasureProperty:
     cost: float = 0.0
     drawn: PropertyDrawing = PropertyDrawing.NONE
     said: str = ""
+    words: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     @property
     def is_found(self) -> bool:
@@ -62,9 +64,13 @@ class TreasureProperty:
         """True when a robot senses it on request, for energy."""
         return self.told_by is Teller.ROBOT and self.cost > 0.0
 
+    def word(self, value: str) -> str:
+        """Return a value of it as it is said within a sentence."""
+        return self.words.get(value) or value_in_words(value)
+
     def phrase(self, value: str) -> str:
-        """Return a value of it as part of a sentence."""
-        return self.said.replace(f"£{self.name}£", value_in_words(value)) if self.said else value_in_words(value)
+        """Return a value of it as part of a sentence about a treasure."""
+        return self.said.replace(f"£{self.name}£", self.word(value)) if self.said else self.word(value)
 
 
 OF_2016 = (

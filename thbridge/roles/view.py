@@ -5,6 +5,7 @@ room is in here only from the moment the rules reveal it. A view holds the state
 missed some views is up to date with the next.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
@@ -13,6 +14,7 @@ import msgspec
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
 from thbridge.hunt.rules import commander_name
+from thbridge.hunt.treasures import name_in_words
 from thbridge.protocols.text.notice import COUNTED, Notice, NoticeValue, decode_notice, kind_of
 
 
@@ -233,6 +235,7 @@ class View(NoticeValue, frozen=True, tag="View"):
         identify_cost: energy of naming a treasure.
         refusal: the last refused request.
         names: possible names of treasures, in alphabetical order; empty until one was sensed.
+        called: words for names that are told, in the participant's language; see `word_for`.
         consent: text that the participant has to agree to before anything else; None when that is done, or not needed.
         thinking: robots that were asked where to go and have not answered yet.
         debrief: once the game is over.
@@ -240,7 +243,7 @@ class View(NoticeValue, frozen=True, tag="View"):
             where the study does not tell.
         wrong_share: share of a treasure's points that a wrong name costs; None where the study does not tell.
         sound: the window may sound.
-        properties: that treasures have.
+        properties: that treasures have, with words for their values in the participant's language.
         last_words: of robots that argue.
         has_last_word: decides in the end where robots argue; None where they do not.
         by_position: moves from outside rooms are priced by where the robot stands: the row of the corridor holds
@@ -270,6 +273,11 @@ class View(NoticeValue, frozen=True, tag="View"):
     properties: tuple[TreasureProperty, ...] = OF_2016
     last_words: tuple[LastWords, ...] = ()
     has_last_word: Literal["both", "participant", "robot"] | None = None
+    called: Mapping[str, str] = field(default_factory=dict)
+
+    def word_for(self, name: str) -> str:
+        """Return a treasure's name as the participant reads it."""
+        return self.called.get(name) or name_in_words(name)
 
     def room(self, number: int) -> RoomView:
         """Return the room with this number, from 1."""

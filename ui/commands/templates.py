@@ -22,15 +22,16 @@ SetName = Annotated[str, typer.Argument(help="Name of a template set, or the pat
 @templates_app.command("check")
 def templates_check(name: SetName, as_json: AsJson = False) -> None:
     """Check a template set, and tell what is in it."""
-    from ui.actions.templates import read_set
-    from ui.model.template_set.preview import NOWHERE, contents, sentences
+    from ui.actions.templates import folder_of, read_set
+    from ui.model.template_set.preview import NOWHERE, contents, sentences, translations
 
-    templates = read_set(name)
+    templates, folder = read_set(name), folder_of(name)
     if as_json:
         print_json({"ok": True, "properties": len(templates.properties), "treasures": len(templates.kinds)})
         return
     end = f"{len(templates.kinds)} treasures, {len(templates.properties)} properties: no faults"
-    for line in (*contents(templates), *sentences(templates, NOWHERE), end):
+    told = (*contents(templates), *sentences(templates, NOWHERE), *translations(templates, folder, NOWHERE))
+    for line in (*told, end):
         say(line)
 
 

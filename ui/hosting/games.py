@@ -37,8 +37,7 @@ def practice_setting(game: StudySetting) -> StudySetting:
     study = game.study
     told = dataclasses.replace(PRACTICE.participant, sound=study.participant.sound)
     own = setting_of(dataclasses.replace(PRACTICE, seed=study.seed, server=study.server, participant=told), None)
-    dialogue = dataclasses.replace(own.templates.dialogue, answers=game.templates.dialogue.answers)
-    return dataclasses.replace(own, templates=dataclasses.replace(own.templates, dialogue=dialogue), texts=game.texts)
+    return dataclasses.replace(own, templates=own.templates.answering_as(game.templates), texts=game.texts)
 
 
 def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | None = None) -> Offer:

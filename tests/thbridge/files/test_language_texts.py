@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from thbridge.dialogue.sentences import reserved_in
 from thbridge.dialogue.wording.texts import COUNT, value_of
-from thbridge.dialogue.words import reserved_in
 from thbridge.files.errors import BadFile
 from thbridge.files.language_texts import ENGLISH, advice_on_texts, missing_texts, read_texts, shipped_texts
 from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in

@@ -267,12 +267,15 @@ def test_the_copy_must_say_the_same_and_no_images(folder):
     assert read_template_set(folder).kinds == read_template_set(ORIGINAL).kinds
 
 
-def test_a_set_words_the_answers_to_its_questions_and_else_they_are_those_of_2016(folder):
-    assert set(read_template_set(folder).dialogue.answers.values()) == {("Continue", "Stop")}
+def test_a_set_words_the_answers_to_its_questions_and_else_they_are_the_languages_own(folder):
+    def answers(language="en"):
+        dialogue, texts = read_template_set(folder).dialogue, shipped_texts(language)
+        return [dialogue.answers_in(each, texts) for each in (Scenario.DONT_KNOW, Scenario.TAKE_PICTURE)]
+
+    assert answers() == [("Continue", "Stop")] * 2
     (folder / "set.yaml").write_text("answers: {room: [Go, Not there]}\n")
-    answers = read_template_set(folder).dialogue.answers
-    assert answers[Scenario.SPECIFIC_ROOM] == answers[Scenario.DONT_KNOW] == ("Go", "Not there")
-    assert answers[Scenario.TAKE_PICTURE] == ("Continue", "Stop")
+    assert answers() == [("Go", "Not there"), ("Continue", "Stop")]
+    assert answers("de") == [("Go", "Not there"), ("Weiter", "Stopp")]
 
 
 def test_costs_may_be_left_to_the_maps(folder):

@@ -12,6 +12,7 @@ from thbridge.dialogue.scripted.protocols import TemplateProtocol
 from thbridge.dialogue.scripted.scripted_engine import ScriptedEngine
 from thbridge.dialogue.scripted.strategies import TemplateStrategy
 from thbridge.dialogue.scripted.templates import TemplatePhrasing
+from thbridge.files.language_texts import shipped_texts
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.hunt.events import Condition, DialogueOpened, DialogueSaid, Event, JournalEntry
@@ -39,7 +40,7 @@ def templates(name: str = "original-2016") -> TemplateSet:
 
 def engine(chosen: TemplateSet, seed: int = 7) -> ScriptedEngine:
     return ScriptedEngine(
-        TemplateProtocol(chosen.dialogue), TemplateStrategy(), TemplatePhrasing(chosen.dialogue, seed)
+        TemplateProtocol(chosen.dialogue), TemplateStrategy(), TemplatePhrasing(chosen.dialogue, seed, shipped_texts())
     )
 
 

@@ -15,6 +15,8 @@ from thbridge.dialogue.scripted.scripted_engine import ScriptedEngine
 from thbridge.dialogue.scripted.strategies import TemplateStrategy
 from thbridge.dialogue.scripted.templates import TemplatePhrasing
 from thbridge.dialogue.worded import WordedPhrasing
+from thbridge.dialogue.wording.language import Language
+from thbridge.files.set_words import SetWords, values_of
 from thbridge.files.template_files import TemplateSet
 from thbridge.hunt.events import JournalEntry
 from thbridge.hunt.treasures import TreasureKind
@@ -31,18 +33,20 @@ from thbridge.study.study_file import DialogueSection, MannerSection
 
 def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), last_game: int = 0) -> Keeper:
     """Return the keeper; see `Keeper` for a game that goes on."""
-    study, template = setting.study, setting.templates.dialogue
+    study, words = setting.study, setting.set_words
     game = study.game
     rules = GameRules(study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
 
     def engine(number: int) -> DialogueEngine:
         seed = int(noise.key(study.seed, "dialogue", str(number)))
         if study.dialogue.condition is not DialogueCondition.SCRIPT and setting.language and setting.rulebook:
-            names = setting.map.room_names
-            known = treasure_names(setting)
-            phrasing = WordedPhrasing(setting.language, study.dialogue.condition, seed, names, setting.author, known)
+            known = tuple(words.names.get(name, name) for name in treasure_names(setting))
+            language = _with_words(setting.language, setting.templates, words)
+            condition, names = study.dialogue.condition, setting.room_names
+            phrasing = WordedPhrasing(language, condition, seed, names, setting.author, known)
             return ArguingEngine(setting.rulebook, manners_of(study.dialogue), phrasing, seed, setting.strategies)
-        return ScriptedEngine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
+        scripted = TemplatePhrasing(words.dialogue, seed, setting.texts, words.properties)
+        return ScriptedEngine(TemplateProtocol(words.dialogue), TemplateStrategy(), scripted)
 
     talk = study.dialogue
     return Keeper(
@@ -57,10 +61,20 @@ def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), 
             talk.says_confidence,
             talk.confidence_bias,
             talk.confidence_spread,
+            setting.texts,
         ),
         None if talk.patience is None else round(talk.patience * TICKS_PER_SECOND),
         tells_refusals=study.server.tell_refusals,
     )
+
+
+def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> Language:
+    """Return a language that says names of treasures and values of properties with the words of a set."""
+    names = dict(words.names)
+    for written, said in zip(templates.properties, words.properties, strict=True):
+        names |= {written.phrase(value): said.phrase(value) for value in values_of(written, templates.kinds)}
+    changed = {name: word for name, word in names.items() if word != name}
+    return replace(language, grammar=replace(language.grammar, names={**language.grammar.names, **changed}))
 
 
 def manners_of(section: DialogueSection) -> dict[int | None, Manner]:
@@ -80,7 +94,9 @@ def build_briefing(setting: StudySetting) -> Briefing:
         floor_plan=build_floor_plan(setting),
         texts=GameTexts.of(setting.texts),
         properties=setting.templates.properties,
+        words=setting.set_words.properties,
         names=treasures,
+        called=setting.set_words.names,
         pictures=setting.templates.pictures,
         consent=setting.consent,
         worth=tuple(min(each) if len(each) == 1 else None for each in worth.values()) if shows.points else (),
@@ -93,13 +109,16 @@ def build_briefing(setting: StudySetting) -> Briefing:
 
 
 def build_floor_plan(setting: StudySetting) -> FloorPlan:
-    """Return the map as participants see it."""
-    place = setting.map
-    return floor_plan_of(place.name, place.grid, room_outlines(setting), setting.study.world.footprint)
+    """Return the map as participants see it, with the names of rooms in their language."""
+    place, names = setting.map, setting.room_names
+    # A name that only says the number, in any language, is none.
+    called = {number: name for number, name in names.named.items() if name != setting.texts.room(number)}
+    rooms = (replace(outline, name=called.get(outline.room, "")) for outline in room_outlines(setting))
+    return floor_plan_of(place.name, place.grid, tuple(rooms), setting.study.world.footprint)
 
 
 def room_outlines(setting: StudySetting) -> tuple[RoomOutline, ...]:
-    """Return the rooms of the map as participants know them."""
+    """Return the rooms of the map with the names that it has."""
     return tuple(
         RoomOutline(entry.room.people, entry.name, entry.region, (entry.goal.x, entry.goal.y, entry.goal.theta))
         for entry in setting.map.rooms

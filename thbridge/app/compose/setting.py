@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from pathlib import Path
 
@@ -25,13 +25,16 @@ from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.language_texts import advice_on_texts, read_texts, shipped_texts
-from thbridge.files.map_files import Map, read_map
+from thbridge.files.map_files import Map, missing_room_names, read_map
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.resources import Resources, shipped
-from thbridge.files.template_files import TemplateSet, read_template_set
+from thbridge.files.set_words import SetWords
+from thbridge.files.template_files import TemplateSet, missing_words, read_template_set
 from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_in, read_language
 from thbridge.files.yaml.load import Loaded
 from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.properties import OF_2016, TreasureProperty
+from thbridge.hunt.rooms import RoomNames
 from thbridge.study.study_file import CostModel, DialogueSection, Study
 
 LARGEST_CONSENT = 8000
@@ -55,6 +58,7 @@ class StudySetting:
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
         texts: of the game's language, for participants.
+        missing: words that map and templates lack in this language, each with the file to write.
     """
 
     study: Study
@@ -69,10 +73,31 @@ class StudySetting:
     consent: str | None = None
     farewell: str = ""
     texts: Texts = field(default_factory=shipped_texts)
+    missing: tuple[BadFile, ...] = ()
+
+    @property
+    def room_names(self) -> RoomNames:
+        """Names of the map's rooms in the game's language."""
+        return self.map.room_names_in(self.texts.language)
+
+    @property
+    def set_words(self) -> SetWords:
+        """What participants read of the templates, in the game's language."""
+        words = self.templates.in_language(self.texts.language)
+        if self.templates.properties != OF_2016:
+            return words
+        # Files of 2016 have no labels: these are the program's words.
+        return replace(words, properties=tuple(_labelled(each, self.texts) for each in words.properties))
 
     def floor(self) -> TraversabilityMap:
         """Return the map's floor, for robots of the study's footprint."""
         return _floor(self.study, self.map)
+
+
+def _labelled(declared: TreasureProperty, texts: Texts) -> TreasureProperty:
+    """Return a property of 2016 with its label in a language, unless the set has words for it."""
+    label = texts.text(f"properties.{declared.name}") if declared in OF_2016 else declared.label
+    return replace(declared, label=label)
 
 
 def read_setting(
@@ -100,12 +125,15 @@ def read_setting(
     texts = shipped_texts()
     strategies: dict[int | None, StrategyFactory | None] = {}
     author: WordingAuthor | None = None
+    missing: list[BadFile] = []
     with faults.kept():
         place = read_map_of(study, beside, resources, written=written)
+        missing += missing_room_names(place, resources.find("maps", study.map, beside), study.dialogue.language)
     with faults.kept():
         with keys.naming("templates"):
             folder = resources.find("templates", study.templates, beside)
         templates = read_template_set(folder)
+        missing += missing_words(templates, folder, study.dialogue.language)
     if place is not None and templates is not None:
         with faults.kept():
             path = _costs_file(study, beside, place, folder, templates, resources)
@@ -135,7 +163,19 @@ def read_setting(
     if faults.found or place is None or templates is None or costs is None:
         raise faults.together()
     return StudySetting(
-        study, place, templates, costs, by_position, rulebook, language, strategies, author, consent, farewell, texts
+        study,
+        place,
+        templates,
+        costs,
+        by_position,
+        rulebook,
+        language,
+        strategies,
+        author,
+        consent,
+        farewell,
+        texts,
+        tuple(missing),
     )
 
 

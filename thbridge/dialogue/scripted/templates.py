@@ -1,15 +1,14 @@
 """Scripted questions of a DialogueText file, and the sentences made of them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from sim.numerics import noise
 from thbridge.dialogue.moves import Ask, Continue, DecideAlone, Dialogue, Move, OfferedSentence, Scenario, Speaker, Stop
-from thbridge.dialogue.words import fill, is_filled, words_of
-from thbridge.hunt.costs import energy_text
-
-ANSWERS_OF_2016 = ("Continue", "Stop")
-"""Texts of the buttons by which a person answered any question in 2016."""
+from thbridge.dialogue.sentences import is_filled
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.dialogue.words import fill_known, words_of
+from thbridge.hunt.properties import TreasureProperty
 
 _CONFIDENCE = "£confidence£"
 
@@ -28,7 +27,7 @@ class Template:
     Attributes:
         name: first line of the file, a description.
         questions: of each scenario, in order; a scenario without questions is agreed at once.
-        answers: of each scenario, the texts of the buttons that agree and refuse; those of 2016 for all others.
+        answers: of each scenario, the texts of the buttons that agree and refuse; of others the language's, of 2016.
     """
 
     name: str
@@ -39,9 +38,9 @@ class Template:
         """Return the questions of a scenario, possibly none."""
         return self.questions.get(scenario, ())
 
-    def answers_in(self, scenario: Scenario) -> tuple[str, str]:
+    def answers_in(self, scenario: Scenario, texts: Texts) -> tuple[str, str]:
         """Return the texts of the two buttons below a question of a scenario: the one that agrees comes first."""
-        return self.answers.get(scenario, ANSWERS_OF_2016)
+        return self.answers.get(scenario) or (texts.text("scripted.continue"), texts.text("scripted.stop"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,30 +54,35 @@ class TemplatePhrasing:
     Attributes:
         template: the questions.
         seed: of the game.
+        texts: of the game's language.
+        properties: that treasures have, with the words for their values in this language.
     """
 
     template: Template
     seed: int
+    texts: Texts
+    properties: Sequence[TreasureProperty] = ()
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker = Speaker.ROBOT) -> str:
         """Return the sentence for a move in this dialogue; for the person's moves, the text of the button."""
         match move:
             case Ask(question):
-                words = words_of(dialogue.topic)
+                words = words_of(dialogue.topic, self.texts, self.properties)
                 wordings = self.template.of(dialogue.topic.scenario)[question].wordings
                 wordings = tuple(each for each in wordings if is_filled(each, words)) or wordings
                 chance = noise.uniform(noise.key(self.seed, "wording"), dialogue.number, question)
                 wording = wordings[int(chance * len(wordings))]
+                said = fill_known(wording, words, self.texts)
                 if question == 0 and "confidence" in words and _CONFIDENCE not in wording:
-                    wording = f"I am {_CONFIDENCE} sure of my suggestion. {wording}"
-                return fill(wording, words)
+                    return f"{self.texts.text('scripted.sure', confidence=words['confidence'])} {said}"
+                return said
             case Continue():
-                return self.template.answers_in(dialogue.topic.scenario)[0]
+                return self.template.answers_in(dialogue.topic.scenario, self.texts)[0]
             case Stop():
-                return self.template.answers_in(dialogue.topic.scenario)[1]
+                return self.template.answers_in(dialogue.topic.scenario, self.texts)[1]
             case DecideAlone(waited):
-                room = dialogue.topic.room_name
-                return f"Nobody has told me what to do for {energy_text(waited)} s: I go to {room}."
+                name = dialogue.topic.room_name or self.texts.room(dialogue.topic.room)
+                return self.texts.text("scripted.neglected", seconds=waited, name=name)
             case _:
                 raise ValueError(f"there is no scripted sentence for {move}")
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from sim.common.robot_numbers import number_of
-from thbridge.dialogue.words import fill
+from thbridge.dialogue.sentences import fill
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import CORRIDOR, Room
 

@@ -10,10 +10,10 @@ from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, kind_of_content
+from thbridge.dialogue.sentences import fill
 from thbridge.dialogue.wording.language import AboutRobot, Language
 from thbridge.dialogue.wording.lines import LINES, LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES, PREPOSITIONS, Predicate, ValueKind, predicate_of
-from thbridge.dialogue.words import fill
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import Room, RoomNames
 

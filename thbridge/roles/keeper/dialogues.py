@@ -145,7 +145,7 @@ class GameDialogues:
             restored: the number that it had before the game was cut off; what was said follows by `retake`.
         """
         self._forget(robot, MATTERS[scenario])
-        room_name = self._room_names.name(room.people) or str(room)
+        room_name = self._room_names.name(room.people)
         topic = replace(_topic(state, scenario, robot, room, room_name), reason=reason, confidence=confidence)
         topic = replace(topic, facts=facts, opener=opener, name=name)
         former = None if facts is None else self._remembered(robot, facts)
@@ -234,8 +234,7 @@ class GameDialogues:
     def decided_alone(self, state: GameState, robot: int, room: Room, waited: float) -> None:
         """Let a robot say that it goes to a room by itself, after it has waited for so many seconds."""
         self._forget(robot, "select-room")
-        name = self._room_names.name(room.people) or str(room)
-        topic = _topic(state, Scenario.DONT_KNOW, robot, room, name)
+        topic = _topic(state, Scenario.DONT_KNOW, robot, room, self._room_names.name(room.people))
         self._opened += 1
         step = self._engine.announce(self._opened, topic, DecideAlone(waited))
         self._follow(state, step)

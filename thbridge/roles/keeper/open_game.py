@@ -55,6 +55,9 @@ class OpenGame:
         adviser: suggests rooms in the place of robots.
         kinds: treasures that there are, as everybody knows them.
         patience: ticks after which a robot that nobody attends to decides by itself; None: it waits for ever.
+
+    Attributes:
+        adviser: as above.
     """
 
     def __init__(
@@ -67,7 +70,7 @@ class OpenGame:
         patience: int | None = None,
     ) -> None:
         self._engine = engine
-        self._adviser = adviser
+        self.adviser = adviser
         self._room_names = room_names
         self._kinds = kinds
         self._patience = patience
@@ -206,7 +209,7 @@ class OpenGame:
         """Return what a robot suggests now; see `Adviser.advise`."""
         stands = self.dialogues.suggestion_stands(robot)
         number = state.robots[robot].advice + (0 if stands else 1)
-        return self._adviser.advise(state, self.dialogues.discussed, robot, number)
+        return self.adviser.advise(state, self.dialogues.discussed, robot, number)
 
     def suggest(self, state: GameState, robot: int, advice: Advice, *, unasked: bool = False) -> None:
         """Record an advice, and let the robot open the dialogue about it."""
@@ -283,7 +286,7 @@ class OpenGame:
         """
         unreached = self._unreached.get(robot, frozenset())
         facts = where_facts(state, self.dialogues.discussed, robot, unreached, self._tick, rival)
-        facts = replace(facts, compares=self._adviser.error_rate <= 0.0)
+        facts = replace(facts, compares=self.adviser.error_rate <= 0.0)
         return facts if advised is None else replace(facts, advised=advised)
 
     def recall(self, robot: int) -> None:

@@ -108,11 +108,11 @@ def maps_edit(
     rooms, times = folder / "rooms.yaml", folder / MAP_TIMES
     old = times.with_name(f"{MAP_TIMES}.old")
     before, arena, measured = rooms.read_bytes(), Arena(check.map.rooms, check.map.starts), times.exists()
-    saved = arena
+    saved, language = arena, check.map.language
 
     def write(drawn: Arena) -> None:
         nonlocal saved
-        write_rooms(folder, drawn.rooms, drawn.starts)
+        write_rooms(folder, drawn.rooms, drawn.starts, language=language)
         # At once, not when the window is closed: a game may begin before.
         if times.exists() and not same_trips(saved, drawn):
             times.replace(old)

@@ -72,6 +72,8 @@ def study_check(
     with bad_input():
         check_manners(load_study(file))
         lacking = advice_on_language(setting.study, file.parent)
+    for missing in setting.missing:
+        note(f"Participants would read another language: {missing}")
     say(f"{file}: no faults")
     if lacking is not None:
         note(f"{lacking}.")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.set_words import WORDS, languages_beside
 from thbridge.files.template_files import DIALOGUE_TEXT, TemplateSet, read_template_set
 from thbridge.files.treasure_files import PARTICIPANT_TREASURES, TREASURES, TREASURES_YAML
 
@@ -16,7 +17,7 @@ class TemplateDraft:
 
     Attributes:
         folder: of the set.
-        texts: the text of each file that is edited, by its name.
+        texts: the text of each file that is edited, by its path in the folder.
         templates: the set; None while there are faults.
         faults: all of them, those of the edited files with the files' own paths.
     """
@@ -28,11 +29,17 @@ class TemplateDraft:
 
 
 def edited_names(folder: Path) -> tuple[str, ...]:
-    """Return the names of a set's files that people write: sentences, and the list of treasures in its form."""
+    """Return the paths in a set's folder of the files that people write.
+
+    They are sentences, and the list of treasures in its form; then the words in further languages, as far as there are.
+    """
+    names = (DIALOGUE_TEXT, WORDS)
+    beside = [f"{language}/{name}" for language in languages_beside(folder, names) for name in names]
+    spoken = [name for name in beside if (folder / name).exists()]
     if not (folder / TREASURES).exists():
-        return (DIALOGUE_TEXT, TREASURES_YAML)
+        return (DIALOGUE_TEXT, TREASURES_YAML, *spoken)
     copy = (PARTICIPANT_TREASURES,) if (folder / PARTICIPANT_TREASURES).exists() else ()
-    return (DIALOGUE_TEXT, TREASURES, *copy)
+    return (DIALOGUE_TEXT, TREASURES, *copy, *spoken)
 
 
 def template_draft(folder: Path, texts: Mapping[str, str], pictures: Mapping[str, bytes]) -> TemplateDraft:
@@ -42,16 +49,18 @@ def template_draft(folder: Path, texts: Mapping[str, str], pictures: Mapping[str
 
     Args:
         folder: of the set.
-        texts: the text of each file that is edited, by its name.
+        texts: the text of each file that is edited, by its path in the folder; all of a language's folder together.
         pictures: image files that are new or replaced, by name.
     """
     with tempfile.TemporaryDirectory(prefix="thbridge-") as scratch:
         mirror = Path(scratch) / folder.resolve().name
         mirror.mkdir()
+        written = {Path(name).parts[0] for name in texts}
         for path in folder.iterdir():
-            if path.name not in texts:
+            if path.name not in written:
                 (mirror / path.name).symlink_to(path.resolve())
         for name, text in texts.items():
+            (mirror / name).parent.mkdir(exist_ok=True)
             (mirror / name).write_text(text, encoding="utf-8", newline="")
         try:
             return TemplateDraft(folder, texts, read_template_set(mirror, pictures), ())

@@ -1,13 +1,17 @@
 """Contents of a template set for people: its properties, treasures, and each sentence as a robot would say it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from thbridge.dialogue.moves import DialogueTopic, Scenario
-from thbridge.dialogue.words import fill, words_of
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.dialogue.words import fill_known, words_of
+from thbridge.files.language_texts import ENGLISH, shipped_texts
 from thbridge.files.map_files import Map
 from thbridge.files.map_times import read_map_times
-from thbridge.files.template_files import TemplateSet
+from thbridge.files.template_files import TemplateSet, missing_words
+from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.properties import Teller, TreasureProperty
 from thbridge.hunt.rooms import CORRIDOR, Room
@@ -31,7 +35,7 @@ class PreviewPlace:
 
     Attributes:
         room: the room.
-        name: its name within a sentence.
+        name: its own name; empty where it has none.
         cost: energy of going there from the corridor.
     """
 
@@ -48,7 +52,7 @@ def place_on(arena: Map) -> PreviewPlace:
     """Return the last room of a map, with its name and what going there costs by the map's own times."""
     entry = arena.rooms[-1]
     cost = NOWHERE.cost if arena.costs is None else read_map_times(arena.costs).cost(CORRIDOR, entry.room)
-    return PreviewPlace(entry.room, arena.room_names.name(entry.room.people) or str(entry.room), cost)
+    return PreviewPlace(entry.room, arena.room_names.name(entry.room.people), cost)
 
 
 def contents(templates: TemplateSet) -> Iterator[str]:
@@ -60,11 +64,22 @@ def contents(templates: TemplateSet) -> Iterator[str]:
         yield f"treasure {name_in_words(kind.name)}, {kind.points} points: {', '.join(kind.properties.values())}"
 
 
-def sentences(templates: TemplateSet, place: PreviewPlace, kind: TreasureKind | None = None) -> Iterator[str]:
-    """Yield each wording of each question, and the answers, beside this kind of treasure; by default the first."""
+def sentences(
+    templates: TemplateSet, place: PreviewPlace, kind: TreasureKind | None = None, texts: Texts | None = None
+) -> Iterator[str]:
+    """Yield each wording of each question, and the answers.
+
+    Args:
+        templates: the set.
+        place: that they are about.
+        kind: of the treasure there; None: the first.
+        texts: of the language; None: that of the set, or English.
+    """
     kind = kind or templates.kinds[0]
+    texts = texts or texts_of(templates)
+    words = templates.in_language(texts.language)
     for scenario, heading in _HEADINGS.items():
-        questions = templates.dialogue.of(scenario)
+        questions = words.dialogue.of(scenario)
         yield f"{heading}: {'nothing is asked' if not questions else ''}".rstrip()
         topic = DialogueTopic(
             scenario,
@@ -75,13 +90,37 @@ def sentences(templates: TemplateSet, place: PreviewPlace, kind: TreasureKind | 
             room_name=place.name,
             other_robot=1,
             properties=kind.properties,
-            reason="no other room costs me less",
+            reason=texts.text("scripted.reason_nearest"),
         )
         for number, question in enumerate(questions, start=1):
             for wording in question.wordings:
-                yield f"  {number}. {fill(wording, words_of(topic))}"
+                yield f"  {number}. {fill_known(wording, words_of(topic, texts, words.properties), texts)}"
         if questions:
-            yield f"  Answers: {', '.join(templates.dialogue.answers_in(scenario))}"
+            yield f"  Answers: {', '.join(words.dialogue.answers_in(scenario, texts))}"
+
+
+def texts_of(templates: TemplateSet) -> Texts:
+    """Return the texts of a set's own language; the English ones where that is not told, or not known."""
+    known = languages_in(SHIPPED_LANGUAGES)
+    return shipped_texts(templates.language if templates.language in known else ENGLISH)
+
+
+def translations(
+    templates: TemplateSet, folder: Path, place: PreviewPlace, kind: TreasureKind | None = None
+) -> Iterator[str]:
+    """Yield the sentences of a set in further languages, where the language is known, and what is missing.
+
+    Args:
+        templates: the set.
+        folder: of the set.
+        place: that the sentences are about, without its name, which is in another language.
+        kind: of the treasure there; None: the first.
+    """
+    for language in templates.words:
+        yield f"In {language}:"
+        if language in languages_in(SHIPPED_LANGUAGES):
+            yield from sentences(templates, replace(place, name=""), kind, shipped_texts(language))
+        yield from map(str, missing_words(templates, folder, language))
 
 
 def _teller(told_of: TreasureProperty) -> str:

@@ -37,7 +37,7 @@ from thbridge.hunt.treasures import name_in_words
 from ui.model.differences import differences
 from ui.model.line_ends import plain_lines, with_line_ends_of
 from ui.model.template_set.draft import TemplateDraft, edited_names, template_draft
-from ui.model.template_set.preview import NOWHERE, PreviewPlace, contents, place_on, sentences
+from ui.model.template_set.preview import NOWHERE, PreviewPlace, contents, place_on, sentences, translations
 from ui.model.template_set.sheet import Texts
 from ui.model.template_set.sheets import sheets_of
 from ui.windows.controls import ChoiceBox
@@ -61,7 +61,7 @@ class TemplateWindow(QMainWindow):
 
     Attributes:
         sheets: the page of each sheet, by its title.
-        pages: the editor of each file, by its name.
+        pages: the editor of each file, by its path in the folder.
         changes: what saving would change.
         words: menu of the words that hold where the cursor is.
         draft: the texts as they were checked last.
@@ -250,7 +250,12 @@ class TemplateWindow(QMainWindow):
         if draft is None or draft.templates is None:
             return
         kind = draft.templates.kinds[max(self.treasure.currentIndex(), 0)]
-        lines = [*sentences(draft.templates, self._place(), kind), "", *contents(draft.templates)]
+        place = self._place()
+        said = [
+            *sentences(draft.templates, place, kind),
+            *translations(draft.templates, self.folder, place, kind),
+        ]
+        lines = [*said, "", *contents(draft.templates)]
         self.preview.setPlainText("\n".join(lines))
 
     def _place(self) -> PreviewPlace:
@@ -283,14 +288,17 @@ class TemplateWindow(QMainWindow):
     @Slot(int)
     def _open_fault(self, row: int) -> None:
         fault = None if self.draft is None else self.draft.faults[row]
-        if fault is None or fault.path.name not in self.pages:
+        if fault is None or not fault.path.is_relative_to(self.folder):
+            return
+        name = fault.path.relative_to(self.folder).as_posix()
+        if name not in self.pages:
             return
         for page in self.sheets.values():
             if self.tabs.currentWidget() not in self.pages.values() and page.go_to(fault):
                 self.tabs.setCurrentWidget(page)
                 page.table.setFocus()
                 return
-        text = self.pages[fault.path.name]
+        text = self.pages[name]
         self.tabs.setCurrentWidget(text)
         if fault.line is not None:
             text.setTextCursor(QTextCursor(text.document().findBlockByNumber(fault.line - 1)))
@@ -354,9 +362,9 @@ class TemplateWindow(QMainWindow):
     def _offer_words(self) -> None:
         """Offer the words that hold on the line of the cursor."""
         self.words.clear()
-        page = self.pages[DIALOGUE_TEXT]
-        scenario = scenario_on(exact_text(page), page.textCursor().blockNumber() + 1)
-        if self.tabs.currentWidget() is not page or scenario is None:
+        page = self._questions()
+        scenario = None if page is None else scenario_on(exact_text(page), page.textCursor().blockNumber() + 1)
+        if scenario is None:
             self.words.addAction("Words stand in questions only").setEnabled(False)
             return
         for name, meaning in allowed_words(scenario, self._properties).items():
@@ -364,9 +372,16 @@ class TemplateWindow(QMainWindow):
 
     @Slot(QAction)
     def _put_in_word(self, chosen: QAction) -> None:
-        page = self.pages[DIALOGUE_TEXT]
-        page.insertPlainText(chosen.data())
-        page.setFocus()
+        page = self._questions()
+        if page is not None:
+            page.insertPlainText(chosen.data())
+            page.setFocus()
+
+    def _questions(self) -> QPlainTextEdit | None:
+        """The page that is open, if it holds questions."""
+        shown = self.tabs.currentWidget()
+        pages = (page for name, page in self.pages.items() if Path(name).name == DIALOGUE_TEXT)
+        return next((page for page in pages if page is shown), None)
 
     def _change_picture(self, item: QListWidgetItem) -> None:
         """Put another image file into the place of a treasure's picture; it is written when the set is saved."""
@@ -453,10 +468,7 @@ class TemplateWindow(QMainWindow):
         column.addWidget(label("Pictures; Enter replaces one.", "small", muted=True))
         column.addWidget(self.pictures, 2)
         column.addWidget(self.add_picture)
-        sentences_page = self.pages[DIALOGUE_TEXT]
-        self.tabs.currentChanged.connect(
-            lambda _: self.word_button.setVisible(self.tabs.currentWidget() is sentences_page)
-        )
+        self.tabs.currentChanged.connect(lambda _: self.word_button.setVisible(self._questions() is not None))
         self.word_button.setVisible(False)
         body = QSplitter(Qt.Orientation.Horizontal)
         body.setChildrenCollapsible(False)

@@ -7,6 +7,7 @@ from thbridge.dialogue.scripted.protocols import TemplateProtocol
 from thbridge.dialogue.scripted.scripted_engine import ScriptedEngine
 from thbridge.dialogue.scripted.strategies import TemplateStrategy
 from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template, TemplatePhrasing
+from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.rooms import Room
 
 
@@ -30,7 +31,9 @@ TOPIC = DialogueTopic(Scenario.DONT_KNOW, 0, Room(4), 13.0, 87.0)
 
 
 def engine(template=TEMPLATE, seed=7):
-    return ScriptedEngine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
+    return ScriptedEngine(
+        TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed, shipped_texts())
+    )
 
 
 def test_every_question_needs_its_continue():
@@ -171,7 +174,9 @@ def test_a_strategy_cannot_break_the_protocol():
             return Ask(2)
 
     with pytest.raises(ValueError, match="not among the legal"):
-        ScriptedEngine(TemplateProtocol(TEMPLATE), Hasty(), TemplatePhrasing(TEMPLATE, 7)).open(1, TOPIC)
+        ScriptedEngine(TemplateProtocol(TEMPLATE), Hasty(), TemplatePhrasing(TEMPLATE, 7, shipped_texts())).open(
+            1, TOPIC
+        )
 
 
 def test_another_way_of_talking_fits_without_changing_the_engine():

@@ -4,13 +4,14 @@ An adviser may also err, as often as the study wants it.
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
-from sim.common.robot_numbers import robot_name
 from sim.numerics import noise
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt import rules
-from thbridge.hunt.costs import CostMatrix, energy_text
+from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander, RoomAdvised
 from thbridge.hunt.game import GameState
 from thbridge.hunt.planners import PLANNERS, PLANNING_ALONE, searched_tours
@@ -55,9 +56,9 @@ class Advice:
         """Return the event of a robot's giving this advice."""
         return RoomAdvised(robot, self.room, self.number, self.planned, self.erred, self.confidence)
 
-    def instead(self, room: Room, cost: float) -> "Advice":
-        """Return the advice of a wizard who has this room suggested in the robot's place, for so much energy."""
-        return self if room == self.room else replace(self, room=room, reason=_reason_by_cost(cost), erred=False)
+    def instead(self, room: Room, reason: str) -> "Advice":
+        """Return the advice of a wizard who has this room suggested in the robot's place, for this reason."""
+        return self if room == self.room else replace(self, room=room, reason=reason, erred=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +76,7 @@ class Adviser:
             and no more.
         confidence_spread: greatest distance of that probability from the rate, its mean; it is drawn anew for each
             advice, uniformly.
+        texts: of the game's language, for reasons.
     """
 
     planner: TeamPlanner = TeamPlanner.JOINT
@@ -82,6 +84,7 @@ class Adviser:
     says_confidence: bool = False
     confidence_bias: float = 0.0
     confidence_spread: float = 0.0
+    texts: Texts = field(default_factory=shipped_texts)
 
     def advise(
         self, state: GameState, discussed: Sequence[Discussed], robot: int, number: int = 1
@@ -116,52 +119,50 @@ class Adviser:
         errs = noise.uniform(stream, number, 0) < may_err and bool(wrong)
         room = wrong[int(noise.uniform(stream, number, 1) * len(wrong))] if errs else planned
         if self.error_rate > 0.0:
-            reason = _reason_by_cost(state.cost(robot, room))
+            reason = self.reason_by_cost(state.cost(robot, room))
         else:
             exact = self.planner in _EXACT and can_compare(free, starts)
-            reason = _reason(starts[robot].costs, room, free, dict(zip(starts, tours, strict=True)), robot, exact)
+            reason = self._reason(starts[robot].costs, room, free, dict(zip(starts, tours, strict=True)), robot, exact)
         confidence = None
         if self.says_confidence:
             calibrated = 1.0 - may_err if wrong else 1.0
             confidence = min(max(calibrated + self.confidence_bias, 0.0), 1.0)
         return Advice(room, reason, number, planned, errs, confidence)
 
+    def reason_by_cost(self, cost: float) -> str:
+        """Return the reason that holds for any room, as part of a sentence."""
+        return self.texts.clause("scripted.reason_cost", energy=cost)
+
+    def _reason(
+        self, row: Sequence[float], room: Room, free: Collection[Room], tours: dict[int, Tour], robot: int, exact: bool
+    ) -> str:
+        """Return the reason for going to a room next, as part of a sentence.
+
+        Args:
+            row: energy from the robot's place to every place.
+            room: the room to go to.
+            free: rooms that are left.
+            tours: planned tours, by robot.
+            robot: the robot that speaks.
+            exact: True when the tours are the best of those who plan them: else nothing is claimed of whole tours.
+        """
+        nearest = min(free, key=lambda other: (row[other.people], other))
+        if row[room.people] <= row[nearest.people]:
+            return self.texts.text("scripted.reason_nearest")
+        taker = next((number for number, tour in tours.items() if nearest in tour.rooms), None)
+        if taker is not None and taker != robot:
+            return self.texts.clause("scripted.reason_taken", room=nearest, other=taker)
+        if not exact:
+            return self.reason_by_cost(row[room.people])
+        if taker is None:
+            return self.texts.clause("scripted.reason_more_rooms", room=nearest)
+        return self.texts.clause("scripted.reason_round", room=nearest, place=room)
+
 
 def possible_rooms(state: GameState, discussed: Sequence[Discussed], robot: int) -> list[Room]:
     """Return the rooms that a robot could suggest: free to be talked about, and within its energy."""
     free = free_to_discuss(Situation(state, tuple(discussed)), robot)
     return [room for room in free if isinstance(rules.move(state, robot, room), tuple)]
-
-
-def _reason(
-    row: Sequence[float], room: Room, free: Collection[Room], tours: dict[int, Tour], robot: int, exact: bool
-) -> str:
-    """Return the reason for going to a room next, as part of a sentence.
-
-    Args:
-        row: energy from the robot's place to every place.
-        room: the room to go to.
-        free: rooms that are left.
-        tours: planned tours, by robot.
-        robot: the robot that speaks.
-        exact: True when the tours are the best of those who plan them: else nothing is claimed of whole tours.
-    """
-    nearest = min(free, key=lambda other: (row[other.people], other))
-    if row[room.people] <= row[nearest.people]:
-        return "no other room costs me less"
-    taker = next((number for number, tour in tours.items() if nearest in tour.rooms), None)
-    if taker is not None and taker != robot:
-        return f"{nearest} costs me less, but {robot_name(taker)} is better placed for it"
-    if not exact:
-        return _reason_by_cost(row[room.people])
-    if taker is None:
-        return f"{nearest} costs me less, but so we can reach more rooms"
-    return f"{nearest} costs me less now, but my whole round costs less with {room} first"
-
-
-def _reason_by_cost(cost: float) -> str:
-    """Return the reason that holds for any room."""
-    return f"it costs me {energy_text(cost)}"
 
 
 def start_of(state: GameState, discussed: Sequence[Discussed], number: int) -> TourStart | None:

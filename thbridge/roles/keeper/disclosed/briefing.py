@@ -24,6 +24,8 @@ class Briefing:
         farewell: thanks, and what comes next; may be empty.
         sound: True when their window may sound.
         properties: of the treasures.
+        words: the same properties with their words in the game's language; empty: these have none.
+        called: words for the names, in this language; a name without some is said as it is.
         kinds: treasures that there are, without their pictures; participants have the same list.
         condition: how robots and participants decide together.
         texts: of the game's language; None where nobody reads them.
@@ -38,6 +40,8 @@ class Briefing:
     farewell: str = ""
     sound: bool = True
     properties: tuple[TreasureProperty, ...] = OF_2016
+    words: tuple[TreasureProperty, ...] = ()
+    called: Mapping[str, str] = field(default_factory=dict)
     kinds: tuple[TreasureKind, ...] = ()
     condition: DialogueCondition = DialogueCondition.SCRIPT
     texts: GameTexts | None = None

@@ -1,13 +1,15 @@
 """The participant's view, made from the state of a game."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
+from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.dialogues import GameDialogues
 from thbridge.roles.keeper.disclosed.briefing import Briefing
@@ -50,6 +52,7 @@ def view_of(
         identify_cost=state.started.identify_cost,
         refusal=refusal,
         names=briefing.names if sensed else (),
+        called=_called(briefing, briefing.names if sensed else _debriefed(debrief)),
         consent=briefing.consent if asks else None,
         thinking=dialogues.asked_for_advice,
         by_position=state.by_position,
@@ -57,10 +60,33 @@ def view_of(
         worth=briefing.worth if sensed else (),
         wrong_share=state.started.wrong_share if briefing.worth else None,
         sound=briefing.sound,
-        properties=state.started.properties,
+        properties=_with_words(state, briefing),
         last_words=dialogues.last_words,
         has_last_word=_HAVE_LAST_WORD.get(briefing.condition),
     )
+
+
+def _called(briefing: Briefing, names: Iterable[str]) -> dict[str, str]:
+    """Return the words for names that are told."""
+    return {name: briefing.called[name] for name in names if name in briefing.called}
+
+
+def _debriefed(debrief: Debrief | None) -> tuple[str, ...]:
+    """Return the names of treasures that a debrief tells."""
+    return () if debrief is None else tuple(room.name for room in debrief.rooms)
+
+
+def _with_words(state: GameState, briefing: Briefing) -> tuple[TreasureProperty, ...]:
+    """Return the properties of the game with their words: those of values that are declared, or were found out."""
+    if not briefing.words or briefing.properties != state.started.properties:
+        return state.started.properties
+    known = [room.known for room in state.rooms]
+
+    def told(words: TreasureProperty) -> TreasureProperty:
+        values = words.values or tuple(of_room[words.name] for of_room in known if words.name in of_room)
+        return replace(words, words={value: words.words[value] for value in values if value in words.words})
+
+    return tuple(map(told, briefing.words))
 
 
 def plain_costs(costs: CostMatrix) -> tuple[tuple[float | None, ...], ...]:

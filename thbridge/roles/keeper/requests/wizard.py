@@ -69,7 +69,7 @@ def handle_wizard_request(game: OpenGame, state: GameState | None, request: Wiza
             if state is not None and robot in game.dialogues.asked_for_advice:
                 own, room = game.advice(state, robot), Room(max(number, 0))
                 if isinstance(own, Advice) and room in possible_rooms(state, game.dialogues.discussed, robot):
-                    game.suggest(state, robot, own.instead(room, state.cost(robot, room)))
+                    game.suggest(state, robot, own.instead(room, game.adviser.reason_by_cost(state.cost(robot, room))))
 
 
 def _advice(game: OpenGame, state: GameState, robot: int) -> HeldAdvice:

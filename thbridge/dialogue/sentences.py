@@ -1,0 +1,66 @@
+"""Sentences with reserved words: between pound signs, each stands for a value."""
+
+import difflib
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+_RESERVED = re.compile(r"£(\w+)£")
+_SENTENCE_START = re.compile(r"(^|[.?!…])\s*$")
+_STRAY = re.compile(r"£[^\W\d]|[^\W\d]£")
+
+
+@dataclass(frozen=True, slots=True)
+class WordFault:
+    """Fault of a reserved word in a wording, and its remedy."""
+
+    problem: str
+    remedy: str
+
+
+def spelling_fault(wording: str, allowed: Collection[str]) -> WordFault | None:
+    """Return the first word of a wording that is not one of those allowed, or a pound sign that stands alone, or None.
+
+    Args:
+        wording: a sentence.
+        allowed: reserved words, in the order in which a remedy lists them.
+    """
+    for name in reserved_in(wording):
+        if name not in allowed:
+            near = difflib.get_close_matches(name.casefold(), allowed, n=1)
+            choices = "use one of " + ", ".join(f"£{word}£" for word in allowed) if allowed else "write it without"
+            return WordFault(f"unknown reserved word £{name}£", f"write £{near[0]}£" if near else choices)
+    stray = _STRAY.search(_RESERVED.sub("", wording))
+    if stray:
+        return WordFault(
+            "a pound sign without its partner", "write reserved words between two pound signs, as in £room£"
+        )
+    return None
+
+
+def is_filled(wording: str, words: Mapping[str, str]) -> bool:
+    """Return True when each reserved word of a wording has a value."""
+    return all(name in words for name in reserved_in(wording))
+
+
+def reserved_in(wording: str) -> tuple[str, ...]:
+    """Return the reserved words of a wording, without their pound signs, in order."""
+    return tuple(found.group(1) for found in _RESERVED.finditer(wording))
+
+
+def fill(wording: str, words: Mapping[str, str], beginning: re.Pattern[str] = _SENTENCE_START) -> str:
+    """Return the wording with its reserved words replaced, and a capital where one begins a sentence.
+
+    A word without a value stays as it is.
+
+    Args:
+        wording: a sentence.
+        words: the values of the reserved words.
+        beginning: finds, at the end of what stands before a word, that a sentence begins.
+    """
+
+    def value(found: re.Match[str]) -> str:
+        word = words.get(found.group(1), found.group())
+        return word[:1].upper() + word[1:] if beginning.search(wording[: found.start()]) else word
+
+    return _RESERVED.sub(value, wording)
