@@ -10,7 +10,7 @@ from PIL import Image
 from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from thbridge.files.errors import BadFile
-from thbridge.files.map_files import check_map, read_grid, read_map, write_grid, write_rooms
+from thbridge.files.map_files import check_map, missing_room_names, read_grid, read_map, write_grid, write_rooms
 from thbridge.files.resources import shipped
 from thbridge.hunt.rooms import Room
 
@@ -309,9 +309,37 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
 def test_rooms_are_read_as_they_were_written(folder: Path) -> None:
     before = read_map(folder)
     strange = (dataclasses.replace(before.rooms[0], name='Bob\'s "küche": #1'), *before.rooms[1:])
-    write_rooms(folder, strange, before.starts)
+    write_rooms(folder, strange, before.starts, language="no")
     after = read_map(folder)
-    assert (after.rooms, after.starts) == (strange, before.starts)
+    assert (after.rooms, after.starts, after.language) == (strange, before.starts, "no")
+
+
+class TestNamesInFurtherLanguages:
+    @pytest.mark.parametrize("name", shipped().names("maps"))
+    def test_shipped_maps_lack_none_in_german(self, name: str) -> None:
+        folder = shipped().find("maps", name, HERE)
+        assert list(missing_room_names(read_map(folder), folder, "de")) == []
+
+    def test_rooms_have_the_names_of_the_language(self, folder: Path) -> None:
+        (folder / "rooms.yaml").write_text(f"language: en\n{ROOMS}")
+        (folder / "de").mkdir()
+        (folder / "de" / "words.yaml").write_text("rooms: {East: Osten}\n")
+        drawn = read_map(folder)
+        assert drawn.room_names_in("de").named == {1: "West", 2: "Osten"}
+        assert drawn.room_names_in("en") == drawn.room_names
+        (missing,) = missing_room_names(drawn, folder, "de")
+        assert str(missing) == (
+            f"{folder}/de/words.yaml, rooms: the map is in en, and these rooms have no name in de: West. "
+            "Write them under rooms."
+        )
+        assert list(missing_room_names(drawn, folder, "en")) == []
+
+    def test_a_name_for_no_room_is_a_warning_since_the_room_may_have_been_renamed(self, folder: Path) -> None:
+        (folder / "de").mkdir()
+        (folder / "de" / "words.yaml").write_text("rooms:\n  Eastt: Osten\n")
+        (finding,) = check_map(folder).findings
+        assert finding.severity == "warning"
+        assert "line 2, rooms.Eastt: no room is called 'Eastt'. The nearest is East." in str(finding.fault)
 
 
 class TestBroken:

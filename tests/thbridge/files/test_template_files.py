@@ -9,6 +9,7 @@ from PIL import Image
 
 from thbridge.dialogue.moves import Scenario
 from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.language_texts import shipped_texts
 from thbridge.files.map_times import map_times, read_map_times
 from thbridge.files.template_files import read_dialogue_text, read_template_set
 from thbridge.files.treasure_files import read_treasures

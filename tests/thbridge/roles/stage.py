@@ -61,8 +61,11 @@ class Puppets:
 
     name = legacy.SIMR
 
-    def __init__(self, robots: int, costs: tuple[tuple[float | None, ...], ...], ticks: int = 10) -> None:
+    def __init__(
+        self, robots: int, costs: tuple[tuple[float | None, ...], ...], ticks: int = 10, place: str = "stage"
+    ) -> None:
         self.robots = robots
+        self.place = place
         self.costs = costs
         self.ticks = ticks
         self.stuck: set[int] = set()
@@ -84,7 +87,7 @@ class Puppets:
         said: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
-            said.append(encode_notice(self.name, KEEPER, RobotsReady("stage", self.robots, self.costs)))
+            said.append(encode_notice(self.name, KEEPER, RobotsReady(self.place, self.robots, self.costs)))
         for message in messages:
             notice = parse_notice(message)
             if isinstance(notice, Notice):

@@ -58,7 +58,6 @@ class StudySetting:
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
         texts: of the game's language, for participants.
-        missing: words that map and templates lack in this language, each with the file to write.
     """
 
     study: Study
@@ -73,7 +72,6 @@ class StudySetting:
     consent: str | None = None
     farewell: str = ""
     texts: Texts = field(default_factory=shipped_texts)
-    missing: tuple[BadFile, ...] = ()
 
     @property
     def room_names(self) -> RoomNames:
@@ -125,15 +123,12 @@ def read_setting(
     texts = shipped_texts()
     strategies: dict[int | None, StrategyFactory | None] = {}
     author: WordingAuthor | None = None
-    missing: list[BadFile] = []
     with faults.kept():
         place = read_map_of(study, beside, resources, written=written)
-        missing += missing_room_names(place, resources.find("maps", study.map, beside), study.dialogue.language)
     with faults.kept():
         with keys.naming("templates"):
             folder = resources.find("templates", study.templates, beside)
         templates = read_template_set(folder)
-        missing += missing_words(templates, folder, study.dialogue.language)
     if place is not None and templates is not None:
         with faults.kept():
             path = _costs_file(study, beside, place, folder, templates, resources)
@@ -175,7 +170,6 @@ def read_setting(
         consent,
         farewell,
         texts,
-        tuple(missing),
     )
 
 
@@ -214,6 +208,18 @@ def texts_of(study: Study, beside: Path) -> Texts:
     """
     talk = study.dialogue
     return shipped_texts(talk.language) if talk.words is None else read_texts(_folders(talk, beside), talk.language)
+
+
+def missing_in(study: Study, beside: Path, resources: Resources | None = None) -> tuple[BadFile, ...]:
+    """Return the words that a study's map and templates lack in its language, each with the file to write.
+
+    Raises:
+        BadFile: map or templates have a fault. Arguments as for `read_setting`.
+    """
+    resources, language = resources or shipped(), study.dialogue.language
+    maps, sets = (resources.find(*named, beside) for named in (("maps", study.map), ("templates", study.templates)))
+    of_map = missing_room_names(read_map(maps, study.world.footprint, with_costs=False), maps, language)
+    return (*of_map, *missing_words(read_template_set(sets), sets, language))
 
 
 def advice_on_language(study: Study, beside: Path) -> str | None:

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import chain
 
-from thbridge.app.compose.setting import advice_on_language
+from thbridge.app.compose.setting import advice_on_language, missing_in
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign, OrderKind, name_of
 from thbridge.experiment.design.plan import plan_of
@@ -51,8 +51,8 @@ def _on_texts(design: ExperimentDesign) -> Iterator[str]:
 
 
 def _on_languages(design: ExperimentDesign) -> Iterator[str]:
-    """Yield what is not in the study's language: games, and texts that a language lacks."""
-    games = chain.from_iterable((*(cell.studies for cell in design.cells), *chain(*design.practices.values())))
+    """Yield what is not in the study's language: games, texts that a language lacks, and words of maps and sets."""
+    games = tuple(chain(*(cell.studies for cell in design.cells), *chain(*design.practices.values())))
     studies = {(study.dialogue.language, study.dialogue.words): study for study in (design.study, *games)}
     own, *others = dict.fromkeys(language for language, _ in studies)
     if others:
@@ -69,6 +69,9 @@ def _on_languages(design: ExperimentDesign) -> Iterator[str]:
                 f"{path.stem}: there is no translation of this form into {own}, so it is shown in English. Translate a "
                 f"copy of {path}, and name it in the step: `form: {path.name}`."
             )
+    of_files = {(study.dialogue.language, study.map, study.templates): study for study in games}
+    missing = chain.from_iterable(missing_in(study, design.beside) for study in of_files.values())
+    yield from dict.fromkeys(f"Participants would read another language: {fault}" for fault in missing)
 
 
 def _on_orders(design: ExperimentDesign) -> Iterator[str]:

@@ -40,7 +40,7 @@ def study_check(
     file: Annotated[Path, typer.Argument(help="A study file, or the folder of a study with people.")],
 ) -> None:
     """Check a study file, or a study with people, and everything it names."""
-    from thbridge.app.compose.setting import advice_on_language
+    from thbridge.app.compose.setting import advice_on_language, missing_in
     from thbridge.study.study_file import check_manners, load_study
     from ui.settings import setting_of, study_of
 
@@ -71,9 +71,9 @@ def study_check(
     setting = setting_of(study_of(file, {}), file)
     with bad_input():
         check_manners(load_study(file))
-        lacking = advice_on_language(setting.study, file.parent)
-    for missing in setting.missing:
-        note(f"Participants would read another language: {missing}")
+        lacking, missing = advice_on_language(setting.study, file.parent), missing_in(setting.study, file.parent)
     say(f"{file}: no faults")
+    for fault in missing:
+        note(f"Participants would read another language: {fault}")
     if lacking is not None:
         note(f"{lacking}.")

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
-from thbridge.files.template_files import DIALOGUE_TEXT
+from thbridge.files.set_words import WORDS
 from thbridge.files.treasure_files import TREASURES_YAML
 from thbridge.files.yaml.edit import with_value, without
 from thbridge.files.yaml.places import node_at, steps_of
@@ -195,10 +195,25 @@ class PropertySheet(_YamlSheet):
             done = with_value(text, f"{self.key}[{row}].said", words)
         done = done if isinstance(done, RequestRefused) else self._in_all_treasures(done, renamed)
         changed = _in_yaml(done)
-        sentences = self._texts.get(DIALOGUE_TEXT, "")
-        if isinstance(changed, RequestRefused) or f"£{name}£" not in sentences:
-            return changed
-        return {**changed, DIALOGUE_TEXT: sentences.replace(f"£{name}£", f"£{new}£")}
+        return changed if isinstance(changed, RequestRefused) else {**changed, **self._said_as(name, new)}
+
+    def _said_as(self, name: str, new: str) -> Texts:
+        """Sentences and words, of all languages, with another name of a property."""
+        word = f"£{name}£"
+        done = {path: text.replace(word, f"£{new}£") for path, text in self._texts.items() if word in text}
+        for path in self._texts:
+            if Path(path).name != WORDS:
+                continue
+            try:
+                entries = node_at(_tree(self._texts[path]), steps_of(_PROPERTIES))
+            except BadFile:
+                continue
+            for index in range(len(entries.items) if isinstance(entries, Listing) else 0):
+                place = f"{_PROPERTIES}[{index}].{_NAME}"
+                if _spoken(node_at(_tree(self._texts[path]), steps_of(place))) == name:
+                    text = with_value(done.get(path, self._texts[path]), place, _as_yaml(new))
+                    done |= {} if isinstance(text, RequestRefused) else {path: text}
+        return {path: text for path, text in done.items() if path != TREASURES_YAML}
 
     def _revalued(self, row: int, text: str, name: str) -> Changed:
         was, now = self.declared[row][2], PropertySheet({TREASURES_YAML: text}, _tree(text)).declared[row][2]
