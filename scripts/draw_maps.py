@@ -328,6 +328,7 @@ def rooms_yaml(plan: MapPlan) -> str:
     lines = [
         "# Metres and radians in the map frame. region: two opposite corners of a box, or all corners in turn.",
         "# goal and poses: x, y, yaw. Robots that the poses are too few for start along the rows, one every `spacing`.",
+        "language: en",
         "rooms:",
     ]
     for number, room in enumerate(plan.rooms, start=1):

@@ -14,7 +14,7 @@ drawn = runpy.run_path(str(SCRIPT))
 
 
 def files(folder: Path) -> dict[str, bytes]:
-    return {file.name: file.read_bytes() for file in folder.iterdir()}
+    return {file.name: file.read_bytes() for file in folder.iterdir() if file.is_file()}
 
 
 def test_a_map_is_what_the_script_draws(tmp_path: Path) -> None:

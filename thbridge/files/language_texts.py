@@ -76,6 +76,7 @@ def read_texts(folders: Iterable[Path], language: str) -> Texts:
         last if isinstance(last, str) else last[0],
         grammar.decimal,
         head.plural,
+        grammar.capital_nouns,
     )
     return Texts(language, head.title, entries, forms)
 

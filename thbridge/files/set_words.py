@@ -52,7 +52,7 @@ class AnswersYaml:
 
 @dataclass(frozen=True, slots=True)
 class SetWords:
-    """What participants read of a set, in one language.
+    """Words and questions of a set in one language, as participants read them.
 
     Attributes:
         names: words for the names of treasures; a name without some stays as it is.

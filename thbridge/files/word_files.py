@@ -87,6 +87,7 @@ class _GrammarYaml:
     first_stop: str = "£to_room£"
     next_stop: str = "£to_room£"
     names: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    capital_nouns: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,6 +250,7 @@ def _grammar(written: _GrammarYaml) -> Grammar:
         negations=frozenset(word.casefold() for word in written.negations),
         bound=frozenset(word.casefold() for word in written.bound),
         names=written.names,
+        capital_nouns=written.capital_nouns,
     )
 
 

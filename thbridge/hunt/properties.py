@@ -64,6 +64,10 @@ class TreasureProperty:
         """True when a robot senses it on request, for energy."""
         return self.told_by is Teller.ROBOT and self.cost > 0.0
 
+    def shown(self, value: str) -> str:
+        """Return a value of it as it stands by itself."""
+        return self.words.get(value) or value
+
     def word(self, value: str) -> str:
         """Return a value of it as it is said within a sentence."""
         return self.words.get(value) or value_in_words(value)
@@ -90,10 +94,14 @@ def value_in_words(value: str) -> str:
     return re.sub(r"\w\w+", lambda word: word[0].lower() if word[0].istitle() else word[0], value)
 
 
+def values_in_words(properties: Sequence[TreasureProperty], known: Properties) -> str:
+    """Return what is known of a treasure as people read it within a sentence: `orange, round and large`."""
+    return ", ".join(each.phrase(known[each.name]) for each in properties if each.name in known)
+
+
 def properties_in_words(properties: Sequence[TreasureProperty], known: Properties) -> str:
-    """Return what is known of a treasure as people read it within a sentence: `something orange, round and large`."""
-    told = ", ".join(each.phrase(known[each.name]) for each in properties if each.name in known)
-    return f"something {told}" if told else "something"
+    """Return what is known of a treasure in English: `something orange, round and large`."""
+    return f"something {values_in_words(properties, known)}".rstrip()
 
 
 def labelled(properties: Sequence[TreasureProperty], values: Properties) -> tuple[tuple[str, str], ...]:

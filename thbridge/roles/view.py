@@ -273,7 +273,7 @@ class View(NoticeValue, frozen=True, tag="View"):
     properties: tuple[TreasureProperty, ...] = OF_2016
     last_words: tuple[LastWords, ...] = ()
     has_last_word: Literal["both", "participant", "robot"] | None = None
-    called: Mapping[str, str] = field(default_factory=dict)
+    called: Mapping[str, str] = msgspec.field(default_factory=dict)
 
     def word_for(self, name: str) -> str:
         """Return a treasure's name as the participant reads it."""

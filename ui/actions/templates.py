@@ -1,9 +1,11 @@
 """Parts of the commands about template sets."""
 
+import shutil
 from pathlib import Path
 
 from thbridge.files.resources import shipped
-from thbridge.files.template_files import TemplateSet, read_template_set
+from thbridge.files.set_words import WORDS, languages_beside
+from thbridge.files.template_files import DIALOGUE_TEXT, SET, TemplateSet, read_template_set
 from ui.terminal import bad_input
 
 
@@ -19,3 +21,17 @@ def read_set(name: str) -> TemplateSet:
     folder = folder_of(name)
     with bad_input():
         return read_template_set(folder)
+
+
+def copy_set(source: Path, folder: Path) -> None:
+    """Copy a set that is going to be changed: without its words in further languages, and without its own language."""
+    others = shutil.ignore_patterns(*languages_beside(source, (DIALOGUE_TEXT, WORDS)))
+    shutil.copytree(source, folder, ignore=others, dirs_exist_ok=True)
+    path = folder / SET
+    if path.exists():
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+        left = [line for line in lines if not line.startswith("language:")]
+        if any(line.strip() and not line.startswith("#") for line in left):
+            path.write_text("".join(left), encoding="utf-8")
+        else:
+            path.unlink()

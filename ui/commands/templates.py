@@ -72,13 +72,11 @@ def templates_new(
     folder: Annotated[Path, typer.Argument(help="The folder to make; must not exist.")],
     like: Annotated[str, typer.Option(help="Name or folder of the set to copy.")] = "four-properties",
 ) -> None:
-    """Make a template set of your own: a copy of another one, to be changed."""
-    import shutil
-
+    """Make a template set of your own: a copy of another one in its own language, to be changed."""
     from thbridge.files.disk.whole import new_folder
-    from ui.actions.templates import folder_of
+    from ui.actions.templates import copy_set, folder_of
 
     source = folder_of(like)
     with bad_input(), new_folder(folder) as new:
-        shutil.copytree(source, new, dirs_exist_ok=True)
+        copy_set(source, new)
     note(f"Wrote {folder}, a copy of {like}. Change its files, then run `{command('templates', 'check', folder)}`.")

@@ -56,7 +56,7 @@ def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | 
         identify_cost=game.identify_cost,
         energy=game.energy,
         wrong_share=game.wrong_share if study.participant.shows.points else None,
-        properties=setting.templates.properties,
+        properties=setting.set_words.properties,
     )
     if study.participant.robots is None or given:
         least = most = study.robots

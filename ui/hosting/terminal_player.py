@@ -7,7 +7,7 @@ from typing import Literal
 from sim.common.robot_numbers import index_of, number_of
 from thbridge.dialogue.wording.texts import NamedRoom, Texts
 from thbridge.hunt.events import Commander, Condition
-from thbridge.hunt.properties import Teller, TreasureProperty, properties_in_words
+from thbridge.hunt.properties import Teller, TreasureProperty, values_in_words
 from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.rules import RuleReason
 from thbridge.hunt.treasures import name_in_words
@@ -101,7 +101,7 @@ class TerminalPlayer:
                 for rule in rules_of(self.texts(), view):
                     self.show(f"  {rule}")
             case [word] if self._means(word, "names"):
-                self.show(f"  {_listed(view.names)}" if view.names else telling.texts.text("terminal.no_names"))
+                self.show(f"  {_listed(view)}" if view.names else telling.texts.text("terminal.no_names"))
             case [word] if self._means(word, "end"):
                 self._wanted = (GiveUp(view.game),)
             case [letter] if letter in (waiting := _letters(view)) or letter in ("c", "s"):
@@ -169,11 +169,11 @@ class TerminalPlayer:
 
     def _name(self, view: View, room: int, typed: str) -> None:
         words = name_in_words(typed).casefold()
-        fitting = [name for name in view.names if name_in_words(name).casefold().startswith(words)]
-        fitting = [name for name in fitting if name_in_words(name).casefold() == words] or fitting
+        fitting = [name for name in view.names if view.word_for(name).casefold().startswith(words)]
+        fitting = [name for name in fitting if view.word_for(name).casefold() == words] or fitting
         if len(fitting) != 1:
             key = "terminal.no_such_name" if view.names else "terminal.no_names"
-            self.show(self.texts().text(key, names=_listed(view.names)))
+            self.show(self.texts().text(key, names=_listed(view)))
             return
         self._names[room] = fitting[0]
         self._discuss(view, room, "take-treasure", None if view.has_last_word is None else fitting[0])
@@ -188,13 +188,11 @@ class TerminalPlayer:
     def _tell(self, view: View, room: int, words: Sequence[str]) -> None:
         told = _begun([each for each in view.properties if each.told_by is Teller.PERSON], words)
         typed = " ".join(words).casefold()
-        value = next(
-            (value for value in (() if told is None else told.values) if typed.endswith(value.casefold())), None
-        )
-        if told is None or value is None:
+        values = [] if told is None else [each for each in told.values if typed.endswith(told.shown(each).casefold())]
+        if told is None or not values:
             self.show(self.texts().text("terminal.nothing_to_tell"))
         else:
-            self._wanted = (TellProperty(room, told.name, value),)
+            self._wanted = (TellProperty(room, told.name, values[0]),)
 
     def _discuss(
         self, view: View, room: int, matter: Literal["take-picture", "take-treasure"], name: str | None = None
@@ -239,8 +237,8 @@ def _begun(properties: Sequence[TreasureProperty], words: Sequence[str]) -> Trea
     return next((each for each in properties if typed.startswith((each.label.casefold(), each.name))), None)
 
 
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(name_in_words(name) for name in names)
+def _listed(view: View) -> str:
+    return ", ".join(map(view.word_for, view.names))
 
 
 def _is_number(word: str) -> bool:
@@ -352,27 +350,34 @@ class Telling:
         if new.picture is not None and old.picture is None:
             lines.append(self.texts.text("terminal.pictured", room=room))
         if new.verdict is not None and old.verdict is None:
-            words = verdict_words(self.texts, new.verdict.name, new.verdict.points)
+            words = verdict_words(self.texts, self.view.word_for(new.verdict.name), new.verdict.points)
             lines.append(self.texts.text("terminal.verdict", words=words, room=room))
         return lines
 
     def _found(self, room: RoomView) -> str:
-        properties, number = self.view.properties, room.room
-        what = properties_in_words(properties, room.known)
-        seen = self.texts.text("terminal.found", what=what, room=self.room(number))
+        texts, properties, number = self.texts, self.view.properties, room.room
+        values, place = values_in_words(properties, room.known), self.room(number)
+        seen = (
+            texts.text("terminal.found_with", values=values, room=place)
+            if values
+            else texts.text("terminal.found", room=place)
+        )
         more = [
-            self.texts.text("terminal.sense_more", number=number, property=each.label.lower(), energy=each.cost)
+            texts.text("terminal.sense_more", number=number, property=texts.noun(each.label), energy=each.cost)
             for each in properties
             if each.is_measured and each.name not in room.known
         ]
         more += [
-            self.texts.text(
-                "terminal.tell_more", number=number, property=each.label.lower(), values=", ".join(each.values)
+            texts.text(
+                "terminal.tell_more",
+                number=number,
+                property=texts.noun(each.label),
+                values=", ".join(map(each.shown, each.values)),
             )
             for each in properties
             if each.told_by is Teller.PERSON and room.picture is not None and each.name not in room.told
         ]
-        return " ".join([seen, *more, self.texts.text("terminal.name_it", number=number)])
+        return " ".join([seen, *more, texts.text("terminal.name_it", number=number)])
 
     def _asked(self, dialogue: DialogueView, told: int = 0) -> list[str]:
         """Lines on what waits for an answer; where robots argue, sentences from number `told` on, and the choices."""

@@ -362,6 +362,7 @@ class TreasureFact:
         drawn: beside the value.
         sense: lets the robot sense it; None where it is known, or nothing to ask a robot for.
         tell: for each value that the participant may say of it, the act; none where it is not theirs to say.
+        words: for the value, in the participant's language; empty: the value itself.
     """
 
     label: str
@@ -369,6 +370,12 @@ class TreasureFact:
     drawn: PropertyDrawing = PropertyDrawing.NONE
     sense: Action | None = None
     tell: tuple[Action, ...] = ()
+    words: str = ""
+
+    @property
+    def shown(self) -> str:
+        """The value as the participant reads it."""
+        return self.words or self.value
 
     @property
     def acts(self) -> tuple[Action, ...]:
@@ -424,7 +431,8 @@ class TreasurePopup:
         facts: a line for each property that can be known; None while the robot still looks.
         take_picture: with its cost in the hint; None once there is a picture.
         picture: bytes of the image file; None before, or while it arrives.
-        names: possible names, in alphabetical order.
+        names: possible names, in alphabetical order of their words.
+        called: the words of each name.
         worth: points of each name, None where it is not known; empty where the study does not tell.
         picked: name picked so far; None at first.
         name_it: enabled once a name is picked.
@@ -460,6 +468,7 @@ class TreasurePopup:
     unsure: Action | None = None
     enlarge: Action | None = None
     longest_name_it: Action | None = None
+    called: tuple[str, ...] = ()
 
     @property
     def acts(self) -> tuple[Action, ...]:

@@ -91,10 +91,23 @@ def test_a_sound_study_has_neither_faults_nor_advice(tmp_path: Path) -> None:
 
 def test_people_who_would_read_two_languages_are_told_of(tmp_path: Path) -> None:
     text = replaced("{dialogue.condition: [", "{dialogue.language: [en, de], dialogue.condition: [")
-    (advice,) = advice_on(accepted(folder_of(tmp_path, text)))
+    advice, *of_the_set = advice_on(accepted(folder_of(tmp_path, text)))
     assert advice.startswith("The pages of the study are in en and games in de: participants would read two languages.")
-    text = replaced("base: {", "base: {dialogue.language: de, ")
+    assert all("original-2016/de/" in each for each in of_the_set) and of_the_set
+    text = replaced("base: {", "base: {dialogue.language: de, templates: everyday-things, ")
     assert advice_on(accepted(folder_of(tmp_path, text))) == ()
+
+
+def test_words_that_map_and_templates_lack_are_told_of_once_each(tmp_path: Path) -> None:
+    text = replaced("base: {", "base: {dialogue.language: de, templates: original-2016, ")
+    told = advice_on(accepted(folder_of(tmp_path, text)))
+    assert [each.split(":")[1].rpartition("/")[2] for each in told] == [
+        "words.yaml, treasures",
+        "words.yaml, values of colour",
+        "words.yaml, values of footprint",
+        "DialogueText",
+    ]
+    assert all(each.startswith("Participants would read another language: ") for each in told)
 
 
 def test_texts_that_a_language_lacks_are_told_of(tmp_path: Path) -> None:
@@ -102,7 +115,7 @@ def test_texts_that_a_language_lacks_are_told_of(tmp_path: Path) -> None:
     (tmp_path / "words" / "nl" / "ours.yaml").write_text("language: {title: Nederlands, falls_back_on: en}\n")
     text = replaced("base: {", "base: {dialogue.language: nl, dialogue.words: words, ")
     design, _ = check_experiment(folder_of(tmp_path, text), VERSIONS)
-    (advice,) = advice_on(design)
+    advice = advice_on(design)[0]
     assert advice.startswith("language nl: ") and f"Write them in {tmp_path}/words/nl/texts/" in advice
 
 

@@ -18,7 +18,7 @@ STATES = [
 VALUES = (*STATES, View, DeclineConsent, *get_args(ParticipantRequest))
 ON_THE_WIRE = """
     RobotsReady Orders Status MoveCosts HiderReady HidePlease HideTreasures Reply ParticipantReady Subscribe Whereabouts
-    Ways House Picture MayRecord Recordable Unfit
+    Ways House Texts Picture MayRecord Recordable Unfit
     View Decline Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave TakeUp
     GiveUp PlayAgain Measure Tell
 """

@@ -67,10 +67,11 @@ def events(seat, kind):
     return [event for event in seat.stage.log.events if isinstance(event, kind)]
 
 
-def test_a_whole_hunt_by_what_is_offered():
-    seat = Seat(robots=2)
+def play(seat, look=lambda screen: None):
+    """Play until the hunt is over, by what is offered; `look` is called with every screen."""
     for turn in range(200):
         screen = seat.screen
+        look(screen)
         if screen.phase is Phase.OVER:
             break
         pop = screen.popup
@@ -82,7 +83,7 @@ def test_a_whole_hunt_by_what_is_offered():
             seat.do(TakeThePicture())
         elif isinstance(pop, TreasurePopup):
             right = seat.stage.session.game.treasures[pop.room - 1].name
-            seat.press(PickName(right))
+            look(seat.press(PickName(right)))
             seat.do(SubmitName() if seat.offered(SubmitName()).enabled else LeaveTreasure())
         elif screen.ask_advice.enabled:
             seat.do(AskAdvice())
@@ -90,6 +91,11 @@ def test_a_whole_hunt_by_what_is_offered():
             seat.do(ChooseRobot(1 - next(card.robot for card in screen.cards if card.selected)))
         else:
             seat.run(20)
+
+
+def test_a_whole_hunt_by_what_is_offered():
+    seat = Seat(robots=2)
+    play(seat)
     assert seat.screen.phase is Phase.OVER
     assert events(seat, TreasureIdentified)
     assert events(seat, TreasurePictured)
@@ -182,7 +188,7 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     assert pop.name_it.label == f"Name it {words}"
     seat.do(SubmitName())
     pop = seat.do(GiveAnswer(0)).popup
-    assert pop.verdict == f"{name_in_words(treasure.name)} is right, {treasure.points} points won."
+    assert pop.verdict == f"{words[:1].upper()}{words[1:]} is right, {treasure.points} points won."
     assert pop.points == seat.screen.score == treasure.points
     assert pop.aside.label == "Close"
     assert seat.do(ShowNext()).popup is None

@@ -1,5 +1,6 @@
 """Builders of the game's roles: keeper, treasures and simulated participants."""
 
+import unicodedata
 from dataclasses import replace
 
 from sim.common.observations import TICKS_PER_SECOND
@@ -88,15 +89,16 @@ def manners_of(section: DialogueSection) -> dict[int | None, Manner]:
 
 def build_briefing(setting: StudySetting) -> Briefing:
     """Return the briefing of participants."""
-    treasures, shows = treasure_names(setting), setting.study.participant.shows
+    words, shows = setting.set_words, setting.study.participant.shows
+    treasures = sorted(treasure_names(setting), key=lambda name: _alphabetical(words.names.get(name, name)))
     worth = {name: {kind.points for kind in setting.templates.kinds if kind.name == name} for name in treasures}
     return Briefing(
         floor_plan=build_floor_plan(setting),
         texts=GameTexts.of(setting.texts),
         properties=setting.templates.properties,
-        words=setting.set_words.properties,
-        names=treasures,
-        called=setting.set_words.names,
+        words=words.properties,
+        names=tuple(treasures),
+        called=words.names,
         pictures=setting.templates.pictures,
         consent=setting.consent,
         worth=tuple(min(each) if len(each) == 1 else None for each in worth.values()) if shows.points else (),
@@ -106,6 +108,11 @@ def build_briefing(setting: StudySetting) -> Briefing:
         kinds=known_treasures(setting.templates),
         condition=setting.study.dialogue.condition,
     )
+
+
+def _alphabetical(word: str) -> str:
+    """Return the key by which words are sorted: letters with marks stand beside those without."""
+    return unicodedata.normalize("NFKD", word).casefold()
 
 
 def build_floor_plan(setting: StudySetting) -> FloorPlan:

@@ -80,7 +80,7 @@ class StudySetting:
 
     @property
     def set_words(self) -> SetWords:
-        """What participants read of the templates, in the game's language."""
+        """Words of the templates in the game's language, as participants read them."""
         words = self.templates.in_language(self.texts.language)
         if self.templates.properties != OF_2016:
             return words

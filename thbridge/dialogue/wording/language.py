@@ -42,6 +42,7 @@ class Grammar:
         bound: words whose place between values gives these their meaning, such as `less`, and numbers in words; `*teen`
             as above.
         names: values such as colours, as the language says them.
+        capital_nouns: True where nouns have a capital within sentences.
     """
 
     rooms: Mapping[str, str]
@@ -62,6 +63,7 @@ class Grammar:
     negations: frozenset[str]
     bound: frozenset[str]
     names: Mapping[str, str] = field(default_factory=dict)
+    capital_nouns: bool = False
 
     def name(self, name: str) -> str:
         """Return a name, in the words of the language if it has some for it."""

@@ -45,6 +45,7 @@ class TextForms:
         last: what stands before the last one.
         decimal: sign before the decimals of a number.
         plural: place of the plural form for a number n, as an expression of C as gettext's files have it: `n != 1`.
+        capital_nouns: True where nouns have a capital within sentences.
     """
 
     rooms: Mapping[str, str]
@@ -54,6 +55,7 @@ class TextForms:
     last: str
     decimal: str
     plural: str
+    capital_nouns: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +113,10 @@ class Texts:
     def number(self, number: float) -> str:
         """Return a number with two decimals at most: `13`, `12.5`."""
         return energy_text(number).replace(".", self.forms.decimal)
+
+    def noun(self, label: str) -> str:
+        """Return a label, such as `Weight`, as a noun within a sentence."""
+        return label if self.forms.capital_nouns else label.lower()
 
     def listed(self, things: Iterable[str]) -> str:
         """Return a list of things: `a`, `a and b`, `a, b and c`."""

@@ -2,7 +2,6 @@
 
 from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -194,7 +193,9 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 _pick(memory, hunt, NameChoice(item, name))
         case TypeLetter(letter):
             if room not in hunt.submitted_names and view.names:
-                choice = (hunt.choice or NameChoice(item)).typing(letter, view.names, now)
+                choice = (hunt.choice or NameChoice(item)).typing(
+                    letter, {name: view.word_for(name) for name in view.names}, now
+                )
                 _pick(memory, hunt, choice)
                 if choice.name is None:
                     note(memory, hunt.texts.text("hints.no_such_name", letters=choice.letters), now)
@@ -220,7 +221,7 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
             elif not _refused(memory, why_not_name(hunt.texts, hunt.known, item.robot, room), now):
                 hunt.submitted_names[room] = name
                 hunt.named.add(room)
-                memory.history.add_request(item.robot, hunt.texts.text("popups.say_name", name=name_in_words(name)))
+                memory.history.add_request(item.robot, hunt.texts.text("popups.say_name", name=view.word_for(name)))
                 _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room, name if _argues(view) else None))
         case AskWhatItIs():
             if _argues(view) and not _refused(memory, why_not_name(hunt.texts, hunt.known, item.robot, room), now):
@@ -237,7 +238,7 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
 
 def _pick(memory: ParticipantMemory, hunt: HuntMemory, choice: NameChoice) -> None:
     if choice.name is not None and choice.name != hunt.picked:
-        memory.history.announce(hunt.texts.text("game.picked", name=name_in_words(choice.name)))
+        memory.history.announce(hunt.texts.text("game.picked", name=hunt.view.word_for(choice.name)))
     hunt.choice = choice
 
 

@@ -238,7 +238,7 @@ def _waits(hunt: HuntMemory, item: PopupItem) -> str:
         return dialogue_title(hunt, about)
     room = hunt.view.room(item.room)
     if room.verdict is not None:
-        verdict = verdict_words(texts, room.verdict.name, room.verdict.points)
+        verdict = verdict_words(texts, hunt.view.word_for(room.verdict.name), room.verdict.points)
         return texts.text("history.named", room=item.room, verdict=verdict)
     if hunt.robot_in_room(item.room) is None:
         return texts.text("popups.found", robot=item.robot, room=item.room)

@@ -3,9 +3,7 @@
 from collections.abc import Mapping
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.hunt.properties import value_in_words
-from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.view import GiveUp, RequestSuggestion, RoomView, SelectRoom
+from thbridge.roles.view import GiveUp, RequestSuggestion, RoomView, SelectRoom, View
 from ui.model.keys import keyed
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
@@ -41,7 +39,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
     robot = memory.selected
     mover = hunt.view.robots[robot]
     refused = why_not_go(hunt.texts, hunt.known, robot, room.room)
-    found, *shorter = _found(hunt.texts, room)
+    found, *shorter = _found(hunt.texts, hunt.view, room)
     costs = hunt.view.costs_from(mover) if mover.moving_to is None else hunt.view.costs_when_stopped()
     return RoomTile(
         room=room.room,
@@ -83,14 +81,14 @@ def _price(hunt: HuntMemory, robot: int, room: int) -> str:
     return f"{hint} {energy_warning(texts, hunt.known, robot, room)}".rstrip()
 
 
-def _found(texts: Texts, room: RoomView) -> tuple[str, ...]:
-    """What is known of a room's treasure, and the same in fewer and fewer words."""
+def _found(texts: Texts, view: View, room: RoomView) -> tuple[str, ...]:
+    """Return what is known of a treasure in a room, and the same in fewer and fewer words."""
     if room.verdict is not None:
-        name, points = name_in_words(room.verdict.name) or texts.text("tiles.named"), gained(room.verdict.points)
+        name, points = view.word_for(room.verdict.name) or texts.text("tiles.named"), gained(room.verdict.points)
         return f"{name}, {points}", name, points
     if room.left:
         return (texts.text("tiles.left"),)
     if not room.found:
         return ("",)
-    value = value_in_words(next(iter(room.known.values()), ""))
+    value = next((each.word(room.known[each.name]) for each in view.properties if each.name in room.known), "")
     return (texts.text("tiles.found_with", value=value), value) if value else (texts.text("tiles.found"),)

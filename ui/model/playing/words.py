@@ -2,7 +2,6 @@
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Commander
-from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import DialogueMatter, LastWords
 
 MATTERS: dict[DialogueMatter, str] = {"select-room": "room", "take-picture": "picture", "take-treasure": "naming"}
@@ -53,8 +52,8 @@ def percent(texts: Texts, share: float) -> str:
 
 
 def verdict_words(texts: Texts, name: str, points: int) -> str:
-    """The outcome of naming a treasure, as a sentence."""
-    named = name_in_words(name) or texts.text("popups.nameless")
+    """The outcome of naming a treasure, by its name as the participant reads it, as a sentence."""
+    named = name or texts.text("popups.nameless")
     if points > 0:
         return texts.text("popups.right", name=named, count=points)
     if points < 0:

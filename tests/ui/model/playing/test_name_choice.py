@@ -3,7 +3,7 @@ import pytest
 from ui.model.playing.memory.name_choice import TYPING, NameChoice
 from ui.model.playing.memory.popup_queue import TreasureItem
 
-NAMES = ("ball", "beer_bottle", "beer_can", "Öl", "umbrella")
+NAMES = {"ball": "ball", "beer_bottle": "beer bottle", "beer_can": "beer can", "oil": "Öl", "umbrella": "umbrella"}
 NONE = NameChoice(TreasureItem(0, 3))
 
 
@@ -20,7 +20,7 @@ def typed(letters: str, pause: float = 0.1, choice: NameChoice = NONE) -> NameCh
         ("B", "ball"),
         ("be", "beer_bottle"),
         ("beer c", "beer_can"),
-        ("ö", "Öl"),
+        ("ö", "oil"),
         ("bb", "beer_bottle"),
         ("bbbb", "ball"),
         ("x", None),

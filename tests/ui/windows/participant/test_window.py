@@ -136,7 +136,8 @@ def test_only_the_name_picked_is_marked_in_the_list(qtbot: QtBot, opened: Open) 
 def test_a_name_of_a_file_is_shown_in_words_and_asked_for_as_it_is(qtbot: QtBot, opened: Open) -> None:
     treasure = STATES["treasure"].popup
     assert isinstance(treasure, TreasurePopup)
-    shown = opened(replace(STATES["treasure"], popup=replace(treasure, names=("basketball", "beer_bottle"))))
+    named = replace(treasure, names=("basketball", "beer_bottle"), called=("basketball", "beer bottle"))
+    shown = opened(replace(STATES["treasure"], popup=named))
     names = shown.window.treasure.names
     assert names.item(1).text() == "beer bottle"
     qtbot.mouseClick(names.viewport(), LEFT, pos=names.visualItemRect(names.item(1)).center())

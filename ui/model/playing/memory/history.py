@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.hunt.properties import Teller, properties_in_words, value_in_words
+from thbridge.hunt.properties import Teller, values_in_words
 from thbridge.roles.view import DialogueView, LastWords, RobotView, RoomView, View
 from ui.model.playing.words import outcome_of, scored, verdict_words
 from ui.model.screen import HistoryLine
@@ -154,7 +154,12 @@ def _robot_changes(texts: Texts, was: RobotView, now: RobotView, view: View) -> 
 def _room_changes(texts: Texts, view: View, old: RoomView, new: RoomView) -> Iterator[str]:
     room = new.room
     if new.sensed is not None and not old.found:
-        yield texts.text("history.found", what=properties_in_words(view.properties, new.sensed), room=room)
+        values = values_in_words(view.properties, new.sensed)
+        yield (
+            texts.text("history.found_with", values=values, room=room)
+            if values
+            else texts.text("history.found", room=room)
+        )
     elif new.known != old.known:
         for each in view.properties:
             value = new.known.get(each.name)
@@ -162,8 +167,8 @@ def _room_changes(texts: Texts, view: View, old: RoomView, new: RoomView) -> Ite
                 yield texts.text(
                     "history.person_tells" if each.told_by is Teller.PERSON else "history.robot_senses",
                     room=room,
-                    property=each.label.lower(),
-                    value=value_in_words(value),
+                    property=texts.noun(each.label),
+                    value=each.word(value),
                 )
     if new.picture is not None and old.picture is None:
         yield (
@@ -172,7 +177,11 @@ def _room_changes(texts: Texts, view: View, old: RoomView, new: RoomView) -> Ite
             else texts.text("history.picture_by", room=room, robot=new.robot)
         )
     if new.verdict is not None and old.verdict is None:
-        yield texts.text("history.named", room=room, verdict=verdict_words(texts, new.verdict.name, new.verdict.points))
+        yield texts.text(
+            "history.named",
+            room=room,
+            verdict=verdict_words(texts, view.word_for(new.verdict.name), new.verdict.points),
+        )
     if new.left and not old.left:
         yield texts.text("history.left", room=room)
     if old.left and not new.left:

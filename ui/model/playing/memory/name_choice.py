@@ -1,10 +1,9 @@
 """Choice of a name from the list, by picking or by typing."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from thbridge.hunt.treasures import name_in_words
 from ui.model.playing.memory.popup_queue import TreasureItem
 
 TYPING = 1.5
@@ -31,21 +30,23 @@ class NameChoice:
         """The letters that the next one goes on with."""
         return self.letters if now < self.until else ""
 
-    def typing(self, letter: str, names: Sequence[str], now: float) -> "NameChoice":
-        """The choice after another letter: the name that begins with the letters, or none.
+    def typing(self, letter: str, names: Mapping[str, str], now: float) -> "NameChoice":
+        """The choice after another letter: the name whose words begin with the letters, or none.
 
         One letter, once or again and again, goes from name to name, as in Qt's lists.
+
+        Args:
+            letter: typed.
+            names: words of each name.
+            now: time.
         """
         letters = self.typed(now) + letter.casefold()
         again = letters == letters[0] * len(letters)
-        fitting = [name for name in names if _begins(name, letters[0] if again else letters)]
+        begun = letters[0] if again else letters
+        fitting = [name for name, words in names.items() if words.casefold().startswith(begun)]
         name: str | None = None
         if self.name in fitting:
             name = fitting[(fitting.index(self.name) + again) % len(fitting)]
         elif fitting:
             name = fitting[0]
         return replace(self, name=name, letters=letters, until=now + TYPING)
-
-
-def _begins(name: str, letters: str) -> bool:
-    return name_in_words(name).casefold().startswith(letters)

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import DialogueView, LastWords, SelectRoom
 from ui.model.keys import BACK, WAITING_KEY, choice_keys, keyed
 from ui.model.playing.memory.history import SpokenLine, says, spoken
@@ -108,7 +107,7 @@ def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:
     """Title of a dialogue: its subject."""
     named = hunt.submitted_names.get(dialogue.room) if dialogue.matter == "take-treasure" else None
     if named:
-        return hunt.texts.text("popups.about_name", robot=dialogue.robot, name=name_in_words(named))
+        return hunt.texts.text("popups.about_name", robot=dialogue.robot, name=hunt.view.word_for(named))
     about = MATTERS[dialogue.matter]
     return hunt.texts.text(f"popups.about_{about}", robot=dialogue.robot, room=dialogue.room)
 
@@ -120,7 +119,7 @@ def _opening(hunt: HuntMemory, dialogue: DialogueView) -> tuple[SpokenLine, ...]
         return _request(hunt, dialogue.robot)
     if dialogue.matter != "take-treasure" or not named:
         return ()
-    return (("you", hunt.texts.text("popups.say_name", name=name_in_words(named))),)
+    return (("you", hunt.texts.text("popups.say_name", name=hunt.view.word_for(named))),)
 
 
 def _request(hunt: HuntMemory, robot: int) -> tuple[SpokenLine, ...]:

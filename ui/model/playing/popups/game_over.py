@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.view import Debrief, PlayAgain, RoomDebrief, RoomView
+from thbridge.roles.view import Debrief, PlayAgain, RoomDebrief, RoomView, View
 from ui.model.keys import keyed
 from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.words import scored, verdict_words
@@ -23,7 +22,7 @@ def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
     if debrief.best is not None:
         lines.append(texts.text("game_over.possible", count=debrief.best))
     was = {room.room: room for room in debrief.rooms}
-    lines += [line for room in view.rooms if (line := _of_room(texts, room, was.get(room.room)))]
+    lines += [line for room in view.rooms if (line := _of_room(texts, view, room, was.get(room.room)))]
     lines.append(debrief.farewell or texts.text("game_over.thanks"))
     busy = PlayAgain(view.game) in hunt.pending
     again = keyed(AnotherGame(), texts.text("game_over.again"), not busy, texts.text("game_over.again_hint"), busy)
@@ -48,12 +47,12 @@ def _named(texts: Texts, rooms: Iterable[RoomView]) -> str:
     return texts.text("game_over.named", count=len(verdicts), number=right)
 
 
-def _of_room(texts: Texts, room: RoomView, was: RoomDebrief | None) -> str:
+def _of_room(texts: Texts, view: View, room: RoomView, was: RoomDebrief | None) -> str:
     """The end of a room in a sentence, with what was in it as far as that is told; empty where nothing is."""
-    name, points = ("", 0) if was is None else (name_in_words(was.name), was.points)
+    name, points = ("", 0) if was is None else (view.word_for(was.name), was.points)
     it_was = f" {texts.text('game_over.it_was', name=name, count=points)}" if name else ""
     if room.verdict is not None:
-        verdict = verdict_words(texts, room.verdict.name, room.verdict.points)
+        verdict = verdict_words(texts, view.word_for(room.verdict.name), room.verdict.points)
         told = texts.text("history.named", room=room.room, verdict=verdict)
         return told if room.verdict.points > 0 else f"{told}{it_was}"
     if room.left or room.undecided:

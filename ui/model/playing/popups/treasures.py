@@ -5,9 +5,8 @@ from dataclasses import replace
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import TreasureIdentified, TreasureLeft
-from thbridge.hunt.properties import Teller, TreasureProperty, value_in_words
+from thbridge.hunt.properties import Teller, TreasureProperty
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import Consent, GiveUpTreasure, MeasureProperty, OpenDialogue, RoomView, View
 from ui.model.keys import keyed
 from ui.model.playing.memory.history import spoken
@@ -69,6 +68,7 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         take_picture=_take_picture(hunt, item, room),
         picture=picture,
         names=view.names,
+        called=tuple(map(view.word_for, view.names)),
         picked=hunt.submitted_names.get(item.room) or hunt.picked,
         name_it=_name_it(hunt, item),
         leave=_leave(hunt, item),
@@ -93,7 +93,7 @@ def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None
     """Outcome of a name; robots that decide in the end may have given it by themselves."""
     if room.verdict is None:
         return None
-    words = verdict_words(hunt.texts, room.verdict.name, room.verdict.points)
+    words = verdict_words(hunt.texts, hunt.view.word_for(room.verdict.name), room.verdict.points)
     decides = hunt.view.has_last_word == "robot" and not hunt.view.robots[item.robot].other_commander
     alone = decides and item.room not in hunt.named
     return f"{hunt.texts.text('popups.named_by_itself', robot=item.robot)} {words}" if alone else words
@@ -123,7 +123,7 @@ def _facts(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> tuple[Treasu
         sense = _sense(hunt, item, room, each, value, key) if each.is_measured else None
         tell = _tell(hunt, room, each, value, key) if each.told_by is Teller.PERSON else ()
         if value or sense is not None or tell:
-            facts.append(TreasureFact(each.label, value, each.drawn, sense, tell))
+            facts.append(TreasureFact(each.label, value, each.drawn, sense, tell, each.shown(value)))
     return tuple(facts)
 
 
@@ -137,9 +137,9 @@ def _sense(
     busy = request in hunt.pending
     texts, refused = hunt.texts, why_not_find_out(hunt.texts, hunt.known, request)
     hint = refused or _cost(hunt, item.robot, measured.cost, measured.sensor)
-    label = texts.text("popups.sense", property=measured.label.lower())
+    label = texts.text("popups.sense", property=texts.noun(measured.label))
     if value:
-        is_value = texts.text("popups.sensed", value=value_in_words(value))
+        is_value = texts.text("popups.sensed", value=measured.word(value))
         return Action(SenseMore(measured.name), label, key, enabled=False, hint=is_value)
     return Action(SenseMore(measured.name), label, key, refused is None and not busy, hint, busy)
 
@@ -165,13 +165,15 @@ def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, 
     hint = "" if seen else hunt.texts.text("hints.picture_first")
     after = (told.values.index(value) + 1) % len(told.values) if value in told.values else 0
     return tuple(
-        Action(TellOfIt(told.name, each), each, key if number == after else "", each != value and seen, hint)
+        Action(
+            TellOfIt(told.name, each), told.shown(each), key if number == after else "", each != value and seen, hint
+        )
         for number, each in enumerate(told.values)
     )
 
 
 def _without_acts(facts: Sequence[TreasureFact]) -> tuple[TreasureFact, ...]:
-    return tuple(TreasureFact(fact.label, fact.value, fact.drawn) for fact in facts if fact.value)
+    return tuple(TreasureFact(fact.label, fact.value, fact.drawn, words=fact.words) for fact in facts if fact.value)
 
 
 def _title(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str:
@@ -216,7 +218,7 @@ def _name_it(hunt: HuntMemory, item: TreasureItem, name: str | None = None) -> A
     if ends_game(hunt.known, TreasureIdentified(Room(item.room), item.robot, "", 0, view.identify_cost)):
         cost += f" {texts.text('popups.then_ends')}"
     label = (
-        texts.text("popups.name_it") if picked is None else texts.text("popups.name_it_so", name=name_in_words(picked))
+        texts.text("popups.name_it") if picked is None else texts.text("popups.name_it_so", name=view.word_for(picked))
     )
     return keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
 

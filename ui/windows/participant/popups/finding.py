@@ -210,7 +210,7 @@ class TreasureFacts(QWidget):
             return
         self._facts = known
         texts = self._texts
-        told = [texts.text("window.fact_sentence", label=fact.label, value=fact.value) for fact in known or ()]
+        told = [texts.text("window.fact_sentence", label=fact.label, value=fact.shown) for fact in known or ()]
         nothing = texts.text("window.still_looking" if known is None else "window.nothing_sensed")
         self.setAccessibleName(" ".join(told) or nothing)
         self.updateGeometry()
@@ -268,7 +268,7 @@ class TreasureFacts(QWidget):
     def _words(self, fact: TreasureFact) -> str:
         """A fact in words: what is drawn needs no label."""
         drawn = fact.drawn is not PropertyDrawing.NONE
-        return fact.value if drawn else self._texts.text("window.fact", label=fact.label, value=fact.value)
+        return fact.shown if drawn else self._texts.text("window.fact", label=fact.label, value=fact.shown)
 
 
 class FactActs(QWidget):

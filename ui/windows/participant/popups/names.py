@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.hunt.treasures import name_in_words
 from ui.windows.look import GAP, px
 from ui.windows.participant.widgets import focus
 
@@ -36,22 +35,37 @@ class NameList(QListWidget):
         self.setProperty("roomy", True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._names: tuple[str, ...] = ()
+        self._called: tuple[str, ...] = ()
         self._worth: tuple[int | None, ...] = ()
         self._picked: str | None = None
         self._high = 24
         self.itemClicked.connect(lambda item: self.picked.emit(self._names[self.row(item)]))
 
-    def show_names(self, names: tuple[str, ...], picked: str | None, worth: tuple[int | None, ...] = ()) -> None:
-        """Show these names with their points, as far as they are known, and with this one picked."""
-        self._picked = picked
-        if (names, worth) != (self._names, self._worth) or self.count() == 0:
-            self._names, self._worth = names, worth
+    def show_names(
+        self,
+        names: tuple[str, ...],
+        picked: str | None,
+        worth: tuple[int | None, ...] = (),
+        called: tuple[str, ...] = (),
+    ) -> None:
+        """Show names.
+
+        Args:
+            names: the names.
+            picked: the one that is picked; None: none.
+            worth: points of each, as far as they are known.
+            called: the words of each; empty: the names themselves.
+        """
+        self._picked, called = picked, called or names
+        if (names, called, worth) != (self._names, self._called, self._worth) or self.count() == 0:
+            self._names, self._called, self._worth = names, called, worth
             self._fill()
             self.updateGeometry()
         self._pick()
         texts = self._texts
         none = texts.text("window.nothing_picked")
-        said = texts.text("window.picked", name=name_in_words(picked)) if picked else none
+        words = dict(zip(names, called, strict=True)).get(picked or "", picked)
+        said = texts.text("window.picked", name=words) if words else none
         self.setAccessibleDescription(said)
 
     def sizeHint(self) -> QSize:
@@ -60,8 +74,7 @@ class NameList(QListWidget):
 
     def widest(self) -> int:
         """Return the width in which every name is shown whole."""
-        told = dict(zip(self._names, self._worth, strict=False))
-        words = (self._words(name, told.get(name)) for name in self._names)
+        words = self._rows()
         bar = self.verticalScrollBar().sizeHint().width()
         wide = max((self.fontMetrics().horizontalAdvance(each) for each in words), default=0)
         return max(wide + bar + 4 * GAP, self.minimumSizeHint().width())
@@ -108,8 +121,7 @@ class NameList(QListWidget):
 
     def _fill(self) -> None:
         self.clear()
-        told = dict(zip(self._names, self._worth, strict=False))
-        self.addItems([self._words(name, told.get(name)) for name in self._names])
+        self.addItems(self._rows())
         for row in range(self.count()):
             self.item(row).setToolTip(self.item(row).text())  # a narrow list cuts it off
         self._high = max(self.sizeHintForRow(0), self._high)
@@ -124,9 +136,12 @@ class NameList(QListWidget):
         else:
             self.setCurrentRow(row)
 
-    def _words(self, name: str, points: int | None) -> str:
-        """A name as the list has it, with its points where they are known."""
-        words = name_in_words(name)
-        if points is None:
-            return words
-        return self._texts.text("window.name_points", name=words, points=self._texts.text("words.points", count=points))
+    def _rows(self) -> list[str]:
+        """Names as the list has them, with their points where they are known."""
+        texts, worth = self._texts, self._worth or (None,) * len(self._called)
+        return [
+            words
+            if points is None
+            else texts.text("window.name_points", name=words, points=texts.text("words.points", count=points))
+            for words, points in zip(self._called, worth, strict=True)
+        ]

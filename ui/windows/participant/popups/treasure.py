@@ -120,7 +120,8 @@ class TreasurePanel(TitledPanel):
         unseen = self._texts.text("window.no_picture_yet" if pop.verdict is None else "window.no_picture")
         self.place.show_place(pop.picture, pop.picture_note or unseen, pop.take_picture, pop.enlarge)
         decided = pop.verdict is not None
-        self.names.show_names(() if decided else pop.names, pop.picked, pop.worth)
+        names, worth, called = ((), (), ()) if decided else (pop.names, pop.worth, pop.called)
+        self.names.show_names(names, pop.picked, worth, called)
         self.names.setVisible(not decided)
         key = "window.what_is_it_typed" if pop.typed else "window.what_is_it"
         set_text(self._asking, self._texts.text(key, typed=pop.typed))
