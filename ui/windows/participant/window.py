@@ -133,7 +133,7 @@ class ParticipantWindow(QWidget):
         self.setWindowTitle(self._texts.text("window.title"))
         self.setMinimumSize(760, 420)
         self.resize(1200, 800)
-        self.map = MapView(palette)
+        self.map = MapView(palette, texts=self._texts)
         self._build(self._texts)
         self._keyboard = KeyboardShortcuts(self, self.do)
         for keys, step in ((("F6", "Ctrl+Tab"), 1), (("Shift+F6", "Ctrl+Shift+Tab"), -1)):
