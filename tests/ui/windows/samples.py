@@ -62,7 +62,7 @@ FOOTPRINT = ((0.35, 0.0), (0.2, 0.25), (-0.3, 0.25), (-0.3, -0.25), (0.2, -0.25)
 NAMES = ("Blue bottle", "Orange bottle", "Pink can", "Yellow can")
 LATER = Action(ShowNext(), "Later", "Esc", hint="It waits for you.")
 
-_FOUND = {1: "Orange bottle, +10", 4: "something pink"}
+_FOUND = {1: ("Orange bottle, +10", "Orange bottle", "+10"), 4: ("something pink", "pink")}
 _STATES = ("driving", "rest", "waiting", "lost", "rest", "empty")
 
 
@@ -146,6 +146,7 @@ def tile(number: int, rooms: int, *, considered: bool = False) -> RoomTile:
     hint = f"Costs 13; robot 1 keeps {59 - number}." if can else "Robot 1 has not enough energy."
     if state != "unvisited":
         hint = "This room was visited." if state == "visited" else "Robot 2 is under way to it."
+    found, *shorter = _FOUND.get(number, ("",))
     return RoomTile(
         room=number,
         name=("North west", "West", "South west", "North middle", "South middle", "North east", "East", "South east")[
@@ -155,7 +156,8 @@ def tile(number: int, rooms: int, *, considered: bool = False) -> RoomTile:
         robot={1: 0, 4: 2, 2: 1}.get(number),
         cost=13.0 + number if state == "unvisited" and number != 8 else None,
         considered=considered,
-        found=_FOUND.get(number, ""),
+        found=found,
+        found_shorter=tuple(shorter),
         choose=Action(ChooseRoom(number), f"Room {number}", key, can, hint),
         warning="Enough energy to get there, not to name what is there." if number == 7 else "",
     )
