@@ -10,7 +10,10 @@ import pytest
 
 PROJECT = Path(__file__).parents[2]
 QUICK = "your-own-dialogue-game.md"
-SLOW = sorted({page.name for page in (PROJECT / "docs").glob("your-own-*.md")} - {QUICK} | {"protocol.md", "sweeps.md"})
+SLOW = sorted(
+    {page.name for page in (PROJECT / "docs").glob("your-own-*.md")} - {QUICK}
+    | {"languages.md", "protocol.md", "sweeps.md"}
+)
 """Pages that take from ten seconds to two minutes; tests/peers runs that of recordings, too."""
 SHORTENED = {"sweeps.md": ("replicates: 5", "replicates: 2")}
 """What a page says, and what is enough to see that it runs."""

@@ -482,7 +482,7 @@ class KioskWindow(QMainWindow):
         self.overlay.setGeometry(self._inside.rect())
 
 
-class _KioskProgram:
+class KioskProgram:
     """Opens the window once its words have come; before that, nothing is shown.
 
     Args:
@@ -491,6 +491,9 @@ class _KioskProgram:
         send: sends to the host.
         windowed: True for a window that does not fill the screen.
         title: of the window; empty: the usual one.
+
+    Attributes:
+        window: the window; None before it is opened.
     """
 
     def __init__(
@@ -501,21 +504,21 @@ class _KioskProgram:
         self._send = send
         self._windowed = windowed
         self._title = title
-        self._window: KioskWindow | None = None
+        self.window: KioskWindow | None = None
 
     def receive(self, message: ToKiosk) -> None:
         """Act on a message of the host."""
-        if self._window is not None:
-            self._window.receive(message)
+        if self.window is not None:
+            self.window.receive(message)
         elif isinstance(message, StudyTexts) and (texts := message.texts.texts()) is not None:
-            self._window = self._open(texts)
+            self.window = self._open(texts)
 
     def leave(self) -> None:
         """Act on the end of the host."""
-        if self._window is None:
+        if self.window is None:
             self._app.quit()
         else:
-            self._window.leave()
+            self.window.leave()
 
     def _open(self, texts: Texts) -> KioskWindow:
         window = KioskWindow(texts, self._preferences, self._send)
@@ -537,5 +540,5 @@ def open_kiosk(choice: look.Choice, *, windowed: bool, title: str = "") -> int:
     """Open the window for the host at standard input and output; returns when it is closed."""
     app = application()
     pipe = HostPipe(KIOSK)
-    pipe.listen(_KioskProgram(app, choice, pipe.send, windowed=windowed, title=title))
+    pipe.listen(KioskProgram(app, choice, pipe.send, windowed=windowed, title=title))
     return app.exec()

@@ -20,6 +20,7 @@ from tests.ui.windows.walking import nameless, words_in
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.files.language_texts import shipped_texts
+from thbridge.roles.notices import GameTexts
 from ui.hosting.kiosk.words import headed
 from ui.model.kiosk import (
     KIOSK,
@@ -44,6 +45,7 @@ from ui.model.kiosk import (
     KioskClosed,
     StoppedTakingPart,
     StudyProgress,
+    StudyTexts,
     TextToRead,
     WentBack,
     WentOn,
@@ -51,7 +53,7 @@ from ui.model.kiosk import (
 from ui.windows import look
 from ui.windows.kiosk.items.panel import ItemPanel
 from ui.windows.kiosk.pages.form import FormPage
-from ui.windows.kiosk.window import BEGIN_KEYS, KioskWindow
+from ui.windows.kiosk.window import BEGIN_KEYS, KioskProgram, KioskWindow
 from ui.windows.participant.pages.pages import ConsentPage
 from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.participant.widgets.reading import ReadingText
@@ -564,6 +566,28 @@ def test_a_window_whose_host_died_stays_and_says_so_until_another_one_comes(open
     assert "The program has stopped" in words
     opened.window.give_way()
     assert not opened.window.isVisible()
+
+
+def test_nothing_is_shown_before_the_words_come(
+    qtbot: QtBot, qapp: QApplication, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gone: list[str] = []
+    monkeypatch.setattr(qapp, "quit", lambda: gone.append("quit"))
+    told: list[FromKiosk] = []
+    program = KioskProgram(qapp, "light", told.append, windowed=True, title="")
+    program.receive(TextToRead(1, "Willkommen", "Bitte beginnen Sie."))
+    assert program.window is None
+    program.leave()
+    assert gone == ["quit"]
+    program.receive(StudyTexts(GameTexts.of(shipped_texts("de"))))
+    assert program.window is not None and program.window.isVisible()
+    program.receive(TextToRead(1, "Willkommen", "Bitte beginnen Sie."))
+    program.leave()
+    assert "Das Programm ist stehen geblieben" in labels(program.window)
+    program.window.give_way()
+    assert told == [KioskClosed()]
+    program.window.deleteLater()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
 def pages(texts: Texts = TEXTS) -> dict[str, Callable[[Opened], object]]:
