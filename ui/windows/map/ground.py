@@ -107,9 +107,11 @@ class Ground(MapItem):
         view = self.box.rect()
         # A multiple of four pixels is whole in device pixels at every scaling by quarters.
         x, y = (4 * math.ceil(side * margin / 4.0) for side in (view.width(), view.height()))
-        place = QRectF(0.0, 0.0, view.width() + 2 * x, view.height() + 2 * y)
-        pixmap = QPixmap(math.ceil(place.width() * ratio), math.ceil(place.height() * ratio))
+        width, height = view.width() + 2 * x, view.height() + 2 * y
+        pixmap = QPixmap(math.ceil(width * ratio), math.ceil(height * ratio))
         pixmap.setDevicePixelRatio(ratio)
+        # All of it: a box beside an axis is not whole pixels wide, and the rest of its last ones would keep noise.
+        place = QRectF(QPointF(), pixmap.deviceIndependentSize())
         moved = to_pixels * QTransform.fromTranslate(x, y)
         painter = QPainter(pixmap)
         words = self._paint_all(painter, moved, place)

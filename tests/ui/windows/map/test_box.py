@@ -124,3 +124,18 @@ def test_a_researcher_has_axes_and_a_menu_that_exports(qtbot: QtBot) -> None:
 def test_a_participant_has_neither(view: MapView) -> None:
     assert view.box.rect() == QRectF(view.rect())
     assert view.box.getMenu(None) is None
+
+
+def test_beside_an_axis_the_map_is_painted_to_its_last_pixel(qtbot: QtBot) -> None:
+    view = shown(axes=True)
+    qtbot.addWidget(view)
+    shades = {LIGHT.unknown, LIGHT.line, LIGHT.window, LIGHT.panel, LIGHT.muted}
+    for height in range(560, 570):
+        view.resize(701, height)
+        view.show_rooms(())
+        view.invalidateScene()
+        image = view.grab().toImage()
+        bottom = int(view.box.mapRectToScene(view.box.rect()).bottom())
+        right = int(view.box.mapRectToScene(view.box.rect()).right()) - 2
+        for y in (bottom - 1, bottom):
+            assert image.pixelColor(right, y).name() in shades, (height, y)
