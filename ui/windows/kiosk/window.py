@@ -103,6 +103,11 @@ class ProgressStrip(QWidget):
         self.again.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.again.hide()
         row.addWidget(self.again)
+        self.settings = ActionButton(texts, "small")
+        # Short, since the strip has little room: the sign for text of several sizes, without its key.
+        self.settings.show_face(ButtonFace("Aa", hint=texts.text("settings.hint")), texts.text("settings.title"))
+        self.settings.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        row.addWidget(self.settings)
         self.stop = ActionButton(texts, "small")
         stop = texts.text("kiosk.stop")
         self.stop.show_face(ButtonFace(stop, STOP_KEYS), stop)
@@ -227,6 +232,7 @@ class KioskWindow(QMainWindow):
         self._reading_again = QShortcut(QKeySequence(HELP_KEY), self)
         self._reading_again.activated.connect(self._read_again)
         self.progress.stop.clicked.connect(self._ask_to_leave)
+        self.progress.settings.clicked.connect(lambda: self._preferences.open(self))
         for keys, deed in ((END_KEYS, self._end), (BEGIN_KEYS, self._begin_next), (STOP_KEYS, self._ask_to_leave)):
             QShortcut(QKeySequence(keys), self).activated.connect(deed)
         self._pumping = QTimer(self)
