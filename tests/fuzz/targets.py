@@ -163,12 +163,13 @@ def _experiments(folder: Path) -> tuple[str, ...]:
 
 def _templates(folder: Path) -> tuple[str, ...]:
     shutil.copytree(ROOT / "templates" / "four-properties", folder, dirs_exist_ok=True)
-    return tuple(path.name for path in sorted(folder.iterdir()) if path.is_file() and path.suffix != ".md")
+    own = (path.name for path in sorted(folder.iterdir()) if path.is_file() and path.suffix != ".md")
+    return (*own, "de/words.yaml", "de/DialogueText")
 
 
 def _maps(folder: Path) -> tuple[str, ...]:
     shutil.copytree(ROOT / "maps" / "arena8", folder, dirs_exist_ok=True)
-    return "map.yaml", "map.pgm", "rooms.yaml", "mapTimes"
+    return "map.yaml", "map.pgm", "rooms.yaml", "mapTimes", "de/words.yaml"
 
 
 def _tlogs(folder: Path) -> tuple[str, ...]:
@@ -240,7 +241,7 @@ MANIFEST = """\
 
 def _languages(folder: Path) -> tuple[str, ...]:
     shutil.copytree(LANGUAGE, folder / "ours", dirs_exist_ok=True)
-    return tuple(f"ours/{path.name}" for path in sorted(LANGUAGE.iterdir()))
+    return tuple(f"ours/{path.name}" for path in sorted(LANGUAGE.glob("*.yaml")))
 
 
 def _games(folder: Path) -> tuple[str, ...]:

@@ -19,20 +19,22 @@ from thbridge.roles.keeper.disclosed.disclosure import plain_costs
 from thbridge.roles.notices import FloorPlan
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
-from thbridge.roles.view import ParticipantRequest, View
+from thbridge.roles.view import AnswerDialogue, OpenDialogue, ParticipantRequest, View
 from thbridge.study.study_file import DialogueSection, Study
 
 
 class Reader:
-    """A participant who notes all that she could read, and plays as a bot."""
+    """A participant who notes all that she could read, and plays as a bot; contrary: she names wrongly and asks why."""
 
-    def __init__(self, setting: StudySetting) -> None:
+    def __init__(self, setting: StudySetting, contrary: bool = False) -> None:
         self.bot = build_bot(setting.templates, BotStrategy.SUGGESTION, seed=7)
+        self.contrary = contrary
         self.views: list[View] = []
         self.read: set[str] = set()
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        return self.bot.requests(view)
+        wanted = self.bot.requests(view)
+        return [_contrary(view, each) for each in wanted] if self.contrary else wanted
 
     def observe(self, update: ParticipantUpdate) -> None:
         if isinstance(update, View):
@@ -40,6 +42,18 @@ class Reader:
             self.read.update(words_in(update))
         elif isinstance(update, FloorPlan):
             self.read.update(outline.name for outline in update.rooms)
+
+
+def _contrary(view: View, wanted: ParticipantRequest) -> ParticipantRequest:
+    match wanted:
+        case OpenDialogue(name=str(name)) if name:
+            names = sorted(view.names)
+            return structs.replace(wanted, name=names[names.index(name) - 1])
+        case AnswerDialogue(number):
+            acts = next(dialogue.acts for dialogue in view.dialogues if dialogue.dialogue == number)
+            return structs.replace(wanted, choice=acts.index("challenge")) if "challenge" in acts else wanted
+        case _:
+            return wanted
 
 
 def words_in(view: View) -> Iterator[str]:
@@ -66,10 +80,10 @@ def english_in(setting: StudySetting) -> set[str]:
     return {own for own, said in pairs if own.casefold() != said.casefold()}
 
 
-def played(study: Study) -> tuple[StudySetting, Reader, Log]:
+def played(study: Study, contrary: bool = False) -> tuple[StudySetting, Reader, Log]:
     """A whole game."""
     setting = read_setting(study, Path())
-    reader, log = Reader(setting), Log()
+    reader, log = Reader(setting, contrary), Log()
     roles = [
         Puppets(study.robots, plain_costs(setting.costs), place=setting.map.name),
         TabUI(reader, reader),
@@ -99,11 +113,22 @@ def test_a_german_study_says_nothing_in_the_english_of_map_and_templates(
     assert [words for words in sorted(reader.read) if english.search(words)] == []
 
 
+@pytest.mark.parametrize("templates", ["four-properties", "everyday-things"])
+def test_robots_argue_about_names_in_the_words_of_the_set(templates: str) -> None:
+    talk = DialogueSection(language="de", condition=DialogueCondition.COLLABORATOR)
+    setting, reader, _ = played(Study(map="office", templates=templates, robots=2, dialogue=talk), contrary=True)
+    names = "|".join(setting.set_words.names.values())
+    assert any(re.search(rf"Meine Gründe: .* ist .*, und „({names})“ ist ", words) for words in reader.read)
+    english = re.compile("|".join(rf"\b{re.escape(word)}\b" for word in sorted(english_in(setting))), re.IGNORECASE)
+    assert [words for words in sorted(reader.read) if english.search(words)] == []
+
+
 @pytest.mark.parametrize("condition", [DialogueCondition.SCRIPT, DialogueCondition.COLLABORATOR])
 def test_the_same_is_recorded_in_each_language_but_for_sentences(condition: DialogueCondition) -> None:
     def recorded(language: str) -> list[str]:
         talk = DialogueSection(language=language, condition=condition)
-        _, _, log = played(Study(map="office", templates="four-properties", robots=2, dialogue=talk))
+        study = Study(map="office", templates="four-properties", robots=2, dialogue=talk)
+        log = played(study, contrary=condition is not DialogueCondition.SCRIPT)[2]
         return [to_json(_without_sentences(entry)) for entry in log.entries]
 
     assert recorded("de") == recorded("en")

@@ -1,6 +1,7 @@
 """Sweeps: games as `thbridge play` plays them, every one once, whatever happens to workers and machine."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -195,9 +196,7 @@ def test_another_design_is_refused_with_the_difference(whole: Path, before: str,
 
 
 def test_a_map_that_changed_is_refused(tmp_path: Path) -> None:
-    for file in (ROOT / "maps" / "practice").iterdir():
-        (tmp_path / "hall").mkdir(exist_ok=True)
-        (tmp_path / "hall" / file.name).write_bytes(file.read_bytes())
+    shutil.copytree(ROOT / "maps" / "practice", tmp_path / "hall")
     text = "base: {map: ./hall, templates: practice, robots: 1}\nseeds: [1]\nmax_seconds: 1\nverify: 0\n"
     run(tmp_path / "sweep", InlineEngine(), text)
     with (tmp_path / "hall" / "rooms.yaml").open("a") as file:

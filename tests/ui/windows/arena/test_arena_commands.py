@@ -87,10 +87,16 @@ def test_another_name_keeps_the_times_and_closing_without_a_change_says_nothing(
         qtbot.waitUntil(lambda: window.draft.dirty)
         qtbot.keyClick(window, Qt.Key.Key_S, CONTROL)
 
+    write_rooms(folder, FOUND.rooms, FOUND.starts, language="en")
+    (folder / "de").mkdir()
+    (folder / "de" / "words.yaml").write_text("rooms: {Middle: Mitte}\n")
     assert run(lambda window: None, "edit", "three").stdout == ""
-    assert "Checked: 0 errors" in run(rename, "edit", "three").stdout
+    told = run(rename, "edit", "three").stdout
+    assert "Checked: 0 errors, 1 warnings" in told
+    assert "no room is called 'Middle'. The nearest is Middle office." in " ".join(told.split())
     assert (folder / "mapTimes").exists()
-    assert read_map(folder).rooms[1].name == "Middle office"
+    saved = read_map(folder)
+    assert (saved.rooms[1].name, saved.language, saved.words) == ("Middle office", "en", {"de": {"Middle": "Mitte"}})
 
 
 def test_what_is_drawn_is_written_when_it_is_saved_and_not_before(qtbot: QtBot, folder: Path) -> None:
