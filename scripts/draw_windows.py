@@ -1,6 +1,6 @@
 """Draw every window and dialogue, and the page that shows them, `docs/windows-gallery.md`.
 
-The pictures are `docs/pictures/windows/<name>-<light|dark>.png`; those of `SIZED` are drawn at three sizes with two
+The pictures are `docs/pictures/windows/<name>-<light|dark>.png`; those of `SIZED` are drawn at four sizes with three
 sizes of text besides, as `<name>-<width>x<height>-<text>.png`. Run it from the project's folder:
 `.venv/bin/python scripts/draw_windows.py`. What is shown are real games and a real recording, made on the spot in
 simulated time; nothing appears on a screen. The same code, fonts and Qt give the same pictures. The typeface is Inter,
@@ -16,6 +16,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from pictured import language
 from pictured.shot import Shot, Story
 from pictured.shrinking import shrunk
 from pictured.stories import STORIES
@@ -23,16 +24,17 @@ from PIL import Image
 from PySide6.QtCore import QBuffer, QSize
 from PySide6.QtWidgets import QApplication, QWidget
 
-from ui.model.theme import DARK, LIGHT
+from thbridge.files.language_texts import ENGLISH
+from ui.model.theme import DARK, LIGHT, Palette
 from ui.windows.application import application as open_application
 from ui.windows.look import apply_palette, apply_text_size, usual_growth
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures" / "windows"
 GALLERY = ROOT / "docs" / "windows-gallery.md"
-SIZES = ((1024, 600), (1200, 800), (1920, 1080))
+SIZES = ((800, 500), (1024, 600), (1366, 768), (1920, 1080))
 """Widths and heights of windows, logical pixels."""
-TEXTS = (100, 150)
+TEXTS = (100, 125, 150)
 """Sizes of text, per cent of what is usual on a screen of the window's size."""
 SIZED = (
     *("start", "consent", "practice", "begin", "talk", "treasure", "picture", "verdict-wrong", "playing", "queue"),
@@ -42,7 +44,7 @@ SIZED = (
 )
 """The pictures that are drawn at all sizes."""
 ABOUT = (
-    "Each window light and dark, and the most important ones at three sizes with text of 100 % and 150 %.",
+    "Each window light and dark, and the most important ones at four sizes with text of 100, 125 and 150 %.",
     "`make pictures` draws them from real games and a real recording, and writes this page. What is seen in them is",
     "explained in [windows.md](windows.md), [watching.md](watching.md), [study-edit.md](study-edit.md) and",
     "the pages *Your own ...*.",
@@ -53,8 +55,8 @@ SETTLE_TIMEOUT = 10.0
 """Seconds that a window may need to come to rest."""
 
 
-def draw(into: Path, wanted: frozenset[str]) -> None:
-    """Draw the pictures with these names."""
+def draw(into: Path, wanted: frozenset[str], palette: Palette) -> None:
+    """Draw the pictures with these names, those at all sizes in this palette."""
     application = open_application()
     apply_palette(application, LIGHT)
     application.setCursorFlashTime(0)
@@ -66,7 +68,7 @@ def draw(into: Path, wanted: frozenset[str]) -> None:
             if shot.name in wanted:
                 draw_looks(into, shot, application)
             if shot.name in wanted.intersection(SIZED):
-                draw_sizes(into, shot, application)
+                draw_sizes(into, shot, application, palette)
             if shot.name == last:
                 break
 
@@ -79,9 +81,11 @@ def draw_looks(into: Path, shot: Shot, application: QApplication) -> None:
         save(into / f"{shot.name}-{look}.png", shot, application)
 
 
-def draw_sizes(into: Path, shot: Shot, application: QApplication) -> None:
+def draw_sizes(into: Path, shot: Shot, application: QApplication, palette: Palette) -> None:
     """Draw a state at all sizes."""
     before = shot.window.size()
+    apply_palette(application, palette)
+    shot.wear(palette)
     for text in TEXTS:
         for size in SIZES:
             apply_text_size(application, text / 100 * usual_growth(QSize(*size)))
@@ -89,6 +93,8 @@ def draw_sizes(into: Path, shot: Shot, application: QApplication) -> None:
             save(into / sized(shot.name, size, text), shot, application)
     apply_text_size(application, 1.0)
     shot.window.resize(before)
+    apply_palette(application, LIGHT)
+    shot.wear(LIGHT)
 
 
 def sized(name: str, size: tuple[int, int], text: int) -> str:
@@ -167,6 +173,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--into", type=Path, default=PICTURES, help="the folder")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="draw these and no others")
+    parser.add_argument("--language", default=ENGLISH, help="of participants' windows; all but en need --into")
+    parser.add_argument("--dark", action="store_true", help="draw all sizes dark")
     parser.add_argument("--list", action="store_true", help="say the names of all pictures, and draw none")
     options = parser.parse_args()
     known = [name for story in STORIES for name in story.pictures]
@@ -176,6 +184,9 @@ def main() -> None:
     unknown = set(options.only or ()) - set(known)
     if unknown:
         parser.error(f"there are no pictures called {', '.join(sorted(unknown))}; --list says which there are")
+    if options.into == PICTURES and (options.language != ENGLISH or options.dark):
+        parser.error("the gallery is English and light at all sizes; name another folder by --into")
+    language.speak(options.language)
     options.into.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         width, height = SCREEN
@@ -183,7 +194,7 @@ def main() -> None:
         file = Path(folder) / "screen.json"
         file.write_text(json.dumps({"screens": [screen]}), encoding="utf-8")
         os.environ["QT_QPA_PLATFORM"] = f"offscreen:configfile={file}"
-        draw(options.into, frozenset(options.only or known))
+        draw(options.into, frozenset(options.only or known), DARK if options.dark else LIGHT)
     if options.into == PICTURES and not options.only:
         GALLERY.write_text(gallery(STORIES), encoding="utf-8")
 

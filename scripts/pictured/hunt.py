@@ -6,6 +6,7 @@ from pathlib import Path
 
 from msgspec import structs
 
+from pictured import language
 from sim.common.observations import TICK
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr
@@ -37,11 +38,11 @@ class PicturedHunt:
     """
 
     def __init__(self, study: Study) -> None:
-        self.model = Participant()
+        self.model = Participant(texts=language.texts())
         self.now = 0.0
         self.shade: Callable[[ParticipantUpdate], ParticipantUpdate] = lambda seen: seen
         self.levels: dict[type[ParticipantUpdate], ParticipantUpdate] = {}
-        setting = read_setting(study, Path())
+        setting = read_setting(language.spoken(study), Path())
         self._tabui = TabUI(self, self)
         self._session = Session(
             build_keeper(setting),

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
+from pictured import language
 from pictured.hunt import PicturedHunt
 from pictured.participant import CONSENT, RecordedLink
 from pictured.shot import Shot, Story, unkept_preferences
@@ -13,7 +14,6 @@ from thbridge.experiment.folder import EXAMPLE
 from thbridge.experiment.progress import Run
 from thbridge.experiment.questionnaires.form import SHIPPED, read_form
 from thbridge.experiment.store.events import RunState
-from thbridge.files.language_texts import shipped_texts
 from thbridge.study.built_in import STANDARD
 from thbridge.study.study_file import DialogueSection
 from ui.hosting.kiosk import words
@@ -51,7 +51,7 @@ ALL_KINDS = (
 def at_the_kiosk() -> Iterator[Shot]:
     """The pages, in the order of a study."""
     seconds = 0.0
-    texts = shipped_texts()
+    texts = language.texts()
     window = KioskWindow(texts, unkept_preferences(), lambda _: None, lambda: seconds)
     window.resize(*SIZE)
     window.show()

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 from msgspec import structs
 
+from pictured import language
 from pictured.hunt import PicturedHunt, with_robot
 from pictured.shot import Shot, Story, unkept_preferences
 from sim.common.geometry import Pose2
 from sim.inputs import KidnapRobot, SetPoseEstimate
 from thbridge.dialogue.conditions import DialogueCondition
-from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import PoseTelemetry
 from thbridge.roles.participant.tabui import ParticipantUpdate
@@ -85,12 +85,12 @@ def shot(name: str, window: ParticipantWindow) -> Shot:
 
 def before() -> Iterator[Shot]:
     """Start page, being made ready, connecting."""
-    window = ParticipantMainWindow(unkept_preferences(), lambda _: None, texts=shipped_texts())
+    window = ParticipantMainWindow(unkept_preferences(), lambda _: None, texts=language.texts())
     window.resize(*SIZE)
     window.show()
-    window.receive(Offer(shipped_texts(), 1, 4, 2))
+    window.receive(Offer(language.texts(), 1, 4, 2))
     yield Shot("start", window)
-    window.receive(Offer(shipped_texts(), 2, 2, 2))
+    window.receive(Offer(language.texts(), 2, 2, 2))
     yield Shot("start-no-choice", window)
     window.receive(Preparing("The robots are being made ready."))
     yield Shot("preparing", window)
@@ -112,7 +112,7 @@ def practice() -> Iterator[Shot]:
     hunt = PicturedHunt(PRACTICE)
     hunt.send(ChooseRoom(1))
     hunt.reached()
-    game = GamePage(RecordedLink(hunt), shipped_texts(), unkept_preferences(), True, lambda: None, lambda: hunt.now)
+    game = GamePage(RecordedLink(hunt), language.texts(), unkept_preferences(), True, lambda: None, lambda: hunt.now)
     game.resize(*SIZE)
     game.show()
     game.setFocus()
@@ -370,7 +370,7 @@ def crowd() -> Iterator[Shot]:
 def leaving() -> Iterator[Shot]:
     """The question that closing the window asks in the middle of a game."""
     hunt = PicturedHunt(STANDARD)
-    window = ParticipantMainWindow(unkept_preferences(), lambda _: None, lambda: hunt.now, shipped_texts())
+    window = ParticipantMainWindow(unkept_preferences(), lambda _: None, lambda: hunt.now, language.texts())
     window.resize(*SIZE)
     window.show()
     window.join(RecordedLink(hunt))
