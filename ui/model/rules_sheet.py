@@ -79,14 +79,14 @@ def _costs(texts: Texts, picture: float, naming: float, moves: tuple[float, floa
 def _more(texts: Texts, properties: Sequence[TreasureProperty]) -> Iterator[str]:
     """Sentences on what is found out of a treasure beyond what a robot senses as it finds it."""
     measured = [
-        texts.text("rules.sensed_one", property=texts.noun(each.label), cost=each.cost)
+        texts.clause("rules.sensed_one", property=texts.noun(each.label), cost=each.cost)
         for each in properties
         if each.is_measured
     ]
     if measured:
         yield texts.text("rules.sensed", properties=texts.listed(measured))
     told = [
-        texts.text("rules.told_one", property=texts.noun(each.label))
+        texts.clause("rules.told_one", property=texts.noun(each.label))
         for each in properties
         if each.told_by is Teller.PERSON
     ]

@@ -1,6 +1,7 @@
 """A participant who only looks at screens and does what they offer, in a real game without a simulator."""
 
 from tests.thbridge.roles.stage import Stage
+from tests.ui.model.language import said_by_others
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import View
 from ui.model.participant import Participant
@@ -11,11 +12,16 @@ TICK = 0.02
 
 
 class Seat:
-    """The view model on a stage; every act is done by what is offered for it."""
+    """The view model on a stage; every act is done by what is offered for it.
+
+    Attributes:
+        theirs: all words so far that come from the study, and not from the program.
+    """
 
     def __init__(self, model: Participant | None = None, **stage) -> None:
         self.model = model or Participant()
         self.now = 0.0
+        self.theirs: set[str] = set()
         self.staged = stage
         self.tabui = TabUI(self, self)
         self.stage = Stage(participant=self.tabui, **stage)
@@ -24,6 +30,8 @@ class Seat:
         self.run(6)
 
     def observe(self, level) -> None:
+        if isinstance(level, View):
+            self.theirs |= said_by_others(level)
         self.model.receive(level, self.now)
 
     def requests(self, view: View):

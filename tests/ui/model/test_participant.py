@@ -63,6 +63,10 @@ def agree(seat):
         seat.do(GiveAnswer(0))
 
 
+def capital(words):
+    return words[:1].upper() + words[1:]
+
+
 def events(seat, kind):
     return [event for event in seat.stage.log.events if isinstance(event, kind)]
 
@@ -188,7 +192,7 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     assert pop.name_it.label == f"Name it {words}"
     seat.do(SubmitName())
     pop = seat.do(GiveAnswer(0)).popup
-    assert pop.verdict == f"{words[:1].upper()}{words[1:]} is right, {treasure.points} points won."
+    assert pop.verdict == f"{capital(words)} is right, {treasure.points} points won."
     assert pop.points == seat.screen.score == treasure.points
     assert pop.aside.label == "Close"
     assert seat.do(ShowNext()).popup is None
@@ -216,7 +220,7 @@ def test_a_wrong_name_costs_and_is_said_so():
     wrong = next(name for name in seat.names if name != treasure.name)
     seat.press(PickName(wrong))
     pop = seat.do(SubmitName()).popup
-    assert pop.verdict == f"{name_in_words(wrong)} is wrong, {treasure.points} points lost."
+    assert pop.verdict == f"{capital(name_in_words(wrong))} is wrong, {treasure.points} points lost."
     tile = seat.screen.tiles[2]
     assert (tile.found, *tile.found_shorter) == (f"{wrong}, −{treasure.points}", wrong, f"−{treasure.points}")
     assert seat.screen.tiles[2].state == "lost"

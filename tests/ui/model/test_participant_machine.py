@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from tests.thbridge.roles.stage import RULES
+from tests.ui.model.language import english_on
 from tests.ui.model.seat import Seat
+from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt import rules
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import PicturePiece, PoseTelemetry, RobotMotion
@@ -110,9 +112,11 @@ class Game(RuleBasedStateMachine):
         robots=st.integers(1, 3),
         energy=st.sampled_from((12.0, 40.0, 100.0)),
         set_name=st.sampled_from(("original-2016", "sklar-azhar-2015")),
+        language=st.sampled_from(("en", "de")),
     )
-    def begin(self, robots, energy, set_name):
-        self.seat = Seat(robots=robots, set_name=set_name, rules=replace(RULES, energy=energy))
+    def begin(self, robots, energy, set_name, language):
+        model = Participant(texts=shipped_texts(language))
+        self.seat = Seat(model, robots=robots, set_name=set_name, rules=replace(RULES, energy=energy))
 
     @rule(act=ACTS, ticks=st.integers(0, 15))
     def act(self, act, ticks):
@@ -155,7 +159,7 @@ class Game(RuleBasedStateMachine):
 
     @rule()
     def the_connection_comes_back(self):
-        self.seat.model.lost("It broke.", self.seat.now)
+        self.seat.model.lost("", self.seat.now)
         self.seat.now += 1.5
         assert self.seat.screen.banner.kind == "bad"
         self.seat.model.connected(self.seat.now)
@@ -166,6 +170,11 @@ class Game(RuleBasedStateMachine):
     def every_offer_says_what_it_is(self):
         if hasattr(self, "seat"):
             check_offers(self.seat.screen)
+
+    @invariant()
+    def nothing_english_is_on_a_german_screen(self):
+        if hasattr(self, "seat") and self.seat.model.texts.language == "de":
+            assert english_on(self.seat.screen, self.seat.theirs) == []
 
     @invariant()
     def what_the_rules_allow_is_offered(self):

@@ -27,7 +27,7 @@ def is_in_trouble(robot: RobotView) -> bool:
 def card_sentence(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> str:
     """The card of a robot as a sentence to be read out."""
     texts, card = hunt.texts, _card(memory, hunt, hunt.view.robots[robot])
-    energy = texts.text("cards.energy", energy=card.energy)
+    energy = texts.clause("cards.energy", energy=card.energy)
     things = (card.place, card.state, energy, card.warning, card.commanded)
     return texts.text("cards.spoken", robot=robot, things=texts.forms.between.join(filter(None, things)))
 
@@ -46,7 +46,7 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
     stranded, warning = _is_stranded(hunt, robot), _warning(hunt, robot)
     return RobotCard(
         robot=number,
-        name=texts.text("cards.robot", robot=number),
+        name=texts.text("window.robot", robot=number),
         selected=selected,
         energy=robot.energy,
         energy_at_start=hunt.most_energy,
@@ -60,7 +60,7 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
         select=_select(memory, hunt, number, warning),
         stop=_stop(hunt, robot, selected),
         commander=commander,
-        commanded=texts.text("cards.commanded", commander=commander) if commander else "",
+        commanded=texts.clause("cards.commanded", commander=commander) if commander else "",
         ask_back=_ask_back(hunt, robot, selected),
         take_up=_take_up(hunt, robot, selected),
         warning=warning,
@@ -79,7 +79,7 @@ def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int, warning: st
     hint = why_not_command(texts, hunt.known, robot) or yours
     if warning:
         hint += f" {texts.text('cards.on_arrival', warning=warning)}"
-    return Action(ChooseRobot(robot), texts.text("cards.robot", robot=robot), key, hint=hint)
+    return Action(ChooseRobot(robot), texts.text("window.robot", robot=robot), key, hint=hint)
 
 
 def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
@@ -140,16 +140,16 @@ def _driving(hunt: HuntMemory, robot: RobotView, motion: RobotMotion, goal: int)
     if robot.condition is Condition.LOST:
         return texts.text("cards.lost_driving")
     if motion.makes_way_for is not None:
-        return texts.text("cards.making_way", robot=motion.makes_way_for)
+        return texts.clause("cards.making_way", robot=motion.makes_way_for)
     match motion.doing:
         case "waiting" if motion.waits_for is not None:
-            return texts.text("cards.waiting_for", robot=motion.waits_for)
+            return texts.clause("cards.waiting_for", robot=motion.waits_for)
         case "waiting" | "clearing":
             return texts.text(f"cards.{motion.doing}")
         case "planning" | "resting":
-            return texts.text("cards.planning", room=goal)
+            return texts.clause("cards.planning", room=goal)
         case _:
-            return texts.text("cards.driving", room=goal)
+            return texts.clause("cards.driving", room=goal)
 
 
 def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
@@ -167,12 +167,12 @@ def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
         return texts.text("cards.asks" if hunt.view.has_last_word is None else "cards.waits_for_answer")
     goal = hunt.destination_considered(number)
     if goal is not None:
-        return texts.text("cards.setting_out", room=goal)
+        return texts.clause("cards.setting_out", room=goal)
     room = undecided_beside(hunt.known, number)
     if room is not None:
         return texts.text("cards.found" if hunt.view.room(room).found else "cards.looking")
     if motion.makes_way_for is not None:
-        return texts.text("cards.making_way", robot=motion.makes_way_for)
+        return texts.clause("cards.making_way", robot=motion.makes_way_for)
     if robot.other_commander:
         return texts.text("cards.resting")
     return texts.text("cards.ready" if affordable(hunt.known.state, number) else "cards.nothing_to_do")

@@ -43,7 +43,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
     costs = hunt.view.costs_from(mover) if mover.moving_to is None else hunt.view.costs_when_stopped()
     return RoomTile(
         room=room.room,
-        name=names.get(room.room) or hunt.texts.text("tiles.room", room=room.room),
+        name=names.get(room.room) or hunt.texts.text("window.room", room=room.room),
         state=room.state if room.verdict is None else decided(room.verdict.points),
         robot=room.robot,
         cost=costs[room.room] if costs is not None and room.state == "unvisited" else None,
@@ -68,7 +68,7 @@ def _choose(hunt: HuntMemory, robot: int, room: int, refused: str | None) -> Act
         hint = _price(hunt, robot, room)
     key = str(room).zfill(len(str(len(hunt.view.rooms))))
     return Action(
-        ChooseRoom(room), hunt.texts.text("tiles.room", room=room), key, refused is None and not busy, hint, busy
+        ChooseRoom(room), hunt.texts.text("window.room", room=room), key, refused is None and not busy, hint, busy
     )
 
 
@@ -91,4 +91,4 @@ def _found(texts: Texts, view: View, room: RoomView) -> tuple[str, ...]:
     if not room.found:
         return ("",)
     value = next((each.word(room.known[each.name]) for each in view.properties if each.name in room.known), "")
-    return (texts.text("tiles.found_with", value=value), value) if value else (texts.text("tiles.found"),)
+    return (texts.clause("tiles.found_with", value=value), value) if value else (texts.text("tiles.found"),)

@@ -1,0 +1,65 @@
+"""English on screens that should have none."""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import fields, is_dataclass
+
+from thbridge.files.language_texts import shipped_texts
+from thbridge.hunt.properties import properties_in_words, value_in_words
+from thbridge.hunt.treasures import name_in_words
+from thbridge.roles.view import View
+from ui.model.screen import Screen
+
+CODES = {"act", "key", "state", "drawn", "speaker", "kind", "phase", "sound"}
+"""Fields of screens that nobody reads; the state of a card is words, and that of a room a code."""
+
+
+def written(language: str) -> set[str]:
+    """All words in the texts of a language."""
+    texts = shipped_texts(language).entries.values()
+    forms = (form for text in texts for form in ((text,) if isinstance(text, str) else text))
+    return {word for form in forms for word in words_in(re.sub(r"£\w+£", " ", form))}
+
+
+def words_in(text: str) -> list[str]:
+    """Words of two letters or more; one alone is a key."""
+    return re.findall(r"[^\W\d_]{2,}(?:'[a-z]+)?", text.casefold())
+
+
+ENGLISH_ONLY = written("en") - written("de")
+"""Words of the English texts that no German text has."""
+
+
+def shown(value: object, field: str = "") -> Iterator[str]:
+    """All that people read on a screen, or in a part of it."""
+    if is_dataclass(value) and not isinstance(value, type):
+        for each in fields(value):
+            if each.name not in CODES or (each.name == "state" and hasattr(value, "energy")):
+                yield from shown(getattr(value, each.name), each.name)
+    elif isinstance(value, tuple):
+        # Who says a sentence is a code.
+        for each in value[1:] if field == "sentences" and value and isinstance(value[0], str) else value:
+            yield from shown(each, field)
+    elif isinstance(value, str):
+        yield value
+
+
+def said_by_others(view: View) -> set[str]:
+    """Words in a view that come from the study: its sentences, names and properties."""
+    talks = [*view.dialogues, *view.last_words]
+    sentences = [sentence for talk in talks for sentence in (*talk.said, *getattr(talk, "choices", ()))]
+    values = [value for room in view.rooms for value in room.known.values()]
+    values += [value for each in view.properties for value in each.values]
+    found = [properties_in_words(view.properties, room.known) for room in view.rooms if room.found]
+    names = [name_in_words(name) for name in view.names]
+    labels = [word for each in view.properties for word in (each.label, each.sensor)]
+    commanders = [robot.commander_name for robot in view.robots]
+    words = {*values, *map(value_in_words, values), *found, *names, *labels, *commanders}
+    return {view.consent or "", *sentences, *words} - {""}
+
+
+def english_on(screen: Screen, others: Iterable[str]) -> list[tuple[str, str]]:
+    """English words on a screen, with the text that has them; `others` are words that come from the study."""
+    longest_first = sorted(map(re.escape, others), key=len, reverse=True)
+    theirs = re.compile("|".join(longest_first) or "(?!)", re.IGNORECASE)
+    return [(word, text) for text in shown(screen) for word in words_in(theirs.sub("", text)) if word in ENGLISH_ONLY]
