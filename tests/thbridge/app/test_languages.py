@@ -113,6 +113,14 @@ def test_a_german_study_says_nothing_in_the_english_of_map_and_templates(
     assert [words for words in sorted(reader.read) if english.search(words)] == []
 
 
+def test_scripted_robots_give_reasons_in_the_language_of_the_study() -> None:
+    _, reader, _ = played(Study(map="office", templates="practice", dialogue=DialogueSection(language="de")))
+    suggested = [words for words in reader.read if words.startswith("Ich schlage Raum ")]
+    reasons = r"Kein anderer Raum kostet mich weniger|Raum \d kostet mich (jetzt )?weniger, aber .*|Das kostet mich .*"
+    assert suggested
+    assert all(re.search(rf": ({reasons})\. Soll ich hinfahren\?$", words) for words in suggested)
+
+
 @pytest.mark.parametrize("templates", ["four-properties", "everyday-things"])
 def test_robots_argue_about_names_in_the_words_of_the_set(templates: str) -> None:
     talk = DialogueSection(language="de", condition=DialogueCondition.COLLABORATOR)
@@ -126,12 +134,14 @@ def test_robots_argue_about_names_in_the_words_of_the_set(templates: str) -> Non
 @pytest.mark.parametrize("condition", [DialogueCondition.SCRIPT, DialogueCondition.COLLABORATOR])
 def test_the_same_is_recorded_in_each_language_but_for_sentences(condition: DialogueCondition) -> None:
     def recorded(language: str) -> list[str]:
+        """The journal; declarations of properties in it have no words."""
         talk = DialogueSection(language=language, condition=condition)
         study = Study(map="office", templates="four-properties", robots=2, dialogue=talk)
         log = played(study, contrary=condition is not DialogueCondition.SCRIPT)[2]
         return [to_json(_without_sentences(entry)) for entry in log.entries]
 
     assert recorded("de") == recorded("en")
+    assert not any('"words"' in line for line in recorded("de"))
 
 
 def _without_sentences(entry: JournalEntry) -> JournalEntry:
