@@ -225,6 +225,7 @@ def test_a_property_is_renamed_in_treasures_and_sentences_and_one_step_takes_it_
     assert "weight" not in after["treasures.yaml"].partition("properties:")[2]
     assert "£mass£" in after["DialogueText"]
     assert "£weight£" not in after["DialogueText"]
+    assert "£mass£" in after["de/DialogueText"] and "name: mass, label: Gewicht" in after["de/words.yaml"]
     qtbot.waitUntil(lambda: window.draft is not None and window.draft.texts == after)
     assert window.draft is not None
     assert window.draft.faults == ()
