@@ -13,7 +13,6 @@ import msgspec
 
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
-from thbridge.hunt.rules import commander_name
 from thbridge.hunt.treasures import name_in_words
 from thbridge.protocols.text.notice import COUNTED, Notice, NoticeValue, decode_notice, kind_of
 
@@ -47,11 +46,9 @@ class RobotView:
     costs: tuple[float | None, ...] = ()
 
     @property
-    def other_commander(self) -> str:
-        """Name of a commander other than the participant, for use in a sentence; empty when there is none."""
-        if self.commander is Commander.PARTICIPANT:
-            return ""
-        return commander_name(self.commander, self.commander_name)
+    def has_other_commander(self) -> bool:
+        """True when somebody other than the participant commands it."""
+        return self.commander is not Commander.PARTICIPANT
 
 
 @dataclass(frozen=True, slots=True)

@@ -125,7 +125,7 @@ class Bot:
                     self._asked[robot.robot] = request
                 if isinstance(request, SelectRoom):
                     taken.add(request.room)
-        busy = any(robot.moving_to is not None or robot.other_commander for robot in view.robots)
+        busy = any(robot.moving_to is not None or robot.has_other_commander for robot in view.robots)
         waits = view.dialogues or view.thinking or busy
         if not requests and view.robots and not waits:
             return (GiveUp(view.game),)
@@ -179,7 +179,7 @@ class Bot:
         if room is not None:
             yield self._treasure(view, robot, room, {consent.matter for consent in agreed if consent.room == room.room})
             return
-        if robot.moving_to is not None or robot.other_commander:
+        if robot.moving_to is not None or robot.has_other_commander:
             return
         for consent in agreed:
             if consent.matter == "select-room" and not self._is_given_up(robot.robot, consent.room):

@@ -374,7 +374,7 @@ def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: floa
     if not 0 <= robot < len(hunt.view.robots):
         return
     asked = hunt.view.robots[robot]
-    if not asked.other_commander:
+    if not asked.has_other_commander:
         note(memory, hunt.texts.text("hints.you_command", robot=robot), now)
     elif asked.asked_back:
         note(memory, hunt.texts.text("hints.asked_already", robot=robot), now)

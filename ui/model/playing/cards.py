@@ -92,7 +92,7 @@ def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
 
 
 def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
-    if not robot.other_commander or hunt.view.over is not None:
+    if not robot.has_other_commander or hunt.view.over is not None:
         return None
     busy = RequestHandback(robot.robot) in hunt.pending
     asked = robot.asked_back or busy
@@ -112,7 +112,7 @@ def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | No
 
 def _take_up(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
     room = left_beside(hunt.known, robot.robot)
-    if room is None or robot.other_commander:
+    if room is None or robot.has_other_commander:
         return None
     busy = TakeUpTreasure(room) in hunt.pending
     key = key_of(TakeUpAgain()) if selected else ""
@@ -173,7 +173,7 @@ def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
         return texts.text("cards.found" if hunt.view.room(room).found else "cards.looking")
     if motion.makes_way_for is not None:
         return texts.clause("cards.making_way", robot=motion.makes_way_for)
-    if robot.other_commander:
+    if robot.has_other_commander:
         return texts.text("cards.resting")
     return texts.text("cards.ready" if affordable(hunt.known.state, number) else "cards.nothing_to_do")
 

@@ -157,7 +157,7 @@ def _banner(memory: ParticipantMemory, now: float) -> Banner | None:
         return Banner(memory.note[0], "note")
     if view is not None and view.over is None and all(robot.condition is Condition.SILENT for robot in view.robots):
         return Banner(texts.text("game.all_silent"), "bad")
-    if view is not None and view.over is None and all(robot.other_commander for robot in view.robots):
+    if view is not None and view.over is None and all(robot.has_other_commander for robot in view.robots):
         return Banner(texts.text("game.all_commanded"), "note")
     return None
 

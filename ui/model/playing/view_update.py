@@ -237,7 +237,7 @@ def _receive_commanders(
             _announce(memory, asked, robot, now)
         if (was.commander, was.commander_name) == (robot.commander, robot.commander_name):
             continue
-        if not robot.other_commander:
+        if not robot.has_other_commander:
             sentence = texts.text("history.yours_again", robot=robot.robot)
         else:
             sentence = texts.text("history.commanded", robot=robot.robot, commander=_commander(texts, robot))

@@ -165,7 +165,7 @@ def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situatio
             return why_not_command(texts, known, robot)
         case RequestHandback(robot):
             # A robot that came back is announced anyway.
-            return None if view.robots[robot].other_commander else ""
+            return None if view.robots[robot].has_other_commander else ""
         case TakeUpTreasure() | MeasureProperty() | TellProperty():
             return why_not_find_out(texts, known, request)
         case OpenDialogue(robot, matter, room) if robot != _worker(known.state, matter, room):

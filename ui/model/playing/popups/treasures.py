@@ -94,7 +94,7 @@ def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None
     if room.verdict is None:
         return None
     words = verdict_words(hunt.texts, hunt.view.word_for(room.verdict.name), room.verdict.points)
-    decides = hunt.view.has_last_word == "robot" and not hunt.view.robots[item.robot].other_commander
+    decides = hunt.view.has_last_word == "robot" and not hunt.view.robots[item.robot].has_other_commander
     alone = decides and item.room not in hunt.named
     return f"{hunt.texts.text('popups.named_by_itself', robot=item.robot)} {words}" if alone else words
 
