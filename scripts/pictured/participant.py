@@ -215,7 +215,7 @@ def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
     hunt.do(ChooseRobot(2))
     hunt.do(ChooseRoom(8))
     hunt.asked()
-    hunt.until(lambda screen: sum("found" in waiting.text for waiting in screen.waiting) == 2)
+    hunt.until(lambda screen: sum(tile.room in (1, 2) and tile.found != "" for tile in screen.tiles) == 2)
     yield shot("queue", window)
     hunt.agree()
     while hunt.screen.popup is not None:
@@ -286,7 +286,7 @@ def commanded() -> Iterator[Shot]:
     hunt.do(AskForRobot(0))
     hunt.run(0.2)
     yield shot("commanded-asked", window)
-    hunt.until(lambda screen: any(card.robot == 0 and "found" in card.state for card in screen.cards))
+    hunt.until(lambda screen: screen.tiles[7].found != "")
     hunt.ask(StationSend(0, 7))
     hunt.until(lambda screen: screen.cards[0].progress is not None)
     hunt.run(2.0)

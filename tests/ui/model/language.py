@@ -53,8 +53,7 @@ def said_by_others(view: View) -> set[str]:
     found = [properties_in_words(view.properties, room.known) for room in view.rooms if room.found]
     names = [name_in_words(name) for name in view.names]
     labels = [word for each in view.properties for word in (each.label, each.sensor)]
-    commanders = [robot.commander_name for robot in view.robots]
-    words = {*values, *map(value_in_words, values), *found, *names, *labels, *commanders}
+    words = {*values, *map(value_in_words, values), *found, *names, *labels}
     return {view.consent or "", *sentences, *words} - {""}
 
 

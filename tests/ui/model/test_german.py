@@ -205,10 +205,12 @@ def test_robots_that_argue(who):
 
 
 @pytest.mark.parametrize("commander", [Commander.GROUND_STATION, Commander.RESEARCHER])
-@pytest.mark.parametrize("name", ["", NAME])
-def test_each_commander(commander, name):
+@pytest.mark.parametrize(("name", "known_as"), [("", "eine Bodenstation"), (NAME, "Bodenstation 255"), ("Ada", "Ada")])
+def test_each_commander(commander, name, known_as):
     theirs = {"commander": commander, "commander_name": name}
-    german(view(), with_robot(view(), 0, **theirs), view())
+    known_as = "die Versuchsleitung" if commander is Commander.RESEARCHER else known_as
+    assert german(view(), with_robot(view(), 0, **theirs)).cards[0].commander == known_as
+    german(with_robot(view(), 0, **theirs), view())
     both = with_robot(with_robot(view(), 0, **theirs), 1, **theirs)
     assert german(both).banner.text == GERMAN.text("game.all_commanded")
 

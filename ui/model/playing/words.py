@@ -1,5 +1,7 @@
 """Words that several parts share."""
 
+import re
+
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Commander
 from thbridge.roles.view import DialogueMatter, LastWords
@@ -8,11 +10,17 @@ MATTERS: dict[DialogueMatter, str] = {"select-room": "room", "take-picture": "pi
 """Matters of dialogues as the names of texts have them."""
 
 
+_NUMBERED_STATION = re.compile(r"ground station (\d+)")
+"""Name of a ground station that has none of its own, as `protocols.mavlink` gives it."""
+
+
 def commander_in_words(texts: Texts, by: Commander, name: str) -> str:
     """Return a commander other than the participant, within a sentence; names of researchers' programs are left out."""
     match by:
         case Commander.PARTICIPANT:
             return ""
+        case Commander.GROUND_STATION if numbered := _NUMBERED_STATION.fullmatch(name):
+            return texts.clause("words.numbered_station", number=numbered[1])
         case Commander.GROUND_STATION:
             return name or texts.text("words.ground_station")
         case Commander.RESEARCHER:
