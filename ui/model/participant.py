@@ -80,7 +80,7 @@ class Participant:
 
     @property
     def why_silent(self) -> str:
-        """Why there can be no sound, as a sentence; empty when there can be, or nobody knows yet."""
+        """The reason why there can be no sound, as a sentence; empty when there can be, or nobody knows yet."""
         memory = self._memory
         return "" if memory.hunt is None else why_silent(memory, memory.hunt)
 

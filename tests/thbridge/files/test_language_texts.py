@@ -96,6 +96,7 @@ class Used(ast.NodeVisitor):
 
     def __init__(self) -> None:
         self.asked: list[tuple[str, set[str], bool]] = []
+        self.asked_begun: set[str] = set()
         self.begun: set[str] = set()
         self.words: set[str] = set()
 
@@ -109,7 +110,13 @@ class Used(ast.NodeVisitor):
                     case ast.Constant(value=str(value)):
                         self.asked.append((value, given, open_ended))
                     case ast.JoinedStr(values=[ast.Constant(value=str(value)), *_]):
-                        self.begun.add(value)
+                        self.asked_begun.add(value)
+        self.generic_visit(node)
+
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> None:
+        match node.values:
+            case [ast.Constant(value=str(value)), *_] if re.fullmatch(r"[a-z_]+\.[a-z_]*", value):
+                self.begun.add(value)
         self.generic_visit(node)
 
     def visit_Constant(self, node: ast.Constant) -> None:
@@ -133,9 +140,15 @@ def test_every_text_that_a_program_asks_for_is_there_with_its_values():
         forms = entries[key] if isinstance(entries[key], tuple) else (entries[key],)
         wanted = {value_of(word) for form in forms for word in reserved_in(form)}
         assert open_ended or wanted - {COUNT} <= given, f"{key} is asked for without {wanted - given}"
-    begun = [begin for begin in found.begun if re.fullmatch(r"[a-z_]+\..*", begin)]
-    for begin in begun:
+    for begin in found.asked_begun:
         assert any(key.startswith(begin) for key in entries), f"no text begins with {begin}"
+
+
+def test_no_text_is_left_that_no_program_asks_for():
+    found = used()
+    asked = {key for key, _, _ in found.asked} | found.words
+    left = [key for key in shipped_texts().entries if key not in asked and not key.startswith(tuple(found.begun))]
+    assert left == []
 
 
 def test_english_is_the_language_that_has_all_texts():

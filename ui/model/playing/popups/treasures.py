@@ -145,7 +145,7 @@ def _sense(
 
 
 def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
-    """What finding out more of a treasure costs, with a warning when too little is left to name it afterwards."""
+    """The cost of finding out more of a treasure, with a warning when too little is left to name it then."""
     texts, energy = hunt.texts, hunt.view.robots[robot].energy
     hint = (
         texts.text("popups.costs_with", cost=cost, energy=energy, sensor=sensor)
