@@ -60,10 +60,14 @@ from ui.model.screen import (
 PROJECT = Path(__file__).resolve().parents[3]
 FOOTPRINT = ((0.35, 0.0), (0.2, 0.25), (-0.3, 0.25), (-0.3, -0.25), (0.2, -0.25))
 NAMES = ("Blue bottle", "Orange bottle", "Pink can", "Yellow can")
-LATER = Action(ShowNext(), "Later", "Esc", hint="It waits for you.")
+ENGLISH = shipped_texts()
 
 _FOUND = {1: ("Orange bottle, +10", "Orange bottle", "+10"), 4: ("something pink", "pink")}
 _STATES = ("driving", "rest", "waiting", "lost", "rest", "empty")
+
+
+def later(texts: Texts) -> Action:
+    return Action(ShowNext(), texts.text("popups.later"), "Esc", hint="It waits for you.")
 
 
 @cache
@@ -95,51 +99,57 @@ def floor_plan(name: str = "arena8") -> FloorPlan:
     )
 
 
-def card(robot: int, *, selected: bool = False, state: str = "rest", cost: float | None = None) -> RobotCard:
+def card(
+    robot: int, *, selected: bool = False, state: str = "rest", cost: float | None = None, texts: Texts = ENGLISH
+) -> RobotCard:
     words = {
-        "driving": "traveling to room 4",
-        "waiting": "waiting for robot 2",
-        "lost": "lost, looking for its place",
-        "empty": "no energy left",
-        "rest": "at rest",
+        "driving": texts.text("cards.driving", room=4),
+        "waiting": texts.text("cards.waiting_for", robot=1),
+        "lost": texts.text("cards.lost_driving"),
+        "empty": texts.text("cards.blocked"),
+        "rest": texts.text("cards.resting"),
     }[state]
     energy = {"lost": 31.5, "empty": 0.0}.get(state, 72.0 - 7 * robot)
     moving = state in ("driving", "waiting", "lost")
     return RobotCard(
         robot=robot,
-        name=f"Robot {robot + 1}",
+        name=texts.text("cards.robot", robot=robot),
         selected=selected,
         energy=energy,
         energy_at_start=100.0,
         cost=cost,
         affordable=cost is None or cost <= energy,
-        place="from room 1" if moving else "room 3",
+        place=texts.room(1, "from") if moving else texts.room(3),
         state=words,
         trouble=state in ("lost", "empty"),
         progress={"driving": 0.62, "waiting": 0.3, "lost": 0.45}.get(state),
         waits=2 if robot == 1 else 0,
-        select=Action(ChooseRobot(robot), f"Robot {robot + 1}", "", hint="Commands this robot."),
-        stop=Action(StopRobot(robot), "Stop", "X" if selected else "", hint="Calls it back.") if moving else None,
+        select=Action(ChooseRobot(robot), texts.text("cards.robot", robot=robot), "", hint="Commands this robot."),
+        stop=Action(StopRobot(robot), texts.text("cards.stop"), "X" if selected else "", hint="Calls it back.")
+        if moving
+        else None,
     )
 
 
-def commanded(robot: int, *, selected: bool = False, asked: bool = False, state: str = "driving") -> RobotCard:
+def commanded(
+    robot: int, *, selected: bool = False, asked: bool = False, state: str = "driving", texts: Texts = ENGLISH
+) -> RobotCard:
     """One that a ground station commands."""
     key = "B" if selected else ""
-    label = "Asked" if asked else "Ask for it back"
+    label = texts.text("cards.asked_back" if asked else "cards.ask_back")
     ask = Action(AskForRobot(robot), label, key, not asked, hint="The ground station commands it.")
-    shown = card(robot, selected=selected, state=state)
+    shown = card(robot, selected=selected, state=state, texts=texts)
     return replace(shown, stop=None, commander="ground station 255", ask_back=ask)
 
 
-def left(robot: int, *, selected: bool = False) -> RobotCard:
+def left(robot: int, *, selected: bool = False, texts: Texts = ENGLISH) -> RobotCard:
     """One that stands where something was left."""
     key = "Ctrl+Z" if selected else ""
-    again = Action(TakeUpAgain(robot), "Take it up again", key, hint="You left what is in room 3.")
-    return replace(card(robot, selected=selected), take_up=again)
+    again = Action(TakeUpAgain(robot), texts.text("cards.take_up"), key, hint="You left what is in room 3.")
+    return replace(card(robot, selected=selected, texts=texts), take_up=again)
 
 
-def tile(number: int, rooms: int, *, considered: bool = False) -> RoomTile:
+def tile(number: int, rooms: int, *, considered: bool = False, texts: Texts = ENGLISH) -> RoomTile:
     state = "visited" if number in (1, 4) else "reserved" if number == 2 else "unvisited"
     key = str(number).zfill(len(str(rooms)))
     can = state == "unvisited" and number != 6
@@ -159,11 +169,11 @@ def tile(number: int, rooms: int, *, considered: bool = False) -> RoomTile:
         found=found,
         found_shorter=tuple(shorter),
         choose=Action(ChooseRoom(number), f"Room {number}", key, can, hint),
-        warning="Enough energy to get there, not to name what is there." if number == 7 else "",
+        warning=texts.text("tiles.warn_name") if number == 7 else "",
     )
 
 
-def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> Screen:
+def playing(robots: int = 3, rooms: int = 8, considered: int | None = None, texts: Texts = ENGLISH) -> Screen:
     """The usual state: robots at work, one room looked at."""
     cards = tuple(
         card(
@@ -171,6 +181,7 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> S
             selected=robot == 0,
             state=_STATES[robot % len(_STATES)] if robots > 1 else "rest",
             cost=18.0 if robot == 0 and considered is not None else None,
+            texts=texts,
         )
         for robot in range(robots)
     )
@@ -178,21 +189,23 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> S
         phase=Phase.PLAYING,
         waiting_for="",
         consent="",
-        agree=Action(AgreeToTakePart(), "I agree", "A"),
-        decline=Action(DeclineToTakePart(), "I do not take part", "N"),
+        agree=Action(AgreeToTakePart(), texts.text("game.agree"), "A"),
+        decline=Action(DeclineToTakePart(), texts.text("game.decline"), "N"),
         banner=None,
         game=1,
         score=120,
-        progress="Time 12:05 · 5 of 8 rooms left",
+        progress=texts.text("game.progress", time="12:05", left=5, count=8),
         cards=cards,
-        tiles=tuple(tile(number, rooms, considered=number == considered) for number in range(1, rooms + 1)),
-        ask_advice=Action(AskAdvice(), "Don't know", "D", hint="Ask robot 1 where to go."),
-        end=Action(EndGame(), "End game", "E", hint="Robots could still do something."),
+        tiles=tuple(
+            tile(number, rooms, considered=number == considered, texts=texts) for number in range(1, rooms + 1)
+        ),
+        ask_advice=Action(AskAdvice(), texts.text("tiles.dont_know"), "D", hint="Ask robot 1 where to go."),
+        end=Action(EndGame(), texts.text("tiles.end"), "E", hint="Robots could still do something."),
         tools=(
-            Action(FollowRobot(), "Follow", "F", hint="Keeps robot 1 in the middle of the map."),
-            Action(FitMap(), "Whole map", "A", hint="Shows all of the map."),
-            Action(ShowSettings(), "Settings", "Ctrl+,", hint="Colors, size of text, sound."),
-            Action(ShowHelp(), "Help", "F1", hint="All keys on one sheet."),
+            Action(FollowRobot(), texts.text("game.follow"), "F", hint="Keeps robot 1 in the middle of the map."),
+            Action(FitMap(), texts.text("game.whole_map"), "A", hint="Shows all of the map."),
+            Action(ShowSettings(), texts.text("settings.title"), "Ctrl+,", hint="Colors, size of text, sound."),
+            Action(ShowHelp(), texts.text("game.help"), "F1", hint="All keys on one sheet."),
         ),
         popup=None,
         confirmation=None,
@@ -212,7 +225,7 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> S
     )
 
 
-def dialogue() -> DialoguePopup:
+def dialogue(texts: Texts = ENGLISH) -> DialoguePopup:
     return DialoguePopup(
         robot=0,
         title="Robot 1 talks about room 5",
@@ -226,49 +239,59 @@ def dialogue() -> DialoguePopup:
             Action(GiveAnswer(0), "Continue", "C"),
             Action(GiveAnswer(1), "Stop", "S"),
         ),
-        aside=LATER,
+        aside=later(texts),
     )
 
 
 def treasure(
-    *, picture: bool = False, picked: str | None = None, verdict: str | None = None, points: int | None = None
+    *,
+    picture: bool = False,
+    picked: str | None = None,
+    verdict: str | None = None,
+    points: int | None = None,
+    texts: Texts = ENGLISH,
 ) -> TreasurePopup:
     data = (PROJECT / "templates/original-2016/pictures/rsz_t4.jpg").read_bytes() if picture else None
     return TreasurePopup(
         robot=1,
         room=4,
-        title="Robot 2 found something in room 4",
+        title=texts.text("popups.found", robot=1, room=4),
         facts=(
             TreasureFact("Colour", "Pink", PropertyDrawing.COLOUR),
             TreasureFact("Footprint", "Square and Small", PropertyDrawing.SHAPE),
         ),
         take_picture=None
         if picture
-        else Action(TakeThePicture(), "Take a picture", "Ctrl+P", hint="Costs 5 of 72 energy."),
+        else Action(
+            TakeThePicture(),
+            texts.text("popups.take_picture"),
+            "Ctrl+P",
+            hint=texts.text("popups.costs", cost=5, energy=72),
+        ),
         picture=data,
         names=NAMES,
         picked=picked,
         name_it=Action(
             SubmitName(),
-            f"Name it {picked}" if picked else "Name it",
+            texts.text("popups.name_it_so", name=picked) if picked else texts.text("popups.name_it"),
             "Enter",
             picked is not None,
-            "Costs 5 energy." if picked is not None else "Pick a name first.",
+            texts.text("popups.naming_costs", cost=5) if picked is not None else "Pick a name first.",
         ),
-        leave=Action(LeaveTreasure(), "Leave it", "Ctrl+L", hint="Free; can be undone."),
+        leave=Action(LeaveTreasure(), texts.text("popups.leave"), "Ctrl+L", hint=texts.text("popups.leave_for_now")),
         verdict=verdict,
         points=points,
-        aside=LATER if verdict is None else Action(ShowNext(), "Close", "Esc"),
-        enlarge=Action(EnlargePicture(), "Enlarge", "Ctrl+I") if picture else None,
+        aside=later(texts) if verdict is None else Action(ShowNext(), texts.text("popups.close"), "Esc"),
+        enlarge=Action(EnlargePicture(), texts.text("popups.enlarge"), "Ctrl+I") if picture else None,
     )
 
 
-def arguing() -> DialoguePopup:
+def arguing(texts: Texts = ENGLISH) -> DialoguePopup:
     """A robot that argues, with as many answers as there can be, all of them long."""
     room = "room 6 (North east)"
     return DialoguePopup(
         robot=0,
-        title="Robot 1: go to room 6?",
+        title=texts.text("popups.about_room", robot=0, room=6),
         sentences=(
             ("you", "Go to room 6."),
             ("robot", f"My advice: do not send me to {room} next."),
@@ -283,68 +306,71 @@ def arguing() -> DialoguePopup:
         choices=(
             Action(GiveAnswer(0), f"All right: if you go to {room} next, we reach 8 rooms for 124 energy in all.", "1"),
             Action(GiveAnswer(1), f"Why go to room 2 (West) first, then to {room}?", "2"),
-            Action(GiveAnswer(2), f"Go to {room} all the same.", "3", hint="This is your decision."),
+            Action(GiveAnswer(2), f"Go to {room} all the same.", "3", hint=texts.text("popups.your_decision")),
             Action(GiveAnswer(3), "I have a question.", "4"),
             Action(GiveAnswer(4), "Let us leave it at that.", "5"),
         ),
-        aside=LATER,
+        aside=later(texts),
         room=6,
-        note="Robot 1 advises you. The decision is yours.",
+        note=texts.text("popups.decision_of_participant", robot=0),
         numbered=True,
     )
 
 
-def questions() -> DialoguePopup:
+def questions(texts: Texts = ENGLISH) -> DialoguePopup:
     """The questions that can be put to the robot that argues."""
     asked = ("Why room 2 (West)?", "Why not room 6 (North east)?", "What would change your mind?", "Back.")
     keys = ("1", "2", "3", "Esc")
     choices = tuple(Action(GiveAnswer(at), text, key) for at, (text, key) in enumerate(zip(asked, keys, strict=True)))
-    return replace(arguing(), choices=choices, aside=replace(LATER, key="W"))
+    return replace(arguing(texts), choices=choices, aside=replace(later(texts), key="W"))
 
 
-def ended() -> DialoguePopup:
+def ended(texts: Texts = ENGLISH) -> DialoguePopup:
     """The end of a dialogue with a robot that argues."""
-    talk = arguing()
-    close = Action(ShowNext(), "Close", "Esc")
-    return replace(
-        talk, sentences=talk.sentences[-2:], choices=(), aside=close, note="", outcome="Robot 1 goes to room 2."
-    )
+    talk = arguing(texts)
+    close = Action(ShowNext(), texts.text("popups.close"), "Esc")
+    outcome = texts.text("popups.agreed_room", robot=0, room=2)
+    return replace(talk, sentences=talk.sentences[-2:], choices=(), aside=close, note="", outcome=outcome)
 
 
-def naming() -> DialoguePopup:
+def naming(texts: Texts = ENGLISH) -> DialoguePopup:
     """The robot asks whether what it found shall be named, with its picture beside the talk."""
-    find = treasure(picture=True)
-    talk = replace(dialogue(), robot=find.robot, room=find.room, warning="")
+    find = treasure(picture=True, texts=texts)
+    talk = replace(dialogue(texts), robot=find.robot, room=find.room, warning="")
     return replace(talk, facts=find.facts or (), picture=find.picture, enlarge=find.enlarge)
 
 
-def waiting(number: int) -> tuple[WaitingItem, ...]:
+def waiting(number: int, texts: Texts = ENGLISH) -> tuple[WaitingItem, ...]:
     return tuple(
         WaitingItem(
             robot,
-            f"Robot {robot + 1} is in room {robot + 3} and found something",
-            Action(ShowWaiting(robot), "Show", "W" if robot == 1 else "", hint="Its answer waits."),
+            texts.text("game.waits_found", robot=robot, room=robot + 3),
+            Action(ShowWaiting(robot), texts.text("game.show"), "W" if robot == 1 else "", hint="Its answer waits."),
         )
         for robot in range(1, number + 1)
     )
 
 
-QUESTION = Confirmation(
-    "Stop robot 1?",
-    "Robot 1 is on its way to room 4. It would be called back first; the energy of the way driven so far is gone.",
-    Action(Confirm(), "Stop it, then room 5", "Y"),
-    Action(Cancel(), "Let it go on", "N"),
-)
+def question(texts: Texts) -> Confirmation:
+    return Confirmation(
+        texts.text("confirmations.reroute", robot=0, room=5),
+        texts.text("confirmations.reroute_text", robot=0, place=4, room=5, energy=12.5),
+        Action(Confirm(), texts.text("confirmations.reroute_yes", room=5), "Y"),
+        Action(Cancel(), texts.text("confirmations.reroute_no"), "N"),
+    )
 
-ENDING = GameOverPage(
-    "The game is over",
-    (
-        "No robot can do anything more.",
-        "Your score is 120.",
-        "7 of 8 rooms were visited; 5 treasures were named right and 1 wrong.",
-    ),
-    Action(AnotherGame(), "Play again", "A", hint="With treasures hidden anew."),
-)
+
+def ending(texts: Texts) -> GameOverPage:
+    return GameOverPage(
+        texts.text("game_over.title", score=120),
+        (
+            texts.text("game_over.no_move_left"),
+            texts.text("game_over.visited", number=7, count=8),
+            texts.text("game_over.named", number=5, count=6),
+        ),
+        Action(AnotherGame(), texts.text("game_over.again"), "A", hint=texts.text("game_over.again_hint")),
+    )
+
 
 CONSENT = "\n\n".join(
     [
@@ -356,43 +382,58 @@ CONSENT = "\n\n".join(
 )
 
 
-def states() -> Mapping[str, Screen]:
+def states(texts: Texts = ENGLISH) -> Mapping[str, Screen]:
     """Every state worth a look, by name."""
-    usual = playing(considered=5)
+    usual = playing(considered=5, texts=texts)
+    right = texts.text("popups.right", name="Pink can", count=30)
+    wrong = texts.text("popups.wrong", name="Blue bottle", count=5)
+    lost = f"{texts.text('game.connection_lost_for', count=12)} {texts.text('game.reconnecting')}"
     return {
-        "connecting": replace(usual, phase=Phase.CONNECTING, waiting_for="The robots are getting ready."),
+        "connecting": replace(usual, phase=Phase.CONNECTING, waiting_for=texts.text("game.robots_get_ready")),
         "consent": replace(usual, phase=Phase.CONSENT, consent=CONSENT),
         "playing": usual,
-        "dialogue": replace(usual, popup=dialogue(), waiting=waiting(2)),
-        "naming": replace(usual, popup=naming()),
-        "thinking": replace(usual, popup=replace(dialogue(), choices=())),
-        "arguing": replace(usual, popup=arguing(), waiting=waiting(1)),
-        "questions": replace(usual, popup=questions()),
-        "ended": replace(usual, popup=ended(), waiting=waiting(1)),
+        "dialogue": replace(usual, popup=dialogue(texts), waiting=waiting(2, texts)),
+        "naming": replace(usual, popup=naming(texts)),
+        "thinking": replace(usual, popup=replace(dialogue(texts), choices=())),
+        "arguing": replace(usual, popup=arguing(texts), waiting=waiting(1, texts)),
+        "questions": replace(usual, popup=questions(texts)),
+        "ended": replace(usual, popup=ended(texts), waiting=waiting(1, texts)),
         "refused-naming": replace(
-            usual, popup=replace(treasure(), talk="Robot 1 takes no picture. It said: I would not take a picture, no.")
-        ),
-        "treasure": replace(usual, popup=treasure(), waiting=waiting(1)),
-        "picture": replace(usual, popup=treasure(picture=True, picked="Pink can")),
-        "verdict": replace(
-            usual, popup=treasure(picture=True, verdict="Right, it is Pink can: 30 points won.", points=30)
-        ),
-        "wrong": replace(
-            usual, popup=treasure(picture=True, verdict="No, it is not Blue bottle: 5 points lost.", points=-5)
-        ),
-        "question": replace(usual, confirmation=QUESTION),
-        "help": replace(usual, help=help_lines(shipped_texts(), 8)),
-        "lost": replace(
             usual,
-            banner=Banner("The connection to the game is lost for 12 s. It is tried again by itself.", "bad"),
+            popup=replace(
+                treasure(texts=texts), talk="Robot 1 takes no picture. It said: I would not take a picture, no."
+            ),
         ),
+        "treasure": replace(usual, popup=treasure(texts=texts), waiting=waiting(1, texts)),
+        "picture": replace(usual, popup=treasure(texts=texts, picture=True, picked="Pink can")),
+        "verdict": replace(usual, popup=treasure(texts=texts, picture=True, verdict=right, points=30)),
+        "wrong": replace(usual, popup=treasure(texts=texts, picture=True, verdict=wrong, points=-5)),
+        "question": replace(usual, confirmation=question(texts)),
+        "help": replace(usual, help=help_lines(texts, 8)),
+        "lost": replace(usual, banner=Banner(lost, "bad")),
         "refused": replace(usual, banner=Banner("Robot 1 has not enough energy for room 6.", "note"), typed="1"),
         "commanded": replace(
-            usual, cards=(commanded(0, selected=True), commanded(1, state="lost"), commanded(2, asked=True), card(3))
+            usual,
+            cards=(
+                commanded(0, selected=True, texts=texts),
+                commanded(1, state="lost", texts=texts),
+                commanded(2, asked=True, texts=texts),
+                card(3, texts=texts),
+            ),
         ),
-        "left": replace(usual, cards=(card(0), left(1, selected=True), left(2), card(3))),
-        "over": replace(usual, phase=Phase.OVER, ending=ENDING, cards=tuple(card(robot) for robot in range(3))),
-        "six": replace(playing(6, 12, 5), waiting=waiting(5)),
+        "left": replace(
+            usual,
+            cards=(
+                card(0, texts=texts),
+                left(1, selected=True, texts=texts),
+                left(2, texts=texts),
+                card(3, texts=texts),
+            ),
+        ),
+        "over": replace(
+            usual, phase=Phase.OVER, ending=ending(texts), cards=tuple(card(robot, texts=texts) for robot in range(3))
+        ),
+        "six": replace(playing(6, 12, 5, texts), waiting=waiting(5, texts)),
     }
 
 

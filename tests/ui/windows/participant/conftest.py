@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows import samples
+from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import Act, Screen
 from ui.model.theme import LIGHT
 from ui.windows import look
@@ -38,10 +39,10 @@ class Opened:
 def opened(qtbot: QtBot, qapp: QApplication) -> Callable[..., Opened]:
     """Opens a window on a screen."""
 
-    def make(screen: Screen, width: int = 1024, height: int = 768) -> Opened:
+    def make(screen: Screen, width: int = 1024, height: int = 768, texts: Texts = samples.ENGLISH) -> Opened:
         look.apply_palette(qapp, LIGHT)
         rooms = {8: "arena8", 12: "warehouse12"}[len(screen.tiles)]
-        model = samples.SampleModel(screen, samples.floor_plan(rooms))
+        model = samples.SampleModel(screen, samples.floor_plan(rooms), texts=texts)
         made = Opened.__new__(Opened)
         made.model, made.now = model, 0.0
         made.window = ParticipantWindow(model, lambda: made.now, LIGHT)

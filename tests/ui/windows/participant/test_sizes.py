@@ -14,6 +14,7 @@ from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.participant.conftest import Opened
 from tests.ui.windows.participant.test_window import STATES, Open
 from tests.ui.windows.preferred import preferred
+from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from ui.model.theme import LIGHT
 from ui.windows import look
@@ -29,6 +30,9 @@ SIZES = ((800, 500), (1024, 600), (1366, 768), (1920, 1080))
 TEXTS = (*(pytest.param(each, marks=pytest.mark.slow) for each in (1.0, 1.25, 2.0)), 1.5)
 """Sizes of text, multiples of the usual one; the largest of what most people use is tested by default."""
 
+in_each_size = pytest.mark.parametrize("text", TEXTS, indirect=True)
+in_each_language = pytest.mark.parametrize("texts", ["en", "de"], indirect=True)
+
 
 def sizes(text: float) -> tuple[tuple[int, int], ...]:
     """Sizes of windows for a size of text: the least one has no place for text twice as large as usual."""
@@ -39,6 +43,11 @@ def sizes(text: float) -> tuple[tuple[int, int], ...]:
 def text(request: pytest.FixtureRequest, qapp: QApplication) -> Iterator[float]:
     yield request.param
     look.apply_text_size(qapp, 1.0)
+
+
+@pytest.fixture
+def texts(request: pytest.FixtureRequest) -> Texts:
+    return shipped_texts(request.param)
 
 
 @pytest.fixture
@@ -58,18 +67,21 @@ def cut(monkeypatch: pytest.MonkeyPatch) -> set[str]:
     return found
 
 
-def windows(opened: Open) -> dict[int, Opened]:
-    return {rooms: opened(samples.playing(rooms=rooms)) for rooms in (8, 12)}
+def windows(opened: Open, texts: Texts) -> dict[int, Opened]:
+    return {rooms: opened(samples.playing(rooms=rooms, texts=texts), texts=texts) for rooms in (8, 12)}
 
 
-@pytest.mark.parametrize("text", TEXTS, indirect=True)
-def test_nothing_is_cut_off_or_covered(opened: Open, qapp: QApplication, cut: set[str], text: float) -> None:
-    shown = windows(opened)
+@in_each_language
+@in_each_size
+def test_nothing_is_cut_off_or_covered(
+    opened: Open, qapp: QApplication, cut: set[str], text: float, texts: Texts
+) -> None:
+    shown = windows(opened, texts)
     look.apply_text_size(qapp, text)
     for one in shown.values():
         settle()
         assert misfits(one.window) == [], "also where only the text has changed"
-    for name, screen in STATES.items():
+    for name, screen in samples.states(texts).items():
         one = shown[len(screen.tiles)]
         one.show(screen)
         for size in sizes(text):
@@ -94,9 +106,12 @@ def test_a_narrow_list_of_names_has_no_bar_below_instead_of_a_name(opened: Open)
     assert names.viewport().height() >= 2 * names.sizeHintForRow(0)
 
 
-@pytest.mark.parametrize("text", TEXTS, indirect=True)
-def test_the_history_leaves_room_for_the_map(opened: Open, qtbot: QtBot, qapp: QApplication, text: float) -> None:
-    shown = opened(STATES["six"])
+@in_each_language
+@in_each_size
+def test_the_history_leaves_room_for_the_map(
+    opened: Open, qtbot: QtBot, qapp: QApplication, text: float, texts: Texts
+) -> None:
+    shown = opened(samples.states(texts)["six"], texts=texts)
     look.apply_text_size(qapp, text)
     qtbot.mouseClick(shown.window.waiting.history, Qt.MouseButton.LeftButton)
     for size in sizes(text):
@@ -106,11 +121,12 @@ def test_the_history_leaves_room_for_the_map(opened: Open, qtbot: QtBot, qapp: Q
         assert shown.window.history.height() >= 2 * shown.window.history.fontMetrics().height()
 
 
-@pytest.mark.parametrize("text", TEXTS, indirect=True)
-def test_the_pages_before_a_game_fit(qtbot: QtBot, qapp: QApplication, text: float) -> None:
+@in_each_language
+@in_each_size
+def test_the_pages_before_a_game_fit(qtbot: QtBot, qapp: QApplication, text: float, texts: Texts) -> None:
     look.apply_palette(qapp, LIGHT)
     look.apply_text_size(qapp, text)
-    for page in (StartPage(shipped_texts(), 1, 12, 2), StartPage(shipped_texts(), 2, 2, 2)):
+    for page in (StartPage(texts, 1, 12, 2), StartPage(texts, 2, 2, 2)):
         qtbot.addWidget(page)
         page.show()
         for size in sizes(text):
@@ -119,10 +135,11 @@ def test_the_pages_before_a_game_fit(qtbot: QtBot, qapp: QApplication, text: flo
             assert misfits(page) == [], size
 
 
-@pytest.mark.parametrize("text", TEXTS, indirect=True)
-def test_the_practice_game_fits(qtbot: QtBot, qapp: QApplication, tmp_path: Path, text: float) -> None:
+@in_each_language
+@in_each_size
+def test_the_practice_game_fits(qtbot: QtBot, qapp: QApplication, tmp_path: Path, text: float, texts: Texts) -> None:
     look.apply_palette(qapp, LIGHT)
-    window = ParticipantMainWindow(preferred(qapp, tmp_path), lambda _message: None, texts=shipped_texts())
+    window = ParticipantMainWindow(preferred(qapp, tmp_path), lambda _message: None, texts=texts)
     qtbot.addWidget(window)
     window.join(ParticipantLink("127.0.0.1", 1, "token"), practice=True)
     look.apply_text_size(qapp, text)
