@@ -106,14 +106,20 @@ class PicturedHunt:
             self.do(GiveAnswer(0))
             self.run(0.2)
 
-    def say(self, text: str) -> None:
-        """Give the first answer that contains a text, and wait until the robot has replied."""
-        pop = self.screen.popup
-        answers = pop.choices if isinstance(pop, DialoguePopup) else ()
-        found = next((answer for answer in answers if text in answer.label), None)
-        if found is None:
-            raise RuntimeError(f"{text} cannot be answered: {[answer.label for answer in answers]}")
-        self.do(found.act)
+    def say(self, act: str, which: int = 0) -> None:
+        """Give an answer, and wait until the robot has replied.
+
+        Args:
+            act: the word for what it does.
+            which: of several such answers, from 0.
+        """
+        pop, view = self.screen.popup, self.levels[View]
+        robot = pop.robot if isinstance(pop, DialoguePopup) else None
+        acts = [each for dialogue in view.dialogues if dialogue.robot == robot for each in dialogue.acts]
+        found = [at for at, each in enumerate(acts) if each == act]
+        if len(found) <= which:
+            raise RuntimeError(f"{act} cannot be answered: {acts}")
+        self.do(GiveAnswer(found[which]))
         self.run(0.4)
 
     def send(self, act: Act) -> None:
