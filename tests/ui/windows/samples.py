@@ -113,7 +113,7 @@ def card(
     moving = state in ("driving", "waiting", "lost")
     return RobotCard(
         robot=robot,
-        name=texts.text("cards.robot", robot=robot),
+        name=texts.text("window.robot", robot=robot),
         selected=selected,
         energy=energy,
         energy_at_start=100.0,
@@ -124,7 +124,7 @@ def card(
         trouble=state in ("lost", "empty"),
         progress={"driving": 0.62, "waiting": 0.3, "lost": 0.45}.get(state),
         waits=2 if robot == 1 else 0,
-        select=Action(ChooseRobot(robot), texts.text("cards.robot", robot=robot), "", hint="Commands this robot."),
+        select=Action(ChooseRobot(robot), texts.text("window.robot", robot=robot), "", hint="Commands this robot."),
         stop=Action(StopRobot(robot), texts.text("cards.stop"), "X" if selected else "", hint="Calls it back.")
         if moving
         else None,
