@@ -203,10 +203,11 @@ class ActionButton(ParticipantButton):
         face = self.face
         if face is None:
             return QSize(0, 0)
-        wide = QFontMetricsF(self._font()).horizontalAdvance(face.label)
+        wide = QFontMetricsF(self._font()).horizontalAdvance(face.label) + self._beside(face)
         if self._hints and face.hint:
-            wide = max(wide, min(px(260), QFontMetricsF(font("small")).horizontalAdvance(face.hint)))
-        width = int(wide + self._beside(face)) + 2
+            hint = min(px(260), QFontMetricsF(font("small")).horizontalAdvance(face.hint))
+            wide = max(wide, hint + self._beside(face, below=True))
+        width = int(wide) + 2
         return QSize(width, self.heightForWidth(width))
 
     def minimumSizeHint(self) -> QSize:
@@ -221,9 +222,10 @@ class ActionButton(ParticipantButton):
 
     def _words_high(self, face: ButtonFace, width: int) -> float:
         """Return the height of the broken lines of a face."""
-        text = self._height(face.label, self._font(), width - self._beside(face))
+        beside = self._beside(face) if self._has_room_for_key(face, width) else self._beside(face, below=True)
+        text = self._height(face.label, self._font(), width - beside)
         if self._hints and face.hint:
-            text += self._height(face.hint, font("small"), width - self._beside(face)) + 2.0
+            text += self._height(face.hint, font("small"), width - self._beside(face, below=True)) + 2.0
         return text
 
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -244,28 +246,33 @@ class ActionButton(ParticipantButton):
             box(painter, rect.adjusted(2, 2, -2, -2), palette.accent, palette.on_accent)
         if self.hasFocus():
             ring(painter, rect, palette.on_accent if filled else palette.accent)
-        key_wide, key_high = key_size(self._last_key)
+        key_wide, key_high = key_size(self._last_key) if self._has_room_for_key(face, rect.width()) else (0.0, 0.0)
         text = rect.adjusted(1.5 * GAP, self._above(), -1.5 * GAP, -self._above())
+        line = QFontMetricsF(self._font()).height()
         if key_wide:
-            cap = QRectF(text.right() - key_wide, rect.center().y() - key_high / 2.0, key_wide, key_high)
+            # Beside the label: a hint below it has the whole width.
+            middle = text.top() + line / 2.0 if self._hints and face.hint else rect.center().y()
+            cap = QRectF(text.right() - key_wide, middle - key_high / 2.0, key_wide, key_high)
             if face.key:
                 key_cap(painter, cap, self._shown_key, palette.on_accent if filled else palette.muted)
-            text.setRight(cap.left() - GAP)
         if face.busy:
             side = key_size("X")[1]
             busy = QRectF(text.left(), rect.center().y() - side / 2.0, side, side)
             sign(painter, busy.adjusted(2, 2, -2, -2), "busy", ink)
             text.setLeft(text.left() + side + GAP / 2.0)
-        self._words(painter, text, face, ink, palette.on_accent if filled else palette.muted)
+        beside = key_wide + GAP if key_wide else 0.0
+        self._words(painter, text, beside, face, ink, palette.on_accent if filled else palette.muted)
 
-    def _words(self, painter: QPainter, area: QRectF, face: ButtonFace, ink: str, faint: str) -> None:
+    def _words(self, painter: QPainter, area: QRectF, beside: float, face: ButtonFace, ink: str, faint: str) -> None:
+        """Draw label and hint in an area; `beside` is the width that the key takes at the right of the label."""
+        label = area.adjusted(0, 0, -beside, 0)
         if not (self._hints and face.hint):
             centred = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            write(painter, area, face.label, self._font(), ink, WRAPPED if self._last_key else centred)
+            write(painter, label, face.label, self._font(), ink, WRAPPED if self._last_key else centred)
             return
-        high = self._height(face.label, self._font(), area.width())
+        high = self._height(face.label, self._font(), label.width())
         above = Qt.AlignmentFlag.AlignTop | Qt.TextFlag.TextWordWrap
-        write(painter, area, face.label, self._font(), ink, above)
+        write(painter, label, face.label, self._font(), ink, above)
         write(painter, area.adjusted(0, high + 2.0, 0, 4.0), face.hint, font("small"), faint, above)
 
     def _font(self) -> QFont:
@@ -275,10 +282,16 @@ class ActionButton(ParticipantButton):
     def _above(self) -> float:
         return {"main": GAP, "large": 1.5 * GAP, "plain": GAP, "quiet": 0.6 * GAP, "small": 1.5}[self._weight]
 
-    def _beside(self, face: ButtonFace) -> float:
-        """Return the width of all that stands beside the label."""
+    def _has_room_for_key(self, face: ButtonFace, width: float) -> bool:
+        """Return True where each word of the label fits beside the key; else the key is left to the tool tip."""
+        metrics = QFontMetricsF(self._font())
+        longest = max(map(metrics.horizontalAdvance, face.label.split()), default=0.0)
+        return longest <= width - self._beside(face)
+
+    def _beside(self, face: ButtonFace, *, below: bool = False) -> float:
+        """Return the width of all that stands beside the label, or beside the hint below it."""
         busy = key_size("X")[1] + GAP / 2.0 if face.busy else 0.0
-        key = key_size(self._last_key)[0]
+        key = 0.0 if below else key_size(self._last_key)[0]
         return 3.0 * GAP + (key + GAP if key else 0.0) + busy
 
     @staticmethod
