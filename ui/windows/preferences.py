@@ -13,8 +13,6 @@ from PySide6.QtCore import QByteArray, QEvent, QObject, QSettings, Qt, Signal
 from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QApplication,
-    QCheckBox,
-    QComboBox,
     QDialog,
     QDialogButtonBox,
     QFormLayout,
@@ -27,6 +25,7 @@ from thbridge.files.language_texts import shipped_texts
 from ui.model.keys import SETTINGS_KEYS
 from ui.model.theme import DARK, LIGHT
 from ui.windows import look
+from ui.windows.controls import CheckBox, ChoiceBox
 from ui.windows.look import GAP, Choice, spaced
 
 TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
@@ -232,9 +231,10 @@ class SettingsDialog(QDialog):
     def __init__(self, preferences: Preferences, parent: QWidget) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        look.style_as_panel(self)  # At the kiosk, nobody else draws an edge around it.
         say = (preferences.texts or shipped_texts()).text
         self.setWindowTitle(say("settings.title"))
-        self.look, self.text_size, self.sound = QComboBox(), QComboBox(), QCheckBox(say("settings.sound_on"))
+        self.look, self.text_size, self.sound = ChoiceBox(), ChoiceBox(), CheckBox(say("settings.sound_on"))
         for name, choice in (("system", "system"), ("light", "light"), ("dark", "dark")):
             self.look.addItem(say(f"settings.look_{name}"), choice)
         self.look.setCurrentIndex(self.look.findData(preferences.look))
@@ -254,7 +254,7 @@ class SettingsDialog(QDialog):
             self.sound.setEnabled(not why_not)
             form.addRow(say("settings.sound"), self.sound)
             form.addRow("", look.label(why_not or say("settings.sound_hint"), "small", muted=True))
-        self.language = QComboBox()
+        self.language = ChoiceBox()
         if preferences.languages and preferences.texts is not None:
             for name, title in preferences.languages.items():
                 self.language.addItem(title, name)
