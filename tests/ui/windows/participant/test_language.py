@@ -36,11 +36,11 @@ def test_a_window_at_a_server_follows_its_language(qtbot: QtBot, qapp: QApplicat
     try:
         until("the server to listen", lambda: "can join at" in server.text, [server])
         host, _, port = server.text.split("can join at ")[1].split(".\n")[0].rpartition(":")
+        assert window.windowTitle() == "Treasure hunt"
         window.join(ParticipantLink(host, int(port), "token"))
         with qtbot.waitActive(window):
             window.show()
             window.activateWindow()
-        assert window.windowTitle() == "Treasure hunt"
         qtbot.waitUntil(lambda: game_of(window).in_progress)
         shown = game_of(window).window_of_game
         assert window.windowTitle() == shown.windowTitle() == "Schatzsuche"
