@@ -83,7 +83,7 @@ def test_a_label_grows_by_the_words_on_who_commands_its_robot(qtbot) -> None:
     ("language", "words"),
     [
         ("en", "Map: 0 rooms; robot 1 in the corridor, commanded by QGC; robot 2 in the corridor, in trouble."),
-        ("de", "Karte: 0 Räume; Roboter 1 im Flur, gesteuert von QGC; Roboter 2 im Flur, in Schwierigkeiten."),
+        ("de", "Karte: 0 Räume; Roboter 1 im Flur, gesteuert durch QGC; Roboter 2 im Flur, in Schwierigkeiten."),
     ],
 )
 def test_the_map_in_words_says_who_commands_a_robot(language: str, words: str) -> None:
