@@ -150,7 +150,7 @@ def test_the_window_tells_who_commands_and_what_robots_do(followed: Followed) ->
     told = [sight.robot(robot) for sight in followed.sights for robot in (1, 2)]
     assert all(map(_commanded, (card for sight in followed.sights for card in sight.robots)))
     for robot, room in followed.arrivals:
-        assert any(f"Robot {robot}," in card and f"travelling to room {room}" in card for card in told)
+        assert any(f"Robot {robot}," in card and f"traveling to room {room}" in card for card in told)
 
 
 @needs_desktop
@@ -159,7 +159,7 @@ def test_the_participant_sends_none_of_them_and_is_told_why(followed: Followed) 
     for number, room in followed.sights[0].rooms.items():
         assert "not possible just now" in room.name
         assert room.description.startswith(why), number
-    assert "travelling to room 3" not in followed.refused.robot(1)
+    assert "traveling to room 3" not in followed.refused.robot(1)
     assert departures(followed.folder / "hunt.bag") == {robot: list(ways[:-1]) for robot, ways in WAYS.items()}
 
 

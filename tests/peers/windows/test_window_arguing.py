@@ -96,7 +96,7 @@ def test_a_person_argues_with_two_robots(screen: Desktop, tmp_path: Path) -> Non
             if not player.look().answers:
                 break
             player.say(player.by_click, "All right")
-        player.until("robot 2 to set out", lambda seen: "travelling" in seen.robot(2))
+        player.until("robot 2 to set out", lambda seen: "traveling" in seen.robot(2))
 
         # One find she names wrongly, by keys, and is told why not; of the other she asks what it is.
         found = player.until(

@@ -77,7 +77,7 @@ def agreed(player: Player) -> None:
         seen = player.look()
         if seen.answers:
             player.screen.click(seen.answers[0])
-        return "Stop Robot 1" in [one.name for one in seen.things]
+        return "Stop robot 1" in [one.name for one in seen.things]
 
     player.screen.wait("robot 1 to be under way", under_way)
 
@@ -176,7 +176,7 @@ def test_stopping_gives_energy_back_and_another_goal_costs_its_own(
     under_way = player.look()
     assert under_way.energy(1) == whole - cost
     player.until("it to leave the room", lambda seen: "robot 1 in the corridor" in seen.named("Map").description)
-    screen.click(screen.found("Stop Robot 1"))
+    screen.click(screen.found("Stop robot 1"))
     stopped = player.until("it to stand", lambda seen: ", ready" in seen.robot(1))
     assert "in the corridor" in stopped.robot(1)
     assert whole - cost < stopped.energy(1) <= whole
@@ -194,6 +194,6 @@ def test_stopping_gives_energy_back_and_another_goal_costs_its_own(
     )
     player.until("it to ask about the other room", lambda seen: seen.answers)
     agreed(player)
-    player.until("the other room", lambda seen: f"travelling to room {other}" in seen.robot(1))
+    player.until("the other room", lambda seen: f"traveling to room {other}" in seen.robot(1))
     assert player.look().energy(1) < stopped.energy(1)
     decided(player, other)

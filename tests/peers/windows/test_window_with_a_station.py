@@ -70,7 +70,7 @@ def test_a_participant_asks_for_a_robot_names_what_it_left_and_has_it_back(
     screen.press("b")
     told = station.hears("STATUSTEXT", lambda told: "asks" in told.text)
     assert (told.severity, told.text) == (mav.MAV_SEVERITY_NOTICE, "The participant asks for robot 1 back.")
-    player.until("the button to say so", lambda seen: seen.named("Ask for Robot 1 back, asked for"))
+    player.until("the button to say so", lambda seen: seen.named("Ask for robot 1 back, asked for"))
     screen.picture(tmp_path / "asked.png")
 
     station.master.set_mode("GUIDED")
