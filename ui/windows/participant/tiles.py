@@ -285,7 +285,7 @@ def spoken_tile(texts: Texts, tile: RoomTile) -> str:
     if tile.robot is None or tile.state == "unvisited":
         state = texts.text(f"window.{tile.state}")
     else:
-        state = texts.text(f"window.{tile.state}_by", robot=tile.robot)
+        state = texts.clause(f"window.{tile.state}_by", robot=tile.robot)
     parts = [
         texts.text("window.room", room=tile.room),
         tile.name,
