@@ -152,7 +152,9 @@ class GamePage(QWidget):
         if self._texts == before:
             return
         gone = self.window_of_game
-        had_focus = gone.isAncestorOf(QApplication.focusWidget() or self) or gone.hasFocus()
+        # Without a focus yet, it is kept for when the window becomes active.
+        focus = QApplication.focusWidget()
+        had_focus = focus is None or focus is gone or gone.isAncestorOf(focus)
         self._open_window()
         self.window_of_game.help.instructions = gone.help.instructions
         gone.close()
