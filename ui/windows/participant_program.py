@@ -157,6 +157,7 @@ class GamePage(QWidget):
         had_focus = focus is None or focus is gone or gone.isAncestorOf(focus)
         self._open_window()
         self.window_of_game.help.instructions = gone.help.instructions
+        self.window_of_game.show()  # Else the layout shows it later, and it cannot take the focus now.
         gone.close()
         self._rows.removeWidget(gone)
         gone.deleteLater()
