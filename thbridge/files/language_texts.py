@@ -1,6 +1,6 @@
 """Reads what participants read or hear beside dialogues: in the folder of each language, YAML files in `texts/`.
 
-English has all texts that there are. What another language lacks is said in English, and `missing_texts` tells it.
+English has all texts that there are. Texts that another language lacks are in English, and `missing_texts` lists them.
 """
 
 import difflib

@@ -42,12 +42,12 @@ class AnswersYaml:
         return {scenario: texts for scenario, texts in answers.items() if texts is not None}
 
     def faults(self, loaded: Loaded[T]) -> Iterator[BadFile]:
-        """Yield answers that people could not tell apart."""
+        """Yield answers that people cannot distinguish."""
         for each in fields(self):
             texts: tuple[str, str] | None = getattr(self, each.name)
             if texts is not None and (not all(text.strip() for text in texts) or len({*map(str.casefold, texts)}) < 2):
                 remedy = "write two different answers, such as [Go, Not there]"
-                yield loaded.fault(f"answers.{each.name}", "people could not tell these answers apart", remedy)
+                yield loaded.fault(f"answers.{each.name}", "people cannot distinguish these answers", remedy)
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,7 +84,7 @@ def test_answers_that_a_language_lacks_are_those_of_the_language_and_not_of_the_
         ("properties: [{name: size}, {name: size}]", "properties[1].name: 'size' is there twice"),
         ("properties:\n- {name: size, values: {smal: klein}}", "line 2, properties[0].values.smal: 'smal' is no value"),
         ("properties: [{name: size, said: groß}]", "properties[0].said: it does not hold the value. Write £size£"),
-        ("answers: {room: [Ja, ja]}", "answers.room: people could not tell these answers apart"),
+        ("answers: {room: [Ja, ja]}", "answers.room: people cannot distinguish these answers"),
         ("treasure: {barrel: Fass}", "treasure: unknown key. The nearest right name is treasures"),
     ],
 )

@@ -63,8 +63,8 @@ class Texts:
     """All texts of a language, by their keys: the name of their file, a dot, and their name in it.
 
     In a text, reserved words between pound signs stand for values; one that begins a sentence gets a capital. A value's
-    name tells how it is said: see `ROBOT_VALUES`, `ROOM_VALUES` and `COUNT`. Any other stands as it is if it is a text,
-    and as the language writes it if it is a number.
+    name decides its form: see `ROBOT_VALUES`, `ROOM_VALUES` and `COUNT`. Any other text is inserted unchanged, and any
+    other number in the format of the language.
 
     Attributes:
         language: name of the language's folder: `en`.

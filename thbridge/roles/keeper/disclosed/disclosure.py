@@ -67,12 +67,12 @@ def view_of(
 
 
 def _called(briefing: Briefing, names: Iterable[str]) -> dict[str, str]:
-    """Return the words for names that are told."""
+    """Return the words for names that the view reveals."""
     return {name: briefing.called[name] for name in names if name in briefing.called}
 
 
 def _debriefed(debrief: Debrief | None) -> tuple[str, ...]:
-    """Return the names of treasures that a debrief tells."""
+    """Return the names of treasures in a debrief."""
     return () if debrief is None else tuple(room.name for room in debrief.rooms)
 
 
