@@ -295,9 +295,9 @@ def test_costs_may_be_left_to_the_maps(folder):
         ("", r"set.yaml.*map"),
         (
             "answers: {room: [Go, go]}\n",
-            r"set.yaml, line 1, answers.room: .*tell these answers apart.*\[Go, Not there\]",
+            r"set.yaml, line 1, answers.room: .*distinguish these answers.*\[Go, Not there\]",
         ),
-        ("answers: {room: [Go, '']}\n", r"set.yaml, line 1, answers.room: .*tell these answers apart"),
+        ("answers: {room: [Go, '']}\n", r"set.yaml, line 1, answers.room: .*distinguish these answers"),
         ("answers: {room: [Go]}\n", r"set.yaml, line 1, answers.room"),
     ],
 )
