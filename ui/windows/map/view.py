@@ -250,6 +250,10 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             self._fit_letters()
         super().changeEvent(event)
 
+    def close(self) -> bool:
+        """Hide the widget as any other; pyqtgraph would remove the scene, and the next event would end the process."""
+        return QWidget.close(self)
+
     def _fit_letters(self) -> None:
         letters = fitting_font(self.font(), self.width(), self.height())
         if letters != self.box.letters:

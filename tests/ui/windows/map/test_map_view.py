@@ -346,3 +346,13 @@ def test_twenty_busy_robots_are_painted(qtbot: QtBot, name: str) -> None:
     view = shown(qtbot, house)
     view.show_robots(busy_robots(house, 20))
     assert not view.grab().isNull()
+
+
+def test_a_closed_map_takes_another_font_and_can_be_shown_again(view: MapView) -> None:
+    view.close()
+    larger = view.font()
+    larger.setPointSize(2 * larger.pointSize())
+    view.setFont(larger)
+    view.show()
+    assert view.font() == larger
+    assert not view.grab().isNull()
