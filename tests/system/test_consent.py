@@ -17,6 +17,8 @@ from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import encode_line
 
 CONSENT = "We record what you do.\nYou may stop at any time."
+CLAIM = ".robots.bag.lock"
+"""The name of the recording, kept for SimR while it runs; it says nothing of the participant."""
 
 
 @pytest.fixture
@@ -155,11 +157,11 @@ def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, term
     assert first.finish() == 3
     assert "Thank you." in first.shown
     programs.until("the no", lambda: "the participant does not take part" in running[0].text, running)
-    assert left_in(folder) == {"journal"}
+    assert left_in(folder) == {"journal", CLAIM}
 
     second = terminal("tabui", "--server", at, "--participant", "person")
     second.until("yes or no")
-    assert left_in(folder) == {"journal"}
+    assert left_in(folder) == {"journal", CLAIM}
     second.type("yes")
     second.until("how things stand")
     second.type("end")
@@ -167,6 +169,7 @@ def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, term
     assert "agreed" in programs.kinds(folder)
     assert running[1].stop() == 0
     assert (folder / "robots.bag").exists()
+    assert not (folder / CLAIM).exists()
     assert running[0].stop() == 0
     assert programs.kinds(folder)[-1] == "ended"
     assert replay(folder, "robots.bag").returncode == 0
