@@ -110,6 +110,13 @@ def test_factors_and_steps_are_added_changed_and_removed(folder: Path) -> None:
     assert draft.faults == ()
 
 
+def test_a_rehearsal_that_no_longer_fits_is_a_fault_as_in_the_check(folder: Path) -> None:
+    (folder / "rehearsal.yaml").write_text("effects: [{score: workload, where: {dialogue.condition: supervisor}}]\n")
+    assert drafted(folder).faults == ()
+    fault, *_ = drafted(folder, EXAMPLE.replace("form: workload", "form: usability")).faults
+    assert (fault.path.name, fault.problem) == ("rehearsal.yaml", "no form has a score workload")
+
+
 def test_a_step_is_moved_with_its_comments_and_all_else_stays(folder: Path) -> None:
     draft = drafted(folder, COMMENTED)
     assert draft.faults == ()

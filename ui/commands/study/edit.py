@@ -14,7 +14,8 @@ def study_edit(
     file: Annotated[
         Path,
         typer.Argument(
-            help="A study file; one that is not there yet is made when saved. Or the folder of a study with people."
+            help="A study file; one that is not there yet is made when saved. Or the folder of a study with people, or "
+            "one of its forms."
         ),
     ],
     look: LookOption = ColourScheme.SYSTEM,

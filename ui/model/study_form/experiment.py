@@ -10,8 +10,9 @@ from thbridge.experiment.design.advice import advice_on
 from thbridge.experiment.design.experiment_file import ExperimentFile, experiment_of
 from thbridge.experiment.design.soundness import faults_of
 from thbridge.experiment.design.steps import StepKind
-from thbridge.experiment.folder import EXPERIMENT
-from thbridge.files.errors import BadFile, BadFiles
+from thbridge.experiment.folder import EXPERIMENT, ExperimentFolder
+from thbridge.experiment.rehearsal.people import read_people
+from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.language_texts import ENGLISH
 from thbridge.files.yaml.tree import Section, parse
 from thbridge.hunt.refusals import RequestRefused
@@ -95,7 +96,12 @@ def experiment_draft(path: Path, text: str) -> ExperimentDraft:
     draft = ExperimentDraft(path, text, tree, _heeded(form_of(text, tree, _START, _LABEL)), None, (), ())
     try:
         design = experiment_of(path, tree)
-        return dataclasses.replace(draft, faults=tuple(faults_of(design)), notices=advice_on(design))
+        faults = FaultCollection()
+        faults.found += faults_of(design)
+        with faults.kept():
+            # What rehearsals need may fit no longer once factors or forms were changed.
+            read_people(ExperimentFolder(path.parent).people, design)
+        return dataclasses.replace(draft, faults=tuple(faults.found), notices=advice_on(design))
     except BadFiles as faults:
         return dataclasses.replace(draft, faults=faults.faults)
     except BadFile as fault:

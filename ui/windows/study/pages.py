@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QElapsedTimer, QSignalBlocker, Qt, QTimer, Signal, SignalInstance
+from PySide6.QtCore import QElapsedTimer, QSignalBlocker, Qt, QTimer, Signal, SignalInstance, Slot
 from PySide6.QtGui import QColor, QPalette, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -70,12 +70,16 @@ class FieldsPage(QScrollArea):
         self._naming: dict[str, list[Callable[[str], object]]] = {}
         self._moving: dict[tuple[str, int], QPushButton] = {}
         self._wanted: tuple[str, int] | str = ""
-        """The button or the row that gets the focus once the page is made anew."""
+        """The button, the row, or the item with its first row, that gets the focus once the page is made anew."""
         self._shape: tuple[str, ...] = ()
         self._draft: StudyDraft | None = None
         self._building: Iterator[None] = iter(())
         self._next = QTimer(self, singleShot=True, interval=0)
         self._next.timeout.connect(self._build_on)
+        self._in_sight: QWidget | None = None
+        """The part with the focus, in sight while the page finds its height in several passes; until people scroll."""
+        self.verticalScrollBar().rangeChanged.connect(self._keep_in_sight)
+        self.verticalScrollBar().actionTriggered.connect(self._let_go)
 
     def show_groups(self, draft: StudyDraft, groups: tuple[FormGroup, ...], *, narrow: bool = False) -> None:
         """Show the fields of these sections, the first one's heading large."""
@@ -86,9 +90,13 @@ class FieldsPage(QScrollArea):
             return
         if not self._wanted:
             self._wanted = next((key for key, row in self.rows.items() if row.editor.hasFocus()), "")
-        self._shape, self.rows = shape, {}
+        self._shape, self.rows, self._in_sight = shape, {}, None
         self._building = self._build(groups, narrow=narrow)
         self._build_on()
+
+    def go_to_added(self, key: str) -> None:
+        """Go to this row, or to the first one of this item, once the page shows it."""
+        self._wanted = key
 
     def finish(self) -> None:
         """Build the rest of the page at once."""
@@ -166,15 +174,29 @@ class FieldsPage(QScrollArea):
             key, by = wanted
             # At an end of the list there is only the way back.
             part = next((b for way in (by, -by) if (b := self._moving.get((key, way))) and b.isEnabled()), None)
-        elif wanted in self.rows:
-            part = self.rows[wanted].editor
+        elif wanted:
+            part = next(
+                (row.editor for key, row in self.rows.items() if key == wanted or key.startswith(f"{wanted}.")), None
+            )
         if part is not None:
             # What was just made can have the focus only once it is shown.
-            QTimer.singleShot(0, part, partial(self._focus, part))
+            QTimer.singleShot(0, part, partial(self.focus_on, part))
 
-    def _focus(self, part: QWidget) -> None:
+    def focus_on(self, part: QWidget) -> None:
+        """Give a part of the page the focus, and bring it into sight."""
         part.setFocus()
-        self.ensureWidgetVisible(part)
+        self._in_sight = part
+        self._keep_in_sight()
+
+    @Slot()
+    def _keep_in_sight(self) -> None:
+        part, focused = self._in_sight, self.focusWidget()
+        if part is not None and focused is not None and (part is focused or part.isAncestorOf(focused)):
+            self.ensureWidgetVisible(part)
+
+    @Slot()
+    def _let_go(self) -> None:
+        self._in_sight = None
 
     def _move(self, key: str, by: int) -> None:
         at, _, number = key.rstrip("]").rpartition("[")

@@ -99,8 +99,7 @@ class StudyWindow(QMainWindow):
         page.finish()
         row = page.rows.get(key)
         if row is not None:
-            page.ensureWidgetVisible(row)
-            row.editor.setFocus()
+            page.focus_on(row.editor)
 
     @Slot()
     def show_text(self) -> None:
@@ -229,9 +228,12 @@ class StudyWindow(QMainWindow):
         self._open(key)
 
     def _add(self, key: str) -> None:
-        if self.editor.draft.groups()[key].repeats is RepeatKind.KEYS:
+        group = self.editor.draft.groups()[key]
+        if group.repeats is RepeatKind.KEYS:
             self._add_key(key)
             return
+        if group.repeats is not RepeatKind.ROBOTS:
+            self.fields.go_to_added(f"{key}[{len(group.groups)}]")
         self.editor.change(f"+{key}", lambda draft: draft.add(draft.groups()[key]), at_once=True)
 
     def _add_key(self, key: str) -> None:
@@ -240,6 +242,7 @@ class StudyWindow(QMainWindow):
         group = draft.groups()[key]
         chooser = KeyChooser(group.label, draft.keys_for(group), self, own_names=draft.allows_own_names(group))
         if chooser.exec() and (name := chooser.chosen):
+            self.fields.go_to_added(f"{key}.{name}")
             self.editor.change(f"+{key}.{name}", lambda draft: draft.add_key(draft.groups()[key], name), at_once=True)
 
     def _open_form(self, key: str) -> None:

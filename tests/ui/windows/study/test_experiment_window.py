@@ -64,6 +64,16 @@ def test_steps_are_moved_by_keys_alone(window: StudyWindow, qtbot: QtBot) -> Non
     assert window.editor.draft.text == (EXAMPLE / "experiment.yaml").read_text()
 
 
+def test_a_step_that_was_added_is_in_sight_and_has_the_focus(window: StudyWindow, qtbot: QtBot) -> None:
+    window.open_section("steps")
+    settled(window, qtbot)
+    added = f"steps[{len(labels(window))}].step"
+    next(each for each in window.fields.findChildren(QPushButton) if each.text() == "Add to Steps").click()
+    settled(window, qtbot)
+    kind = window.fields.rows[added].editor
+    qtbot.waitUntil(lambda: kind.hasFocus() and not kind.visibleRegion().isEmpty())
+
+
 def test_typing_a_steps_name_keeps_the_focus(window: StudyWindow, qtbot: QtBot) -> None:
     window.open_field("steps[4].name")
     line = window.focusWidget()
