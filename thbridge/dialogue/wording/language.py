@@ -9,6 +9,7 @@ from thbridge.argumentation.cases import Side
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import ContentKind
 from thbridge.dialogue.wording.lines import LineKey
+from thbridge.hunt.treasures import name_in_words
 
 
 class AboutRobot(StrEnum):
@@ -66,8 +67,8 @@ class Grammar:
     capital_nouns: bool = False
 
     def name(self, name: str) -> str:
-        """Return a name, in the words of the language if it has some for it."""
-        return self.names.get(name, name)
+        """Return a name as people read it, in the words of the language if it has some for it."""
+        return self.names.get(name) or name_in_words(name)
 
     def named(self, names: Iterable[str]) -> str:
         """Return a list of names, of which one is right."""

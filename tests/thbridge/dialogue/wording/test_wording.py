@@ -50,6 +50,12 @@ def test_every_move_has_a_sentence_that_carries_all_values(
         assert stands_in(grammar.names.get(value, value), sentence), (value, sentence)
 
 
+@given(NAME, SIDES)
+def test_a_treasure_is_named_as_people_read_it_and_not_as_in_its_file(name: str, side: Side) -> None:
+    said = WORDINGS[name].phrase(Literal(propositions.NamesTreasureAs(Room(3), "oil_can")), side)
+    assert stands_in("oil can", said), said
+
+
 @given(NAME, PROPOSITIONS, SIDES, CHANCES, st.booleans())
 def test_what_does_not_hold_is_said_otherwise(
     name: str, proposition: Proposition, side: Side, chance: float, simply: bool
