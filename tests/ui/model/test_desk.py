@@ -1,12 +1,19 @@
 """The desk's view of a study: at each moment of its log, true to it."""
 
+import random
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
+from tests.thbridge.experiment.test_design import write
 from tests.ui.model.rehearsed import Study, clocks, rehearse
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress
+from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import EventKind, LoggedEvent, NewEvent, RunState
 from ui.model.desk.messages import DESK, DeskState
 from ui.model.desk.rows import cell_rows, count_words, event_rows, freeze_words, note_rows, run_rows, run_words
@@ -60,6 +67,39 @@ def test_events_of_one_person_are_told_without_their_answers(study: Study) -> No
     assert "step 4, understood: who is answered" in told
     assert all(words.endswith("is answered") for words in told if "answered" in words)
     assert seen(study, len(entries), "P-NOBODY")[0].shown == ""
+
+
+def test_steps_are_numbered_alike_everywhere_without_those_that_are_passed_over(tmp_path: Path) -> None:
+    write(
+        tmp_path,
+        "title: x\nbetween: {dialogue.condition: [supervisor, collaborator]}\nquota: 1\nsteps:\n"
+        "  - {step: consent, text: consent.txt}\n"
+        "  - {step: instructions, name: other, text: welcome.md, only_at: {dialogue.condition: collaborator}}\n"
+        "  - {step: instructions, name: own, text: welcome.md, only_at: {dialogue.condition: supervisor}}\n"
+        "  - {step: trial}\n",
+    )
+    design = ExperimentFolder(tmp_path).read()
+    (tmp_path / "store").mkdir(exist_ok=True)
+    with ExperimentLog(tmp_path / "store" / "log") as log:
+        conductor = Conductor(design, log, lambda: clocks(0), random.Random(3).randrange)
+        people = [conductor.admit().participant for _ in design.cells]
+        for person in people:
+            for _ in range(2):
+                step = conductor.begin(person)
+                assert step is not None
+                conductor.end(person, step)
+            conductor.begin(person)
+        progress, entries = conductor.progress, log.read()
+    for person in people:
+        is_supervisor = "supervisor" in design.cells[progress.runs[person].place.cell].name
+        own, other = ("own", "other") if is_supervisor else ("other", "own")
+        state = desk_state(design, progress, entries, ToldToDesk(clocks(60).wall, shown=person))
+        told = [words for _, words, _ in event_rows(state.events)]
+        assert {f"step 2, {own}, begins", f"{other}, ends: passed over"} <= set(told)
+        run = next(run for run in state.runs if run.participant == person)
+        assert "step 3 of 3, trial" in run_words(run)
+        assert "1 minute so far." in run_words(run)
+        assert "rder" not in run_words(run)
 
 
 def test_a_run_that_is_excluded_later_took_no_longer_for_it(study: Study) -> None:

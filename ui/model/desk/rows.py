@@ -77,17 +77,23 @@ def freeze_words(state: DeskState) -> str:
 
 def run_words(run: DeskRun) -> str:
     """A run in sentences."""
-    order = ", then ".join(run.order)
-    where = f"In {run.cell}; order: {order}." if run.cell != "everybody" else f"Order: {order}."
+    group = f"In {run.cell}." if run.cell != "everybody" else ""
+    order = f"Order: {', then '.join(run.order)}." if run.order else ""
+    where = " ".join(filter(None, (group, order)))
     if run.lag is not None:
         where += f" Games were at most {run.lag:.1f} s behind real time."
     if run.state != "under way":
         how = _STATES.get(run.state, run.state)
         reason = f": {run.reason}" if run.reason else ""
-        return f"{run.participant}: {how}{reason}; {local_time(run.since)}, after {run.minutes:.0f} minutes. {where}"
+        return f"{run.participant}: {how}{reason}; {local_time(run.since)}, after {_minutes(run)}. {where}".rstrip()
     missing = f" Not answered yet: {', '.join(run.missing)}." if run.missing else ""
     at = f"{run.participant}: step {_numbered(run)}, {_step(run)}, since {local_time(run.since)}"
-    return f"{at}; {run.minutes:.0f} minutes so far.{missing} {where}"
+    return f"{at}; {_minutes(run)} so far.{missing} {where}".rstrip()
+
+
+def _minutes(run: DeskRun) -> str:
+    minutes = f"{run.minutes:.0f}"
+    return f"{minutes} {'minute' if minutes == '1' else 'minutes'}"
 
 
 def _numbered(run: DeskRun) -> str:

@@ -111,8 +111,9 @@ def _run(progress: Progress, run: Run, events: Sequence[LoggedEvent], now: str) 
         participant=run.participant,
         cell=design.cells[run.place.cell].name or "everybody",
         order=tuple(
-            ", ".join(design.conditions[condition].levels.values()) or "the one condition"
+            ", ".join(design.conditions[condition].levels.values())
             for condition in design.orders[run.place.order]
+            if len(design.conditions) > 1
         ),
         state=str(run.state),
         reason=run.reason,
@@ -144,11 +145,20 @@ def _told_event(progress: Progress, entry: LoggedEvent) -> DeskEvent:
     return DeskEvent(entry.sequence, event.clocks.wall, event.actor, _words(progress, event))
 
 
+def _named(progress: Progress, event: NewEvent) -> str:
+    """The step of an event, numbered as at the kiosk and in the table of runs: without steps that are passed over."""
+    plan = progress.runs[event.participant].plan
+    if not 0 < event.step <= len(plan):
+        return ""
+    shown = [step.number for step in progress.steps_shown(event.participant)]
+    name = plan[event.step - 1].name
+    return f"step {shown.index(event.step) + 1}, {name}" if event.step in shown else name
+
+
 def _words(progress: Progress, event: NewEvent) -> str:
     """An event in words; of an answer only that it was given."""
     data = event.data or {}
-    plan = progress.runs[event.participant].plan
-    step = f"step {event.step}, {plan[event.step - 1].name}" if 0 < event.step <= len(plan) else ""
+    step = _named(progress, event)
     item = f"{step}: {data.get('item', '')}"
     match event.kind:
         case EventKind.RUN_BEGUN:
