@@ -339,21 +339,22 @@ def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path
         "identified: 1}}\n"
         "  - {step: instructions, text: welcome.md, each_condition: true, only_at: {dialogue.condition: supervisor}}\n"
         "  - {step: trial, each_condition: true, max_seconds: 60}\n"
-        "  - {step: debrief, text: debrief.md}\n",
+        "  - {step: debrief, text: debrief.md, results: true}\n",
         drop_out=0.0,
     )
     section = text[text.index("### Procedure") : text.index("### Data collection")]
     assert (
         "1. Practice game of at most 300 s, in the settings of the participant's first condition, but for game.energy: "
-        "20.0; participants could go on after at least 2 moves and 1 named treasure.\n"
+        "20.0, with another random seed; participants could go on after at least 2 moves and 1 named treasure.\n"
         "2. For each condition, in the participant's order:\n"
         "    * Instructions on screen (welcome.md); only at dialogue.condition=supervisor.\n"
         "    * Game of at most 60 s.\n"
-        "3. Debriefing on screen (debrief.md), also for participants who left or were excluded.\n"
+        "3. Debriefing on screen (debrief.md), with the score of each game and the best possible one, also for "
+        "participants who left or were excluded.\n"
     ) in section
     assert "Participants signed a form on paper." in section
     each = text_of(records_of(*_with_practice(tmp_path / "each")))
-    assert "* Practice game of at most 300 s, in the settings of that condition; part" in each
+    assert "* Practice game of at most 300 s, in the settings of that condition, with another random seed; part" in each
     assert "[Write who approved it.] " not in each
     assert "[Write who approved it.]\n" in each
     assert "[How" not in section
@@ -370,12 +371,16 @@ def test_a_study_between_participants_names_no_first_condition_and_what_might_be
     (tmp_path / "more.yaml").write_text(
         "title: More\nitems:\n  - {id: calm, text: I felt calm., low: no, high: yes}\n"
         "  - {id: why, text: Anything else?, scale: text, required: false}\n"
+        "  - {id: pick, text: Which?, scale: choice, options: [one, other, none], shuffle: true, pinned: [none]}\n"
     )
-    steps = "quota: 1\nsteps:\n  - {step: practice}\n  - {step: trial}\n  - {step: form, form: more.yaml}\n"
+    steps = "base: {robots: 1}\nquota: 1\nsteps:\n  - {step: practice}\n"
+    steps += "  - {step: trial}\n  - {step: form, form: more.yaml}\n"
     place = rehearse(tmp_path, SilentPeople(plays=False, drop_out=0.0), 1, f"title: x\n{BETWEEN}{steps}")
     text = text_of(records_of(place.read(), read_log(place.log), tmp_path))
-    assert "in the settings of the participant's condition; participants could go on after at least 1 move." in text
-    assert "Of 4 answers to questionnaires, 2 were empty (2 of them to items that participants could leave out)" in text
+    assert "in the settings of the participant's condition, with another random seed; participants could go" in text
+    assert "One participant and one simulated mobile robot searched the rooms" in text
+    assert "one of: one; other; none, in random order except for “none” |" in text
+    assert "Of 6 answers to questionnaires, 2 were empty (2 of them to items that participants could leave out)" in text
 
 
 def test_what_a_study_leaves_out_is_not_made_up(tmp_path: Path) -> None:

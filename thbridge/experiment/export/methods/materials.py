@@ -24,9 +24,10 @@ def materials_section(records: ExperimentRecords, versions: Mapping[str, str], p
         yield from paragraph(*_task(design))
         yield from paragraph("[A figure of the window, as participants saw it.]")
     software = f"thbridge {versions.get('thbridge', '[version]')} with Python {versions.get('python', '[version]')}"
+    language = f"The language of the program's own texts was {same_in_all(design, 'dialogue.language')}."
     shown = "No window was shown." if records.is_rehearsal else "All pages and games were shown in one window."
     yield from paragraph(
-        f"The study ran on {software}. The robots and their surroundings were simulated. {shown}",
+        f"The study ran on {software}. The robots and their surroundings were simulated. {shown} {language}",
         "[Computer, operating system, screen size and resolution, mouse or other input, sound, room, number of "
         "stations, who was present, and the language of texts and forms.]",
     )
@@ -41,8 +42,8 @@ def _task(design: ExperimentDesign) -> Iterator[str]:
         return same_in_all(design, key)
 
     yield (
-        f"The task was a treasure hunt. One participant and a team of {value('robots')} simulated mobile robots "
-        f"searched the rooms of a building (map {value('map')}; treasures {value('templates')})."
+        f"The task was a treasure hunt. One participant and {_team(value('robots'))} searched the rooms of a building "
+        f"(map {value('map')}; treasures {value('templates')})."
     )
     yield (
         "The participant sent robots to rooms, could have pictures taken there, and named the treasure of a room. Each "
@@ -62,6 +63,10 @@ def _task(design: ExperimentDesign) -> Iterator[str]:
     rates = sorted({study.rate or 1.0 for cell in design.cells for study in cell.studies})
     speed = "the speed" if rates == [1.0] else f"{' or '.join(f'{rate:g}' for rate in rates)} times the speed"
     yield f"Simulated time ran at {speed} of real time."
+
+
+def _team(robots: str) -> str:
+    return "one simulated mobile robot" if robots == "1" else f"a team of {robots} simulated mobile robots"
 
 
 _CONDITIONS = {

@@ -131,6 +131,8 @@ def scale_words(item: Item) -> str:
         case Scale.CHOICE:
             several = "any of" if item.several else "one of"
             shuffled = ", in random order" if item.shuffle else ""
+            if item.shuffle and item.pinned:
+                shuffled += f" except for “{listed(item.pinned)}”"
             read = dict(zip(item.options, item.labels or item.options, strict=True))
             answers = [option if label == option else f"{label} ({option})" for option, label in read.items()]
             return f"{several}: {listed(answers)}{shuffled}{also}"

@@ -84,8 +84,9 @@ def _step(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
         case StepKind.PAUSE:
             words = "Pause of any length"
         case StepKind.DEBRIEF:
+            scores = "with the score of each game and the best possible one" if entry.results else ""
             leavers = "also for participants who left or were excluded" if entry.when_leaving else ""
-            words = ", ".join(filter(None, (f"Debriefing on screen ({entry.text})", leavers)))
+            words = ", ".join(filter(None, (f"Debriefing on screen ({entry.text})", scores, leavers)))
     only = " and ".join(f"{item} was answered “{answer}”" for item, answer in entry.when.items())
     rule = {
         ResumeRule.EXACT: "",
@@ -111,7 +112,7 @@ def _practice(design: ExperimentDesign, index: int, entry: StepEntry) -> str:
     each = entry.each_condition and len(design.conditions) > 1
     first = "first " if len(design.conditions) > 1 else ""
     which = "that condition" if each else f"the participant's {first}condition"
-    return f"in the settings of {which}{but}{done}"
+    return f"in the settings of {which}{but}, with another random seed{done}"
 
 
 _DONE = {

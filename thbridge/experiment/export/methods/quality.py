@@ -1,5 +1,6 @@
 """Quality of the data: recordings, crashes, lag behind real time, distraction; exclusions and missing answers."""
 
+import statistics
 from collections import Counter
 from collections.abc import Iterator
 
@@ -57,7 +58,7 @@ def _pace(records: ExperimentRecords, games: list[Trial]) -> Iterator[str]:
     elif lags:
         yield (
             f"Simulated time was behind real time by at most {max(lags):.1f} s (largest lag of each game: median of "
-            f"{counted(len(lags), 'game')} {sorted(lags)[len(lags) // 2]:.1f} s)."
+            f"{counted(len(lags), 'game')} {statistics.median(lags):.1f} s)."
         )
     else:
         yield "The log has no real time of these games; their times are simulated."
