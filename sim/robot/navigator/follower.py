@@ -121,6 +121,8 @@ class Follower:
         itinerary: its first point is where the robot is.
         heading: that of the pose at its last point.
         turns_at_end: True when the robot has to turn to it there.
+        before: the follower of the itinerary that this one replaces while the robot drives on. What it and the local
+            planner have begun goes on: a robot with ten plans a second would else begin to back up ten times.
 
     Attributes:
         ahead: (m, 3) poses still to be passed, their (m,) times, and their length in metres.
@@ -134,6 +136,7 @@ class Follower:
         itinerary: Itinerary,
         heading: float,
         turns_at_end: bool,
+        before: "Follower | None" = None,
     ) -> None:
         self._controller = controller
         self._itinerary_planner = itinerary_planner
@@ -146,7 +149,10 @@ class Follower:
         self._blocked_by_others = False
         self._pass(0)
         self._came_on(tick)
-        controller.planner.reset()
+        if before is None:
+            controller.planner.reset()
+        elif isinstance(before._state, Escaping):
+            self._state = replace(before._state, then=Following())
 
     def _pass(self, index: int) -> None:
         """Take note that this point of the itinerary is reached."""

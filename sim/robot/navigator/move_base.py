@@ -370,7 +370,9 @@ class Navigator:
         # A search that takes several ticks ends as what it was begun for.
         keeps = self._itinerary_planner.searching and self._keeps
         if isinstance(self._state, Controlling) and not self._itinerary_planner.searching:
-            if self._state.follower.obstructed():
+            if self._progress.stays:
+                self._recover(tick, pose, self._given_up)
+            elif self._state.follower.obstructed():
                 self._plan_after(tick, PLAN_RETRY)
             elif self._oscillation.due(tick) or self._out_of_control(tick):
                 self._recover(tick, pose, self._given_up)
@@ -406,6 +408,7 @@ class Navigator:
     def _recover(self, tick: int, pose: Pose2, why: Callable[[Goal], NoPath]) -> None:
         """Try the next recovery behaviour; when there is none left, the goal is given up."""
         self._oscillation.restart(tick)
+        self._progress.restart_stay()
         self._progress.restart_patience(tick)
         self._progress.last_valid = tick
         behaviour = self._recovery.next()
@@ -519,6 +522,13 @@ class Navigator:
             return self._state.follower.time
         return float(start_time(tick * TICK, pose.x, pose.y, others, self._itinerary_planner.separation))
 
+    @property
+    def _driven_on(self) -> Controlling | None:
+        """The present state, if the robot drives on while its plan is replaced: where plans are made all the time."""
+        state = self._state
+        often = self._parameters.move_base.planner_frequency > 0.0
+        return state if often and isinstance(state, Controlling) and not state.gives_way else None
+
     def _follow(
         self,
         event: Event,
@@ -529,8 +539,20 @@ class Navigator:
         *,
         gives_way: bool,
     ) -> None:
-        follower = Follower(self._controller, self._itinerary_planner, tick, itinerary, heading, not gives_way)
-        self._stop(event, Controlling(follower, gives_way, makes_way_for=makes_way_for))
+        replaced = None if gives_way else self._driven_on
+        follower = Follower(
+            self._controller,
+            self._itinerary_planner,
+            tick,
+            itinerary,
+            heading,
+            not gives_way,
+            None if replaced is None else replaced.follower,
+        )
+        if replaced is None:
+            self._stop(event, Controlling(follower, gives_way, makes_way_for=makes_way_for))
+        else:
+            self._enter(event, replace(replaced, follower=follower, makes_way_for=makes_way_for))
         self._progress.restart_patience(tick)
         self._progress.note_path(follower.remaining)
 
@@ -553,6 +575,8 @@ class Navigator:
         self._enter("command due", replace(state, output=output))
         if output.waiting:
             self._oscillation.pause(self._controller.control_ticks)
+        else:
+            self._progress.note_driving(self._controller.control_ticks, pose)
         if output.valid:
             self._progress.last_valid = tick
         if not state.gives_way and self._progress.watch(tick, state.follower.remaining):

@@ -2,6 +2,7 @@
 
 import math
 
+from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.global_planning.itinerary import ITINERARY_SPEED
 
@@ -10,6 +11,11 @@ PROGRESS_TIMEOUT = 120.0
 or the goal is given up: so every goal ends."""
 PROGRESS_DISTANCE = 0.5
 """Metres by which it must become shorter."""
+STAY_TIMEOUT = 20.0
+"""Seconds of driving within STAY_DISTANCE of one place after which a recovery behavior is due, even if
+`oscillation_timeout` is 0: the slowest robots of other labs drive 0.1 m/s."""
+STAY_DISTANCE = 0.5
+"""Metres."""
 GIVE_WAY_TIME = 5.0
 """Seconds for which a robot that gave way lets the other one plan first."""
 
@@ -31,6 +37,8 @@ class GoalProgress:
         self.planned = tick
         self._longest = 0.0
         self._gave_way: tuple[int, int] | None = None
+        self._place: Pose2 | None = None
+        self.restart_stay()
         self.restart_patience(tick)
         self.restart_distance(tick)
         self.last_valid = tick
@@ -70,6 +78,22 @@ class GoalProgress:
     def timed_out(self, tick: int) -> bool:
         """Return True when the robot has not come nearer for too long."""
         return tick - self._shortest_tick > (PROGRESS_TIMEOUT + self._longest / ITINERARY_SPEED) * TICKS_PER_SECOND
+
+    def restart_stay(self) -> None:
+        """Restart the clock of `stays`."""
+        self._stayed = 0
+
+    def note_driving(self, ticks: int, pose: Pose2) -> None:
+        """Count a command by which the robot drives for this many ticks from a pose; waiting does not count."""
+        self._stayed += ticks
+        if self._place is None or self._place.distance(pose) >= STAY_DISTANCE:
+            self._place = pose
+            self.restart_stay()
+
+    @property
+    def stays(self) -> bool:
+        """True if the robot drives and drives, and remains where it is."""
+        return self._stayed > STAY_TIMEOUT * TICKS_PER_SECOND
 
     def note_way_given(self, tick: int, robot: int) -> None:
         """Take note that this robot begins to give way to another one."""
