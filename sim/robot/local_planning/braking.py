@@ -31,6 +31,12 @@ from sim.robot.costmap.footprint_cost import circumscribed_radius
 
 WALL_MARGIN = 0.08
 """Metres: about the largest error of localisation."""
+LEAST_MARGIN = 0.03
+"""Metres that remain of it in any case."""
+USUAL_PADDING = 0.01
+"""Metres: costmap_2d's default `footprint_padding`; what a robot's padding is beyond it counts toward its margins."""
+SLIGHT_MARGIN = 0.01
+"""Metres that remain where the padding is a margin in itself."""
 NEIGHBOUR_MARGIN = 0.14
 """Metres: the errors of two robots' localisation add up."""
 TURNING_MARGIN = 0.08
@@ -284,10 +290,15 @@ def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
     return _fitted(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])[:corners], corners)
 
 
+def left_of(margin: float, padding: float) -> float:
+    """Return what is left of a margin, metres, for a footprint that was padded by `padding` metres."""
+    return margin - max(0.0, padding - USUAL_PADDING)
+
+
 @njit(cache=True)
 def safe(
     around: Surroundings, footprint: FloatArray, outline: FloatArray, x: float, y: float, theta: float, v: float,
-    w: float, wanted_v: float, wanted_w: float, hold: float, acc_lim_x: float, acc_lim_theta: float,
+    w: float, wanted_v: float, wanted_w: float, hold: float, acc_lim_x: float, acc_lim_theta: float, margin: float,
 ) -> bool:  # fmt: skip
     """Return True when a command leaves room to stop; see the module's docstring.
 
@@ -300,11 +311,12 @@ def safe(
         wanted_v: the command; so wanted_w.
         hold: seconds from one command to the next, latency included.
         acc_lim_x: limit of braking, m/s^2; acc_lim_theta in turning, rad/s^2.
+        margin: metres to keep from walls.
     """
     room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
     # A robot nearer than the margin may stay as near as it is, and 3 mm nearer, or it could not even drive along the
-    # wall. These millimetres add up from command to command, but only until 3 cm are left.
-    room = max(min(WALL_MARGIN, room) - 0.003, min(0.03, room))
+    # wall. These millimetres add up from command to command, but only until LEAST_MARGIN is left.
+    room = max(min(margin, room) - 0.003, min(LEAST_MARGIN, margin, room))
     poses = stopping_poses(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
     radius = circumscribed_radius(footprint)
     for k in range(poses.shape[0]):

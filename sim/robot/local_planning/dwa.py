@@ -24,7 +24,7 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 from sim.parameters import DwaPlannerParameters, InflationParameters
 from sim.robot.costmap.costs import CostFrame, Costs
-from sim.robot.local_planning.braking import Surroundings
+from sim.robot.local_planning.braking import USUAL_PADDING, Surroundings
 from sim.robot.local_planning.local_planner import LocalPlanner, PlannerLimits
 from sim.robot.local_planning.map_grid import MapGrids, cells_along, index_of, map_grids, spread, survey
 from sim.robot.local_planning.rollout import (
@@ -110,8 +110,8 @@ def _steps(v: float, w: float, samples: _Samples) -> int:
 def _best(
     costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
     now: MotionState, samples: _Samples, critics: _Critics,
-) -> tuple[float, float, bool]:  # fmt: skip
-    """The best safe command (v, w), and whether there is one."""
+) -> tuple[float, float, float]:  # fmt: skip
+    """The best safe command (v, w) and its score; infinite: there is none."""
     rows, cols = costs.shape
     total = samples.v.shape[0] * samples.w.shape[0]
     out = candidate_commands(total)
@@ -224,6 +224,7 @@ class DwaPlanner(LocalPlanner):
         inflation: the costmap's.
         shape: rows and columns of the local costmap.
         period: seconds from one command to the next.
+        padding: metres by which the corners are padded.
     """
 
     def __init__(
@@ -233,6 +234,7 @@ class DwaPlanner(LocalPlanner):
         inflation: InflationParameters,
         shape: tuple[int, int],
         period: float,
+        padding: float = USUAL_PADDING,
     ) -> None:
         self._parameters = parameters
         self._grids = map_grids(*shape)
@@ -254,7 +256,7 @@ class DwaPlanner(LocalPlanner):
             trans_stopped_vel=parameters.trans_stopped_vel,
             theta_stopped_vel=parameters.theta_stopped_vel,
         )
-        super().__init__(limits, footprint, inflation, period)
+        super().__init__(limits, footprint, inflation, period, padding)
 
     def reset(self) -> None:
         """Forget the path that was followed."""
@@ -271,7 +273,7 @@ class DwaPlanner(LocalPlanner):
         greatest_v: float,
         around: Surroundings,
         stalled: bool,
-    ) -> tuple[float, float, bool]:
+    ) -> tuple[float, float, float]:
         wanted = self._parameters
         samples = self._samples(now, greatest_v, stalled)
         left = elementary.hypot(path[-1, 0] - now.x, path[-1, 1] - now.y)
@@ -289,10 +291,10 @@ class DwaPlanner(LocalPlanner):
             wanted.max_scaling_factor,
             wanted.max_vel_trans,
         )
-        v, w, found = _best(costs, frame, self._grids, path, around, self._body, now, samples, critics)
-        if found:
+        v, w, score = _best(costs, frame, self._grids, path, around, self._body, now, samples, critics)
+        if score < math.inf:
             self._oscillation.took(now, v, w, wanted.min_vel_trans)
-        return v, w, found
+        return v, w, score
 
     def _samples(self, now: MotionState, greatest_v: float, stalled: bool) -> _Samples:
         wanted = self._parameters

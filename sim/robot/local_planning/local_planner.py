@@ -18,12 +18,14 @@ from sim.numerics.kernels import njit
 from sim.parameters import InflationParameters
 from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.costmap.footprint import outline, pad, radii
-from sim.robot.local_planning.braking import LATENCY, Surroundings
+from sim.robot.local_planning.braking import LATENCY, SLIGHT_MARGIN, WALL_MARGIN, Surroundings, left_of
 from sim.robot.local_planning.rollout import COMFORT, MotionState, RobotBody, command_safe, rollout
 
 TURN_IN_PLACE = 1.0
 """Radians off the path beyond which a robot turns in place; within TURNED it sets out."""
 TURNED = 0.3
+ALIGNED = 0.05
+"""Radians from a heading that leads on, where the present one does not, within which a robot sets out."""
 OUTLINE_SPACING = 0.1
 STALL_TIMEOUT = 3.0
 """Seconds of driving without moving STALL_DISTANCE metres, after which of obstacles only collisions count."""
@@ -107,20 +109,27 @@ class LocalPlanner(ABC):
         footprint: (n, 2) padded corners, base frame.
         inflation: the costmap's.
         period: seconds from one command to the next.
+        padding: metres by which the corners are padded.
 
     Attributes:
         limits: the parameters that others need.
     """
 
     def __init__(
-        self, limits: PlannerLimits, footprint: FloatArray, inflation: InflationParameters, period: float
+        self,
+        limits: PlannerLimits,
+        footprint: FloatArray,
+        inflation: InflationParameters,
+        period: float,
+        padding: float,
     ) -> None:
         inscribed, circumscribed = radii(footprint)
+        margin = max(SLIGHT_MARGIN, left_of(WALL_MARGIN, padding))
         self.limits = limits
         self._body = RobotBody(
             footprint,
-            pad(footprint, COMFORT),
-            outline(footprint, OUTLINE_SPACING),
+            pad(footprint, max(0.0, left_of(COMFORT, padding))),
+            outline(footprint, min(OUTLINE_SPACING, 2.0 * margin)),
             inscribed,
             circumscribed,
             inflation.cost_scaling_factor,
@@ -129,6 +138,7 @@ class LocalPlanner(ABC):
             limits.acc_lim_theta,
             period,
             period + LATENCY,
+            margin,
         )
         self.reset()
 
@@ -141,6 +151,7 @@ class LocalPlanner(ABC):
         self._escape_speed = self.limits.escape_vel
         self._mark: Pose2 | None = None
         self._stalled_for = 0.0
+        self._heading: float | None = None
 
     def turn_first(self) -> None:
         """Turn to the path before setting out again."""
@@ -208,6 +219,9 @@ class LocalPlanner(ABC):
             slow_down: seconds left to reach the last point at the present speed, at least.
             around: walls and neighbours that the robot may hit.
         """
+        aligning = self._align(pose, twist, around)
+        if aligning is not None:
+            return aligning
         heading, to_end = _toward(path, pose.x, pose.y, self.limits.heading_lookahead)
         off = abs(wrap_angle(heading - pose.theta))
         self._turning = off > (TURNED if self._turning else TURN_IN_PLACE)
@@ -217,9 +231,47 @@ class LocalPlanner(ABC):
             self._side, self._turned_at = 0.0, None
         greatest = to_end / slow_down
         stalled = self._is_stalled(pose)
-        v, w, found = self._search(_motion(pose, twist), costs, frame, path, greatest, around, stalled)
+        now = _motion(pose, twist)
+        v, w, score = self._search(now, costs, frame, path, greatest, around, stalled)
+        if score == math.inf:
+            self._heading = self._leading_heading(now, costs, frame, path, greatest, around)
+            aligning = self._align(pose, twist, around)
+            if aligning is not None:
+                return aligning
         command = Twist(v, w)
-        return PlannedCommand(command, self._preview(pose, twist, command), not found)
+        return PlannedCommand(command, self._preview(pose, twist, command), score == math.inf)
+
+    def _align(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand | None:
+        """Return the command that turns to the heading that leads on.
+
+        None: there is no such heading, the robot has it, or something bars the turn. It is forgotten then.
+        """
+        if self._heading is None:
+            return None
+        limits, difference = self.limits, wrap_angle(self._heading - pose.theta)
+        speed = min(limits.max_vel_theta, max(limits.min_in_place_vel_theta, abs(difference)))
+        command = STANDSTILL if abs(twist.linear) > 0.1 else Twist(0.0, math.copysign(speed, difference))
+        # A turn at the least rate must not pass the heading by, or it would be turned back to.
+        tolerance = max(ALIGNED, limits.min_in_place_vel_theta * self._body.period)
+        if abs(difference) < tolerance or not self.safe(pose, twist, command, around):
+            self._heading = None
+            return None
+        return PlannedCommand(command, self._preview(pose, twist, command), False)
+
+    def _leading_heading(
+        self,
+        now: MotionState,
+        costs: Costs,
+        frame: CostFrame,
+        path: FloatArray,
+        greatest_v: float,
+        around: Surroundings,
+    ) -> float | None:
+        """Return a heading to turn to in place where no command leads on; None: there is none.
+
+        For the arguments see `_search`.
+        """
+        return None
 
     @abstractmethod
     def _search(
@@ -231,8 +283,8 @@ class LocalPlanner(ABC):
         greatest_v: float,
         around: Surroundings,
         stalled: bool,
-    ) -> tuple[float, float, bool]:
-        """Return the best safe command (v, w), and whether there is one.
+    ) -> tuple[float, float, float]:
+        """Return the best safe command (v, w) and its score, the lower the better; infinite: there is none.
 
         Args:
             now: the robot's pose and velocities.

@@ -18,7 +18,7 @@ def local_planner(
         shape: rows and columns of the local costmap.
         period: seconds from one command to the next.
     """
-    inflation = parameters.local_costmap.inflation_layer
+    padding, inflation = parameters.local_costmap.footprint_padding, parameters.local_costmap.inflation_layer
     if parameters.move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS":
-        return DwaPlanner(parameters.DWAPlannerROS, footprint, inflation, shape, period)
-    return TrajectoryPlanner(parameters.TrajectoryPlannerROS, footprint, inflation, shape, period)
+        return DwaPlanner(parameters.DWAPlannerROS, footprint, inflation, shape, period, padding)
+    return TrajectoryPlanner(parameters.TrajectoryPlannerROS, footprint, inflation, shape, period, padding)

@@ -33,13 +33,14 @@ class RobotBody(NamedTuple):
 
     Attributes:
         footprint: (n, 2) padded corners, base frame.
-        roomy: the same with COMFORT around it.
+        roomy: the same with what its padding leaves of COMFORT around it.
         outline: (m, 2) points along it.
         inscribed: its radius, metres; so circumscribed.
         cost_scaling_factor: that of the costmap's inflation; so inflation_radius.
         acc_lim_x: limit of accelerating and braking, m/s^2; acc_lim_theta in turning, rad/s^2.
         period: seconds from one command to the next.
         hold: the same, latency included.
+        margin: metres to keep from walls.
     """
 
     footprint: FloatArray
@@ -53,6 +54,7 @@ class RobotBody(NamedTuple):
     acc_lim_theta: float
     period: float
     hold: float
+    margin: float
 
 
 class TrajectoryCost(NamedTuple):
@@ -199,7 +201,7 @@ def command_safe(around: Surroundings, body: RobotBody, now: MotionState, wanted
     """Return True when a command leaves room to stop (`sim.robot.local_planning.braking.safe`)."""
     return safe(
         around, body.footprint, body.outline, now.x, now.y, now.theta, now.v, now.w, wanted_v, wanted_w, body.hold,
-        body.acc_lim_x, body.acc_lim_theta,
+        body.acc_lim_x, body.acc_lim_theta, body.margin,
     )  # fmt: skip
 
 
@@ -237,8 +239,8 @@ def candidate_commands(room: int) -> CandidateCommands:
 def best_safe_command(
     costs: Costs, frame: CostFrame, tried: CandidateCommands, n: int, around: Surroundings, body: RobotBody,
     now: MotionState, sim_time: float, at_once: bool,
-) -> tuple[float, float, bool]:  # fmt: skip
-    """Return the best of n commands that is free and safe (v, w), and whether there is one.
+) -> tuple[float, float, float]:  # fmt: skip
+    """Return the best of n commands that is free and safe (v, w) and its score; infinite: there is none.
 
     Checks that take long are made from the best score on. A command that comes nearer to something than COMFORT is
     taken only if nothing else is left, or if the robot is that near already.
@@ -254,7 +256,7 @@ def best_safe_command(
         sim_time: seconds rolled out.
         at_once: True when a command's speed is reached in the first instant.
     """
-    second_best = -1
+    second_best, second_score = -1, np.inf
     crowded = footprint_cost(costs, frame, body.roomy, now.x, now.y, now.theta) < 0.0
     for _ in range(n):
         best = 0
@@ -263,7 +265,7 @@ def best_safe_command(
                 best = i
         if tried.scores[best] == np.inf:
             break
-        tried.scores[best] = np.inf
+        score, tried.scores[best] = tried.scores[best], np.inf
         v, w = tried.commands[best]
         near = False
         if tried.doubtful[best]:
@@ -275,8 +277,8 @@ def best_safe_command(
             near = not crowded and not comfortable(costs, frame, body, poses, free)
         if (not near or second_best < 0) and command_safe(around, body, now, v, w):
             if not near:
-                return v, w, True
-            second_best = best
+                return v, w, score
+            second_best, second_score = best, score
     if second_best >= 0:
-        return tried.commands[second_best, 0], tried.commands[second_best, 1], True
-    return 0.0, 0.0, False
+        return tried.commands[second_best, 0], tried.commands[second_best, 1], second_score
+    return 0.0, 0.0, np.inf

@@ -18,7 +18,8 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 from sim.parameters import InflationParameters, TrajectoryPlannerParameters
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
-from sim.robot.local_planning.braking import Surroundings
+from sim.robot.costmap.footprint_cost import footprint_cost
+from sim.robot.local_planning.braking import USUAL_PADDING, Surroundings
 from sim.robot.local_planning.local_planner import LocalPlanner, PlannerLimits
 from sim.robot.local_planning.map_grid import MapGrids, cells_along, index_of, map_grids, spread, survey
 from sim.robot.local_planning.rollout import (
@@ -34,6 +35,10 @@ HEADING_SCALE = 0.3
 """Weight of a radian off the path in heading scoring; fixed in ROS, too."""
 STANDSTILL_SPEED = 1e-3
 """Metres a second below which a command does not lead on."""
+LOOK_AROUND = 0.5 * math.pi
+"""Radians either way within which a robot looks for a heading that leads on, where its own does not."""
+LOOK_STEP = 0.15
+"""Radians from one of these headings to the next."""
 
 
 class _Samples(NamedTuple):
@@ -103,15 +108,16 @@ def _heading_off(costs: Costs, frame: CostFrame, path: FloatArray, x: float, y: 
 def _best(
     costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
     now: MotionState, samples: _Samples, weights: _Weights,
-) -> tuple[float, float, bool]:  # fmt: skip
-    """The best safe command (v, w), and whether there is one."""
+) -> tuple[float, float, float]:  # fmt: skip
+    """The best safe command (v, w) and its score less that of standing still; infinite: there is none."""
     cols = costs.shape[1]
     by_time = weights.heading_time >= 0.0
     free = surely_free(body, 1.0)
     total = samples.vx_samples * (samples.vtheta_samples + 1)
     out = candidate_commands(total)
     ends = np.empty((total, 3))
-    cells = np.empty(total, dtype=np.int32)
+    # The cells of the ends, and then that of the robot.
+    cells = np.empty(total + 1, dtype=np.int32)
     n = 0
     for i in range(samples.vx_samples):
         v = samples.lowest_v + (samples.highest_v - samples.lowest_v) * i / max(1, samples.vx_samples - 1)
@@ -134,11 +140,14 @@ def _best(
                 out.doubtful[n] = tried.doubtful
                 n += 1
     last = path[path.shape[0] - 1]
+    standing = weights.goal * ((now.x - last[0]) ** 2 + (now.y - last[1]) ** 2)
     if not weights.straight and n > 0:
+        cells[n] = index_of(costs, frame, now.x, now.y)
         survey(costs, frame, now.x, now.y, body.inscribed, grid.terrain)
         along = cells_along(costs, frame, path)
-        spread(grid, cols, along, cells[:n], grid.path)
-        spread(grid, cols, along[along.shape[0] - 1 :], cells[:n], grid.goal)
+        spread(grid, cols, along, cells[: n + 1], grid.path)
+        spread(grid, cols, along[along.shape[0] - 1 :], cells[: n + 1], grid.goal)
+        standing = weights.path * grid.path[cells[n]] + weights.goal * grid.goal[cells[n]]
     for i in range(n):
         x, y, theta = ends[i]
         if weights.straight:
@@ -149,7 +158,8 @@ def _best(
             out.scores[i] += weights.path * grid.path[cells[i]] + weights.goal * grid.goal[cells[i]]
         if by_time:
             out.scores[i] += HEADING_SCALE * _heading_off(costs, frame, path, x, y, theta)
-    return best_safe_command(costs, frame, out, n, around, body, now, samples.sim_time, False)
+    v, w, score = best_safe_command(costs, frame, out, n, around, body, now, samples.sim_time, False)
+    return v, w, score - standing
 
 
 class TrajectoryPlanner(LocalPlanner):
@@ -161,6 +171,7 @@ class TrajectoryPlanner(LocalPlanner):
         inflation: the costmap's.
         shape: rows and columns of the local costmap.
         period: seconds from one command to the next.
+        padding: metres by which the corners are padded.
     """
 
     def __init__(
@@ -170,6 +181,7 @@ class TrajectoryPlanner(LocalPlanner):
         inflation: InflationParameters,
         shape: tuple[int, int],
         period: float,
+        padding: float = USUAL_PADDING,
     ) -> None:
         limits = PlannerLimits(
             acc_lim_x=parameters.acc_lim_x,
@@ -190,7 +202,7 @@ class TrajectoryPlanner(LocalPlanner):
             trans_stopped_vel=0.05,
             theta_stopped_vel=0.1,
         )
-        super().__init__(limits, footprint, inflation, period)
+        super().__init__(limits, footprint, inflation, period, padding)
         self._parameters = parameters
         self._grids = map_grids(*shape)
 
@@ -203,7 +215,7 @@ class TrajectoryPlanner(LocalPlanner):
         greatest_v: float,
         around: Surroundings,
         stalled: bool,
-    ) -> tuple[float, float, bool]:
+    ) -> tuple[float, float, float]:
         wanted = self._parameters
         reach = self._body.period if wanted.dwa else wanted.sim_time
         highest_v = max(min(wanted.max_vel_x, greatest_v, now.v + wanted.acc_lim_x * reach), wanted.min_vel_x)
@@ -230,3 +242,24 @@ class TrajectoryPlanner(LocalPlanner):
             wanted.simple_attractor,
         )
         return _best(costs, frame, self._grids, path, around, self._body, now, samples, weights)
+
+    def _leading_heading(
+        self,
+        now: MotionState,
+        costs: Costs,
+        frame: CostFrame,
+        path: FloatArray,
+        greatest_v: float,
+        around: Surroundings,
+    ) -> float | None:
+        # ROS's planner tries turns in place always. Where `min_vel_x` is above 0, the samples here have none.
+        best, best_score = None, 0.0
+        for side in (1.0, -1.0):
+            for step in range(1, round(LOOK_AROUND / LOOK_STEP) + 1):
+                there = MotionState(now.x, now.y, now.theta + side * step * LOOK_STEP, 0.0, 0.0)
+                if footprint_cost(costs, frame, self._body.footprint, there.x, there.y, there.theta) < 0.0:
+                    break
+                _, _, score = self._search(there, costs, frame, path, greatest_v, around, stalled=True)
+                if score < best_score:
+                    best, best_score = there.theta, score
+        return best

@@ -39,7 +39,7 @@ def other(x, y, theta, twist=STANDSTILL):
 
 
 def is_safe(pose, twist, command, others=(), clearance=OPEN):
-    return safe(around(pose, others, clearance), STUDY, OUTLINE, *pose, *twist, *command, HOLD, 10.0, 10.0)
+    return safe(around(pose, others, clearance), STUDY, OUTLINE, *pose, *twist, *command, HOLD, 10.0, 10.0, WALL_MARGIN)
 
 
 @given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5), angles)

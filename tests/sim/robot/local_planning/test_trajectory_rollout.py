@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import distance_transform_edt
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Twist
@@ -124,6 +125,35 @@ def test_nose_to_a_wall_it_is_stuck_and_backs_up():
     back = planner().escape(pose, STANDSTILL, around(pose, clearance))
     assert back.command.linear < 0
     assert not back.stuck
+
+
+def test_where_no_command_leads_on_it_turns_to_the_heading_from_which_one_does():
+    """Something on the right half of what is ahead, and a path past it on the left."""
+    x, y = np.meshgrid(FRAME.x + (np.arange(80) + 0.5) * 0.05, FRAME.y + (np.arange(80) + 0.5) * 0.05)
+    costs = np.where((x > 0.4) & (x < 0.6) & (y < 0.1), 254, 0).astype(np.uint8)
+    clearance = (distance_transform_edt(costs == 0) * 0.05).astype(np.float32)
+    path = np.column_stack([np.linspace(0.0, 0.9, 20), np.linspace(0.0, 1.2, 20)])
+    local, pose = planner(), Pose2(0.0, 0.0, 0.0)
+    for _ in range(40):
+        drive = local.follow(pose, STANDSTILL, costs, FRAME, path, 0.1, around(pose, clearance))
+        assert not drive.stuck
+        if drive.command.linear > 0.0:
+            break
+        assert drive.command.angular > 0.0
+        pose = Pose2(0.0, 0.0, pose.theta + 0.1 * drive.command.angular)
+    assert drive.command.linear > 0.0
+    assert pose.theta > 0.1
+
+
+@pytest.mark.parametrize(("padding", "safe"), [(0.0, False), (0.01, False), (0.1, True)])
+def test_what_a_footprint_is_padded_by_is_not_kept_from_walls_once_more(padding, safe):
+    """Into a passage that leaves 5 cm on either side of the padded footprint."""
+    x, y = np.meshgrid(FRAME.x + (np.arange(80) + 0.5) * 0.05, FRAME.y + (np.arange(80) + 0.5) * 0.05)
+    clearance = (np.where(x > 0.35, 0.3, 0.6) - np.abs(y)).clip(0.0).astype(np.float32)
+    robot = RobotParameters().TrajectoryPlannerROS
+    local = TrajectoryPlanner(robot, STUDY, InflationParameters(), (80, 80), 0.1, padding)
+    pose = Pose2(0.0, 0.0, 0.0)
+    assert local.safe(pose, Twist(1.0, 0.0), Twist(1.0, 0.0), around(pose, clearance)) == safe
 
 
 def test_a_robot_of_no_size_escapes_too():
