@@ -41,7 +41,9 @@ class MoveBaseParameters:
     planner_patience: float = live(5.0, "seconds without a plan before recovery", "s", 0, 100)
     controller_patience: float = live(15.0, "seconds without a valid command before recovery", "s", 0, 100)
     max_planning_retries: int = live(-1, "plans tried in vain before recovery; -1: as many as fit", "", -1, 1000)
-    oscillation_timeout: float = live(0.0, "seconds without progress before recovery; 0: 20 s of driving in one place", "s", 0, 600)
+    oscillation_timeout: float = live(
+        0.0, "seconds without progress before recovery; 0: 20 s in one place", "s", 0, 600
+    )
     oscillation_distance: float = live(0.5, "moving this far counts as progress", "m", 0, 10)
     recovery_behavior_enabled: bool = live(True, "try to get free before giving up")
     clearing_rotation_allowed: bool = live(True, "whether recovery may turn the robot in place")
