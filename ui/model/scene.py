@@ -31,6 +31,7 @@ class RoomMark:
         choosable: True when a click on it would be a choice just now.
         considered: True when the participant looks at it, by mouse or keyboard.
         found: its treasure as far as it is known, in a word or two; empty when nothing is known.
+        found_shorter: the same in fewer and fewer words.
         robot: index of the robot that visited it or drives to it.
         answer: what the participant said of its treasure, and the points, where `found` is not that already.
     """
@@ -42,6 +43,7 @@ class RoomMark:
     choosable: bool = False
     considered: bool = False
     found: str = ""
+    found_shorter: tuple[str, ...] = ()
     robot: int | None = None
     answer: str = ""
 

@@ -338,6 +338,7 @@ class RoomTile:
         found_shorter: the same in fewer and fewer words.
         choose: sends the selected robot.
         warning: caution before choosing: enough energy to get there, but not to take a picture or name the treasure.
+        reachable: False where no path leads there from where the selected robot stands.
     """
 
     room: int
@@ -350,6 +351,7 @@ class RoomTile:
     choose: Action
     warning: str = ""
     found_shorter: tuple[str, ...] = ()
+    reachable: bool = True
 
 
 @dataclass(frozen=True, slots=True)

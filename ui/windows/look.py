@@ -8,6 +8,7 @@ widgets keep to them by `follow_text`.
 """
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import ClassVar, Literal, TypeVar, cast
 from weakref import WeakKeyDictionary
 
@@ -35,7 +36,7 @@ from PySide6.QtWidgets import (
 )
 from shiboken6 import Shiboken
 
-from ui.model.theme import LIGHT, Palette, contrast
+from ui.model.theme import DARK, LIGHT, Palette, contrast
 from ui.windows.words_of_others import PlainLabel, PlainTextStyle
 
 L = TypeVar("L", bound=QLayout)
@@ -56,6 +57,11 @@ RING = 2
 _SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 1.9}
 _SMALLEST_BODY = 10.5
 _USUAL_WINDOW = QSize(1200, 800)
+_TICKS = {
+    palette.on_accent: Path(__file__).with_name(f"tick_{name}.svg").as_posix()
+    for name, palette in (("light", LIGHT), ("dark", DARK))
+}
+"""Pictures of a tick, by their color."""
 _SIGN = 48
 """Side of the signs in boxes, logical pixels."""
 FRAME = QSize(16, 48)
@@ -367,11 +373,13 @@ def _sheet(palette: Palette) -> str:
     }}
     QSlider[fine="true"]::handle:focus {{ border: {RING}px solid {palette.accent}; width: 10px; }}
     QCheckBox {{ spacing: {GAP}px; }}
-    QCheckBox::indicator {{
+    QCheckBox::indicator, QTreeView::indicator {{
         width: {px(14)}px; height: {px(14)}px;
         border: 1px solid {palette.line}; border-radius: 3px; background: {palette.panel};
     }}
-    QCheckBox::indicator:checked {{ background: {palette.accent}; border-color: {palette.accent}; }}
+    QCheckBox::indicator:checked, QTreeView::indicator:checked {{
+        background: {palette.accent}; border-color: {palette.accent}; image: url("{_TICKS[palette.on_accent]}");
+    }}
     QCheckBox::indicator:focus {{
         border: {RING}px solid {palette.text}; width: {px(14) - 2}px; height: {px(14) - 2}px;
     }}
@@ -380,7 +388,7 @@ def _sheet(palette: Palette) -> str:
         border: 1px solid {palette.line}; border-radius: {RADIUS - 2}px; padding: {GAP // 2}px;
     }}
     QListView[roomy="true"]:focus {{ border: {RING}px solid {palette.accent}; padding: {GAP // 2 - 1}px; }}
-    QListView[roomy="true"]::item {{ padding: {GAP // 2 + 1}px {GAP}px; border-radius: {RADIUS // 2}px; }}
+    QListView[roomy="true"]::item {{ padding: {GAP // 2 + 1}px {GAP - 2}px; border-radius: {RADIUS // 2}px; }}
     QListView[roomy="true"]::item:selected {{ background: {palette.accent}; color: {palette.on_accent}; }}
     QScrollArea {{ border: none; background: transparent; }}
     QScrollBar {{ background: transparent; border: none; }}

@@ -13,6 +13,7 @@ from PySide6.QtCore import QByteArray, QEvent, QObject, QSettings, Qt, Signal
 from PySide6.QtGui import QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QApplication,
+    QCheckBox,
     QDialog,
     QDialogButtonBox,
     QFormLayout,
@@ -25,7 +26,7 @@ from thbridge.files.language_texts import shipped_texts
 from ui.model.keys import SETTINGS_KEYS
 from ui.model.theme import DARK, LIGHT
 from ui.windows import look
-from ui.windows.controls import CheckBox, ChoiceBox
+from ui.windows.controls import ChoiceBox
 from ui.windows.look import GAP, Choice, spaced
 
 TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
@@ -234,7 +235,7 @@ class SettingsDialog(QDialog):
         look.style_as_panel(self)  # At the kiosk, nobody else draws an edge around it.
         say = (preferences.texts or shipped_texts()).text
         self.setWindowTitle(say("settings.title"))
-        self.look, self.text_size, self.sound = ChoiceBox(), ChoiceBox(), CheckBox(say("settings.sound_on"))
+        self.look, self.text_size, self.sound = ChoiceBox(), ChoiceBox(), QCheckBox(say("settings.sound_on"))
         for name, choice in (("system", "system"), ("light", "light"), ("dark", "dark")):
             self.look.addItem(say(f"settings.look_{name}"), choice)
         self.look.setCurrentIndex(self.look.findData(preferences.look))

@@ -10,7 +10,7 @@ from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import View
 from ui.model.screen import Screen
 
-CODES = {"act", "key", "state", "drawn", "speaker", "kind", "phase", "sound"}
+CODES = {"act", "key", "state", "drawn", "speaker", "kind", "phase", "sound", "names", "picked", "typed", "value"}
 """Fields of screens that nobody reads; the state of a card is words, and that of a room a code."""
 
 

@@ -1,17 +1,27 @@
 """A game in German: nothing on any screen is English."""
 
+import re
 from dataclasses import replace
 from enum import StrEnum
+from pathlib import Path
 
 import pytest
 from msgspec import structs
 
+from tests.thbridge.app.test_languages import english_in
 from tests.thbridge.roles.stage import RULES
 from tests.thbridge.roles.test_command import NAME, TAKE
-from tests.ui.model.language import ENGLISH_ONLY, english_on, said_by_others
+from tests.ui.model.language import ENGLISH_ONLY, english_on, said_by_others, shown
 from tests.ui.model.seat import Seat
 from tests.ui.model.test_arguing import ANSWERS, argued, ended
+from tests.ui.model.test_participant import play
 from tests.ui.model.views import arguing, view, with_robot, with_room
+from thbridge.app.compose.game import build_briefing
+from thbridge.app.compose.setting import read_setting
+from thbridge.dialogue.scripted.protocols import TemplateProtocol
+from thbridge.dialogue.scripted.scripted_engine import ScriptedEngine
+from thbridge.dialogue.scripted.strategies import TemplateStrategy
+from thbridge.dialogue.scripted.templates import TemplatePhrasing
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.events import Commander, Condition, EndReason
 from thbridge.hunt.rules import RuleReason
@@ -27,6 +37,7 @@ from thbridge.roles.view import (
     RoomDebrief,
     View,
 )
+from thbridge.study.study_file import DialogueSection, Study
 from ui.model.participant import Participant
 from ui.model.screen import (
     Act,
@@ -187,6 +198,19 @@ def test_a_whole_game():
     seat.press(EndGame())
     assert seat.do(Confirm()).phase is Phase.OVER
     assert seat.do(AnotherGame(), 30).game == 2
+
+
+@pytest.mark.parametrize("templates", ["four-properties", "everyday-things"])
+def test_a_game_with_the_german_words_of_map_and_templates(templates):
+    setting = read_setting(Study(map="office", templates=templates, dialogue=DialogueSection(language="de")), Path())
+    words, read = setting.set_words, set()
+    phrasing = TemplatePhrasing(words.dialogue, 7, setting.texts, words.properties)
+    talk = ScriptedEngine(TemplateProtocol(words.dialogue), TemplateStrategy(), phrasing)
+    seat = GermanSeat(set_name=templates, briefing=build_briefing(setting), talk=talk)
+    play(seat, lambda screen: read.update(shown(screen)))
+    assert {*words.names.values(), "Farbe"} <= read
+    english = re.compile("|".join(rf"\b{re.escape(word)}\b" for word in sorted(english_in(setting))), re.IGNORECASE)
+    assert [words for words in sorted(read) if english.search(words)] == []
 
 
 def test_the_question_whether_to_take_part():

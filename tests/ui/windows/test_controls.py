@@ -1,14 +1,15 @@
 """Boxes have edges and signs that are seen, light and dark."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QApplication, QLineEdit, QWidget
+from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QTreeWidget, QTreeWidgetItem, QWidget
 from pytestqt.qtbot import QtBot
 
 from ui.model.theme import DARK, LIGHT, Palette, contrast
-from ui.windows.controls import CheckBox, ChoiceBox
+from ui.windows.controls import ChoiceBox
 from ui.windows.look import apply_palette
 
 
@@ -31,18 +32,33 @@ def colours_across(image: QImage, row: int, least: int, most: int) -> set[str]:
     return {image.pixelColor(x, row).name() for x in range(least, most)}
 
 
-@pytest.mark.parametrize("made", [QLineEdit, ChoiceBox, lambda: CheckBox("")], ids=["line", "choices", "tick"])
+@pytest.mark.parametrize("made", [QLineEdit, ChoiceBox, lambda: QCheckBox("")], ids=["line", "choices", "tick"])
 def test_edges_stand_out(qtbot: QtBot, palette: Palette, made) -> None:
     image = drawn(qtbot, made())
     inside = image.pixelColor(8, 16).name()
     assert max(contrast(colour, inside) for colour in colours_across(image, 16, 0, 3)) >= 3.0
 
 
-def test_a_tick_is_told_by_its_shape_too(qtbot: QtBot, palette: Palette) -> None:
-    tick = CheckBox("")
-    tick.setChecked(True)
-    within = colours_across(drawn(qtbot, tick), 16, 4, 12)
-    assert max(contrast(colour, palette.accent) for colour in within) >= 3.0
+def ticked_box() -> QWidget:
+    box = QCheckBox("")
+    box.setChecked(True)
+    return box
+
+
+def ticked_row() -> QWidget:
+    tree = QTreeWidget()
+    tree.setHeaderHidden(True)
+    tree.setRootIsDecorated(False)
+    row = QTreeWidgetItem(tree, [""])
+    row.setCheckState(0, Qt.CheckState.Checked)
+    return tree
+
+
+@pytest.mark.parametrize("made", [ticked_box, ticked_row])
+def test_a_tick_is_told_by_its_shape_too(qtbot: QtBot, palette: Palette, made: Callable[[], QWidget]) -> None:
+    image = drawn(qtbot, made())
+    seen = {image.pixelColor(x, y).name() for x in range(24) for y in range(image.height())}
+    assert {palette.accent, palette.on_accent} <= seen
 
 
 def test_choices_have_an_arrow(qtbot: QtBot, palette: Palette) -> None:

@@ -36,6 +36,7 @@ class MapMarks:
                 choosable=tile.choose.enabled,
                 considered=tile.considered,
                 found=tile.found,
+                found_shorter=tile.found_shorter,
                 robot=tile.robot,
             )
             for tile in tiles

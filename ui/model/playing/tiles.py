@@ -52,6 +52,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
         found_shorter=tuple(shorter),
         choose=_choose(hunt, robot, room.room, refused),
         warning="" if refused else energy_warning(hunt.texts, hunt.known, robot, room.room),
+        reachable=costs is None or costs[room.room] is not None,
     )
 
 

@@ -14,6 +14,7 @@ from PySide6.QtGui import (
     QShortcut,
 )
 from PySide6.QtWidgets import (
+    QCheckBox,
     QInputDialog,
     QLineEdit,
     QMainWindow,
@@ -57,7 +58,6 @@ from ui.model.desk.rows import (
     run_words,
 )
 from ui.model.desk.withdrawal import plan_lines
-from ui.windows.controls import CheckBox
 from ui.windows.desk.commands import CommandBox, TargetBox, latest_backup, new_export
 from ui.windows.desk.questions import ReasonBox
 from ui.windows.flow import FlowLayout
@@ -148,7 +148,7 @@ class DeskWindow(QMainWindow):
         self.note = QLineEdit(placeholderText="A note for the log; Enter adds it")
         self.note.setAccessibleName("Note")
         self.note.returnPressed.connect(self._write_note)
-        self.about = CheckBox("about the run selected")
+        self.about = QCheckBox("about the run selected")
         self.next = self._button("Next participant ...", "Ctrl+N", self._ask_next)
         self.end = self._button("End run ...", "Ctrl+E", self._ask_end)
         self.exclude = self._button("Exclude run ...", "Ctrl+D", self._ask_exclude)

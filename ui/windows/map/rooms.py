@@ -179,8 +179,9 @@ def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
     for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
         if _paint_title(painter, space, mark, palette, font, scale):
             # Where there is no room for both, the answer is what is new.
-            for words in filter(None, (mark.answer, mark.found)):
-                _paint_pill(painter, space, words, palette, font)
+            for words, *shorter in ((mark.answer,), (mark.found, *mark.found_shorter)):
+                if words:
+                    _paint_pill(painter, _Pill(space, words, font, shorter), palette)
             break
 
 
@@ -212,14 +213,15 @@ def _paint_title(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
 
 
 class _Pill:
-    """Words in a frame, in a low corner of a room."""
+    """Words in a frame, in a low corner of a room; fewer ones where there is no room for all."""
 
-    def __init__(self, space: _Space, text: str, font: QFont) -> None:
+    def __init__(self, space: _Space, text: str, font: QFont, shorter: Sequence[str] = ()) -> None:
         self.font = sized(font, NAME_HEIGHT * text_scale(font), QFont.Weight.Medium)
         metrics = QFontMetricsF(self.font)
         width = space.width - 2.0 * space.inset - 16.0
         # A name without its points says more than a part of both.
-        text = text if metrics.horizontalAdvance(text) <= width else text.partition(",")[0]
+        texts = text, text.partition(",")[0], *shorter
+        text = next((each for each in texts if metrics.horizontalAdvance(each) <= width), texts[1])
         self.words = metrics.elidedText(text, Qt.TextElideMode.ElideRight, width)
         self._size = metrics.horizontalAdvance(self.words) + 16.0, metrics.height() + 6.0
         self._space = space
@@ -236,8 +238,7 @@ class _Pill:
         return box is not None
 
 
-def _paint_pill(painter: QPainter, space: _Space, text: str, palette: Palette, font: QFont) -> None:
-    pill = _Pill(space, text, font)
+def _paint_pill(painter: QPainter, pill: _Pill, palette: Palette) -> None:
     box = pill.put()
     if box is None:
         return

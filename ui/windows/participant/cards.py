@@ -127,9 +127,13 @@ class CardFace(ParticipantButton):
         metrics = QFontMetricsF(bold)
         at = left + size + GAP
         key_wide, key_high = key_size(self._shown_key)
-        taken = metrics.horizontalAdvance(card.name) + GAP + (key_wide + GAP if key_wide else 0.0)
-        taken += px(40) if card.waits else 0.0
-        words = fitting(energy_words(self._texts, card), right - at - taken, metrics)
+        energy = energy_words(self._texts, card)
+        room = right - at - metrics.horizontalAdvance(card.name) - GAP - (px(40) if card.waits else 0.0)
+        if key_wide and metrics.horizontalAdvance(energy[-1]) <= room - key_wide - GAP:
+            room -= key_wide + GAP
+        else:
+            key_wide = 0.0
+        words = fitting(energy, room, metrics)
         wide = metrics.horizontalAdvance(words)
         row = QRectF(at, middle - size, right - at, 2.0 * size)
         right_end = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter

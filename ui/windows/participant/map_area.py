@@ -26,7 +26,8 @@ class MapArea(QWidget):
     """The map, which always fills it; over it a banner, the history, and at most one panel.
 
     A pop-up about a robot covers the corner of the map that is farthest from what it is about. It stays there while it
-    is about that robot, unless robot or room would be hidden. Any other panel is in the middle. Nothing moves the map.
+    is about that robot, unless robot or room would be hidden. It takes half of the map at most, and two thirds of its
+    height, unless its words need more. Any other panel is in the middle. Nothing moves the map.
     """
 
     def __init__(self, texts: Texts, map_view: MapView) -> None:
@@ -130,10 +131,11 @@ class MapArea(QWidget):
             place = QRect(QPoint(0, 0), size)
             place.moveCenter(space.center())
         else:
-            panel.arrange(space.size())
             usual = panel.usual_size()
             width = min(usual.width(), space.width())
-            self._high = max(self._high, usual.height(), panel.least(width))
+            most = int(min(self.width() / 2 / width, 2 / 3) * self.height())
+            panel.arrange(QSize(space.width(), most))
+            self._high = max(self._high, min(usual.height(), most), panel.least(width))
             size = QSize(width, min(self._high, space.height()))
             if self._corner is None:
                 self._corner = self._best_corner(size, space)

@@ -275,7 +275,7 @@ def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
     if tile.state != "unvisited":
         return ("",)
     if tile.cost is None:
-        return ("" if tile.choose.enabled else texts.text("window.no_way"),)
+        return ("" if tile.reachable else texts.text("window.no_way"),)
     keys = ("window.costs_energy", "window.costs_units", "window.units")
     return *(texts.text(key, cost=tile.cost) for key in keys), texts.number(tile.cost)
 

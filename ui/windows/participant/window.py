@@ -251,6 +251,9 @@ class ParticipantWindow(QWidget):
         self._model.do(act, now)
         if isinstance(act, FitMap):
             self.map.fit()
+        if isinstance(act, TypeLetter) and isinstance(QApplication.focusWidget(), ParticipantButton):
+            # Enter is to submit the name, not to press the button.
+            self.treasure.names.setFocus()
         self._acting = True
         self.refresh()
         self._acting = False

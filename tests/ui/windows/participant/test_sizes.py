@@ -1,10 +1,11 @@
 """The participant's window can be used at all sizes, with text of all sizes."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
@@ -21,6 +22,7 @@ from ui.windows import look
 from ui.windows.link import ParticipantLink
 from ui.windows.participant import cards
 from ui.windows.participant.pages.start import StartPage
+from ui.windows.participant.popups.finding import PICTURE
 from ui.windows.participant.widgets import painting
 from ui.windows.participant_program import ParticipantMainWindow
 
@@ -96,6 +98,26 @@ def test_nothing_is_cut_off_or_covered(
                 assert names.sizeHintForColumn(0) <= names.viewport().width(), (name, size)
 
 
+@in_each_language
+@pytest.mark.parametrize("text", [1.25], indirect=True)
+@pytest.mark.parametrize("size", [(1280, 720), (1366, 768)])
+def test_a_find_covers_at_most_half_of_the_map_and_shows_all_names(
+    opened: Open, qapp: QApplication, size: tuple[int, int], text: float, texts: Texts
+) -> None:
+    look.apply_text_size(qapp, text)
+    usual = samples.playing(texts=texts)
+    shown = opened(usual, *size, texts=texts)
+    for find in (samples.treasure(texts=texts), samples.treasure(texts=texts, picture=True, picked="Pink can")):
+        shown.show(replace(usual, popup=replace(find, worth=(10, 20, 30, 20), called=("Bonbonschachtel",) * 4)))
+        settle()
+        panel, area = shown.window.treasure, shown.window.map_area
+        assert panel.width() * panel.height() <= area.width() * area.height() / 2
+        names = panel.names
+        assert names.verticalScrollBar().maximum() == 0
+        assert names.visibleRegion().boundingRect() == names.rect()
+        assert names.mapTo(panel, QPoint(0, 0)).x() > PICTURE.width(), "they are beside the picture"
+
+
 def test_a_narrow_list_of_names_has_no_bar_below_instead_of_a_name(opened: Open) -> None:
     shown = opened(STATES["treasure"])
     names = shown.window.treasure.names
@@ -104,6 +126,20 @@ def test_a_narrow_list_of_names_has_no_bar_below_instead_of_a_name(opened: Open)
     assert names.verticalScrollBar().maximum() > 0, "there is no room for all"
     assert not names.horizontalScrollBar().isVisible()
     assert names.viewport().height() >= 2 * names.sizeHintForRow(0)
+
+
+@pytest.mark.parametrize("text", [1.25], indirect=True)
+@pytest.mark.parametrize("texts", ["de"], indirect=True)
+def test_energy_is_shown_whole_beside_a_long_key(
+    opened: Open, qapp: QApplication, cut: set[str], text: float, texts: Texts
+) -> None:
+    look.apply_text_size(qapp, text)
+    usual = samples.playing(texts=texts)
+    waits = replace(usual.cards[1], cost=19.0, energy=100.0, waits=1)
+    waits = replace(waits, select=replace(waits.select, key="Shift+Tab"))
+    shown = opened(replace(usual, cards=(usual.cards[0], waits, usual.cards[2])), 1280, 720, texts=texts)
+    shown.window.grab()
+    assert cut == set()
 
 
 @in_each_language

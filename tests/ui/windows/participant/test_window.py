@@ -318,6 +318,16 @@ def test_letters_go_to_the_list_wherever_the_focus_is(qtbot: QtBot, opened: Open
         shown.done.clear()
 
 
+def test_enter_names_what_was_typed_wherever_the_focus_was(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    shown.window.top.tools.buttons[0].setFocus()
+    press(qtbot, shown.window, "P")
+    shown.show(replace(STATES["treasure"], popup=samples.treasure(picked="Pink can")))
+    shown.now += 1.0
+    press(qtbot, shown.window, "Return")
+    assert shown.done == [TypeLetter("p"), SubmitName()]
+
+
 def test_a_blank_within_a_name_presses_no_button(qtbot: QtBot, opened: Open) -> None:
     pop = samples.treasure()
     shown = opened(replace(STATES["treasure"], popup=replace(pop, typed="pink")))
@@ -325,6 +335,7 @@ def test_a_blank_within_a_name_presses_no_button(qtbot: QtBot, opened: Open) -> 
     press(qtbot, shown.window, "Space")
     assert shown.done == [TypeLetter(" ")]
     shown.show(replace(STATES["treasure"], popup=pop))
+    shown.window.treasure.leave.setFocus()
     press(qtbot, shown.window, "Space")
     assert shown.done == [TypeLetter(" "), LeaveTreasure()]
 
@@ -605,8 +616,9 @@ def test_pictures_have_one_size_and_a_press_enlarges_them(qtbot: QtBot, opened: 
         assert shown.done == [EnlargePicture()]
 
 
-def test_a_click_on_a_name_moves_nothing(qtbot: QtBot, opened: Open) -> None:
-    shown = opened(STATES["treasure"])
+@pytest.mark.parametrize("size", [(1024, 768), (1280, 560)])
+def test_a_click_on_a_name_moves_nothing(opened: Open, size: tuple[int, int]) -> None:
+    shown = opened(STATES["treasure"], *size)
     panel, find = shown.window.treasure, samples.treasure(picture=True)
     longest = replace(find.name_it, label="Name it Orange bottle", hint="Costs 1 energy. " + "It may win points. " * 4)
     places = []
@@ -904,3 +916,10 @@ def test_a_talk_that_fits_has_no_scroll_bar_that_would_break_its_lines(qtbot: Qt
 def test_a_finding_has_shorter_words_for_a_narrow_tile() -> None:
     tile = replace(samples.tile(1, 8), found="Orange bottle, +10", found_shorter=("Orange bottle", "+10"))
     assert below(shipped_texts(), tile) == ("Orange bottle, +10", "Orange bottle", "+10")
+
+
+def test_a_room_without_a_cost_has_no_way_only_where_none_leads_there() -> None:
+    tile = replace(samples.tile(1, 8), state="unvisited", cost=None, found="")
+    impossible = replace(tile, choose=replace(tile.choose, enabled=False))
+    assert below(shipped_texts(), impossible) == ("",), "its robot drives, and another one talks about it"
+    assert below(shipped_texts(), replace(impossible, reachable=False)) == ("no way",)

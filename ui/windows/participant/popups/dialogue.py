@@ -1,7 +1,7 @@
 """The pop-up in which a robot talks with the participant."""
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtWidgets import QBoxLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import DialoguePopup
@@ -18,17 +18,18 @@ class DialoguePanel(TitledPanel):
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("window.dialogue"), parent)
         self._pop: DialoguePopup | None = None
+        self._beside: bool | None = None
         self.aside = ActionButton(texts, "quiet")
         self.aside.requested.connect(self.requested)
         self.top.addWidget(self.aside)
         self.facts, self.picture = TreasureFacts(texts), TreasurePicture(texts)
-        self._find = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight), GAP)
-        self.rows.addLayout(self._find)
-        self._find.addWidget(self.picture, 0, Qt.AlignmentFlag.AlignTop)
-        self._find.addWidget(self.facts, 1, Qt.AlignmentFlag.AlignTop)
         self.picture.requested.connect(self.requested)
         self.transcript = Transcript(texts)
-        self.rows.addWidget(self.transcript, 1)
+        self._grid = spaced(QGridLayout(), int(1.5 * GAP))
+        self._grid.addWidget(self.picture, 0, 0, 2, 1, Qt.AlignmentFlag.AlignTop)
+        self._grid.setColumnStretch(1, 1)
+        self._grid.setRowStretch(1, 1)
+        self.rows.addLayout(self._grid, 1)
         self._state = look.label(muted=True)
         self.rows.addWidget(self._state)
         self._outcome = look.label(bold=True)
@@ -41,6 +42,7 @@ class DialoguePanel(TitledPanel):
         self.choices = ActionRow(texts, answers, self.requested, hints=True)
         # The answer that led to the questions, which lead back to it.
         self._left_from = 0
+        self.arrange(self.usual_size())
 
     def show_pop(self, pop: DialoguePopup) -> None:
         """Show this; does nothing when it is shown already."""
@@ -66,11 +68,15 @@ class DialoguePanel(TitledPanel):
             self._keep_focus(focused, before, pop)
 
     def arrange(self, space: QSize) -> None:
-        """Put what was sensed beside the picture, or below where the panel is narrow."""
+        """Put what was sensed and said beside the picture, or below where the panel is narrow."""
         super().arrange(space)
-        width = min(self.usual_size().width(), space.width())
-        beside = width - self.edges().width() - PICTURE.width() - 4 * GAP >= px(FACTS_WIDTH)
-        self._find.setDirection(QBoxLayout.Direction.LeftToRight if beside else QBoxLayout.Direction.TopToBottom)
+        self.transcript.keep_room(space.height() // 2)
+        beside = self.room_beside(PICTURE.width(), space) >= px(FACTS_WIDTH)
+        if beside == self._beside:
+            return
+        self._beside = beside
+        self._grid.addWidget(self.facts, *((0, 1) if beside else (2, 0, 1, 2)), Qt.AlignmentFlag.AlignTop)
+        self._grid.addWidget(self.transcript, *((1, 1) if beside else (3, 0, 1, 2)))
 
     def usual_size(self) -> QSize:
         """Return that of a find where it is about one, since the one takes the place of the other."""

@@ -31,7 +31,7 @@ _VALUES_A_ROW = 3
 
 def find_size() -> QSize:
     """Return the usual size of a pop-up about what was found, logical pixels: names have room beside the picture."""
-    return QSize(PICTURE.width() + 6 * GAP + px(215), px(340))
+    return QSize(PICTURE.width() + 6 * GAP + px(240), px(330))
 
 
 class TreasurePicture(ParticipantButton):

@@ -77,11 +77,11 @@ class NameList(QListWidget):
         words = self._rows()
         bar = self.verticalScrollBar().sizeHint().width()
         wide = max((self.fontMetrics().horizontalAdvance(each) for each in words), default=0)
-        return max(wide + bar + 4 * GAP, self.minimumSizeHint().width())
+        return wide + bar + 4 * GAP - 4
 
     def minimumSizeHint(self) -> QSize:
         """Return the size of two names."""
-        return QSize(px(150), self._high * 2 + 2 * GAP)
+        return QSize(px(110), self._high * 2 + 2 * GAP)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Fill the list again."""

@@ -2,6 +2,7 @@
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
+    QBoxLayout,
     QGridLayout,
     QVBoxLayout,
     QWidget,
@@ -22,19 +23,20 @@ from ui.windows.participant.popups.finding import (
 )
 from ui.windows.participant.popups.names import NameList
 from ui.windows.participant.widgets.buttons import ActionButton
-from ui.windows.participant.widgets.panels import TitledPanel, set_text
+from ui.windows.participant.widgets.panels import TitledPanel, set_text, wrapped_height
 
 
 class TreasurePanel(TitledPanel):
     """Picture and sensor readings at the left, the list of possible names at the right, the acts below.
 
-    In a narrow panel the list is below picture and readings.
+    In a narrow panel the list is above picture and readings.
     """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, texts.text("window.treasure"), parent)
         self._pop: TreasurePopup | None = None
         self._columns: tuple[bool, bool] | None = None
+        self._space = self.usual_size()
         self.aside = ActionButton(texts, "quiet")
         self.top.addWidget(self.aside)
         self.talk = look.label(muted=True)
@@ -51,52 +53,58 @@ class TreasurePanel(TitledPanel):
         naming.addWidget(self._asking)
         naming.addWidget(self.names, 1)
         naming.addWidget(self.verdict, 1)
-        self._stakes = look.label(size="small", muted=True)
-        naming.addWidget(self._stakes)
         self._grid = spaced(QGridLayout(), int(1.5 * GAP))
         self.rows.addLayout(self._grid, 1)
+        self._stakes = look.label(size="small", muted=True)
+        self.rows.addWidget(self._stakes)
         self.name_it, self.leave = ActionButton(texts, "main", hints=True), ActionButton(texts, hints=True)
         self.unsure = ActionButton(texts, hints=True)
-        others = spaced(QVBoxLayout(), GAP)
+        self._others = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom), GAP)
         self.foot.setContentsMargins(GAP, 0, GAP, GAP)
         self.foot.addWidget(self.name_it, 3)
-        self.foot.addLayout(others, 2)
-        others.addWidget(self.unsure)
-        others.addWidget(self.leave)
+        self.foot.addLayout(self._others, 2)
+        self._others.addWidget(self.unsure)
+        self._others.addWidget(self.leave)
         for button in (self.aside, self.picture, self.take_picture, self.name_it, self.unsure, self.leave):
             button.requested.connect(self.requested)
         self.names.picked.connect(self._ask_for_pick)
         self.arrange(self.usual_size())
 
     def arrange(self, space: QSize) -> None:
-        """Put the list beside the picture where a name fits whole there, or else below; the readings likewise.
+        """Put the list beside the picture where names fit whole there, or else above; the readings likewise.
 
-        Where space is short, what a name costs and wins is below the list and not on the button.
+        Where space is short, what a name costs and wins is below all else and not on the button.
         """
         super().arrange(space)
+        self._space = space
         for button in (self.name_it, self.unsure, self.leave):
             button.show_hints(not self.compact)
+        row, column = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.TopToBottom
+        self._others.setDirection(row if self.compact else column)
+        alone = self._pop is None or self._pop.unsure is None
+        self.foot.setStretch(0, 3 if not self.compact else 4 if alone else 2)
         self._show_stakes()
-        width = min(self.usual_size().width(), space.width())
-        beside = width - self.edges().width() - PICTURE.width() - int(3.5 * GAP)
-        columns = beside >= self.names.widest(), beside >= px(FACTS_WIDTH)
-        if columns == self._columns:
+        beside = self.room_beside(PICTURE.width(), space)
+        named, known = beside >= self.names.widest(), beside >= px(FACTS_WIDTH)
+        if (named, known) == self._columns:
             return
-        self._columns = columns
+        self._columns = named, known
         top = Qt.AlignmentFlag.AlignTop
-        facts = (0, 1) if columns == (False, True) else (1, 0)
-        self._grid.addWidget(self.place, 0, 0, top)
-        self._grid.addWidget(self.facts, *facts, top)
-        self._grid.addWidget(self._naming, *((0, 1, 2, 1) if columns[0] else (2, 0, 1, 2)))
+        self._grid.addWidget(self._naming, *((0, 1, 3, 1) if named else (0, 0, 1, 2)))
+        self._grid.addWidget(self.place, 1, 0, top)
+        self._grid.addWidget(self.facts, *((1, 1) if known and not named else (2, 0)), top)
         self._grid.setColumnStretch(1, 1)
-        self._grid.setRowStretch(1, int(columns[0]))
-        self._grid.setRowStretch(2, int(not columns[0]))
+        self._grid.setRowStretch(0, int(not named))
+        self._grid.setRowStretch(2, int(named))
 
     def _show_stakes(self) -> None:
-        """Say what a name costs and wins where the button does not."""
+        """Say what a name costs and wins where the button does not, in a place that is high enough for each name."""
         asks = self._pop is not None and self._pop.asks_for_name
         set_text(self._stakes, self._pop.name_it.hint if self._pop is not None and asks else "")
         self._stakes.setVisible(self.compact and asks)
+        longest = self._pop.longest_name_it if self._pop is not None else None
+        width = self.room_beside(0, self._space)
+        self._stakes.setMinimumHeight(wrapped_height(self._stakes, longest.hint, width) if longest else 0)
 
     def usual_size(self) -> QSize:
         """Return that of all pop-ups about what was found."""
@@ -110,6 +118,7 @@ class TreasurePanel(TitledPanel):
         """Show this; does nothing when it is shown already."""
         if pop == self._pop:
             return
+        new = self._pop is None or pop.room != self._pop.room
         self._pop = pop
         self.entitle(pop.title, pop.robot)
         self.aside.show_action(pop.aside)
@@ -118,6 +127,7 @@ class TreasurePanel(TitledPanel):
         self.facts.show_facts(pop.facts)
         self.more.show_facts(pop.facts or ())
         unseen = self._texts.text("window.no_picture_yet" if pop.verdict is None else "window.no_picture")
+        came = pop.picture is not None and self.place.picture.isHidden()
         self.place.show_place(pop.picture, pop.picture_note or unseen, pop.take_picture, pop.enlarge)
         decided = pop.verdict is not None
         names, worth, called = ((), (), ()) if decided else (pop.names, pop.worth, pop.called)
@@ -134,3 +144,7 @@ class TreasurePanel(TitledPanel):
             if action is not None:
                 button.show_action(action, pop.longest_name_it if button is self.name_it else None)
             button.setVisible(action is not None and not decided)
+        if came:
+            self.reveal(self.place)
+        elif new:
+            self.reveal(self._naming)

@@ -101,13 +101,22 @@ class TitledPanel(QFrame):
 
     def usual_size(self) -> QSize:
         """Return its size as a pop-up on the map, logical pixels; it is higher only where its words need more."""
-        return QSize(px(340), px(300))
+        return QSize(px(360), px(300))
 
     def arrange(self, space: QSize) -> None:
         """Arrange what it holds for the space that there is on the map, logical pixels."""
         usual = self.usual_size()
         self.compact = space.width() < usual.width() or space.height() < usual.height()
         self._title.setFont(font("body" if self.compact else "title", bold=True))
+
+    def room_beside(self, width: int, space: QSize) -> int:
+        """Return the width left beside a part of this width, logical pixels, even where what it holds scrolls."""
+        inside = min(self.usual_size().width(), space.width()) - self.edges().width()
+        return inside - self._scrolling.verticalScrollBar().sizeHint().width() - width - self.rows.spacing()
+
+    def reveal(self, part: QWidget) -> None:
+        """Scroll to a part."""
+        self._scrolling.ensureWidgetVisible(part, 0, GAP)
 
     def least(self, width: int) -> int:
         """Return the height that it needs at least in a width, logical pixels; with less it scrolls."""
@@ -259,6 +268,7 @@ class Transcript(QScrollArea):
         self._sentences: tuple[tuple[Literal["robot", "you"], str], ...] = ()
         self._bubbles: list[SpeechBubble] = []
         self._robot: int | None = None
+        self._room = 0
         self.verticalScrollBar().rangeChanged.connect(self._to_end)
 
     def show_sentences(self, sentences: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
@@ -294,8 +304,15 @@ class Transcript(QScrollArea):
         return QSize(px(320), self.heightForWidth(self.width()))
 
     def minimumSizeHint(self) -> QSize:
-        """Return the size of the last sentence or two."""
-        return QSize(px(120), min(self.sizeHint().height(), px(60)))
+        """Return the size of the newest sentence, as far as there is room for it."""
+        newest = self._bubbles[-1].heightForWidth(self.width()) if self._bubbles else 0
+        return QSize(px(120), min(self.sizeHint().height(), max(px(60), min(newest, self._room))))
+
+    def keep_room(self, height: int) -> None:
+        """Show the newest sentence whole up to this height, logical pixels."""
+        if height != self._room:
+            self._room = height
+            self.updateGeometry()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Report another height for another width; where all fits, no bar takes width that would break lines."""
@@ -396,3 +413,8 @@ def set_text(shown: QLabel, text: str) -> None:
     """Set a label's text only when it differs, which saves a layout."""
     if shown.text() != text:
         shown.setText(text)
+
+
+def wrapped_height(shown: QLabel, text: str, width: int) -> int:
+    """Return the height of a text as a label would show it in a width, logical pixels."""
+    return shown.fontMetrics().boundingRect(QRect(0, 0, width, 10000), Qt.TextFlag.TextWordWrap, text).height()

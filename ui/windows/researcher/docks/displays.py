@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
-from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QFrame, QGridLayout, QScrollArea, QVBoxLayout, QWidget
 
-from ui.windows.controls import CheckBox
 from ui.windows.words_of_others import PlainLabel
 
 
@@ -88,13 +87,13 @@ class DisplaysPanel(QScrollArea):
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setAccessibleName("Displays")
-        self._boxes: dict[MapDisplay, CheckBox] = {}
+        self._boxes: dict[MapDisplay, QCheckBox] = {}
         grid = QGridLayout()
         grid.setHorizontalSpacing(12)
         grid.setVerticalSpacing(6)
         grid.setColumnStretch(0, 1)
         for row, (display, switch) in enumerate(SWITCHES.items()):
-            box = CheckBox(switch.label)
+            box = QCheckBox(switch.label)
             box.setChecked(switch.on)
             box.setToolTip(switch.hint)
             box.setAccessibleDescription(f"{switch.hint}. Key {switch.key}" if switch.key else switch.hint)

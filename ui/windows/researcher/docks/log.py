@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QColor, QGuiApplication, QKeySequence, QShortcut
-from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QTableView, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLineEdit, QTableView, QVBoxLayout, QWidget
 
-from ui.windows.controls import CheckBox
 from ui.windows.look import colours
 from ui.windows.tables import NO_PARENT, RIGHT, ModelIndex, TableModel, row_table
 from ui.windows.words_of_others import PlainLabel, shown
@@ -154,7 +153,7 @@ class LogView(QWidget):
         self._filter = QLineEdit(placeholderText="Filter: words that a row must have", clearButtonEnabled=True)
         self._filter.setAccessibleName(f"Filter of {name}")
         self._filter.textChanged.connect(self._filtered)
-        self._follows = CheckBox("Keep to the time")
+        self._follows = QCheckBox("Keep to the time")
         self._follows.setAccessibleDescription("Scrolls along with the time shown, until you scroll elsewhere")
         self._follows.setChecked(True)
         self._follows.toggled.connect(self._keep_up)

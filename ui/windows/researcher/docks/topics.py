@@ -11,11 +11,6 @@ from ui.windows.words_of_others import PlainLabel, shown
 
 _FIELD = Qt.ItemDataRole.UserRole
 _MARGIN = 8
-_BOXES = """
-QTreeView::indicator { border: 1px solid palette(text); border-radius: 3px; }
-QTreeView::indicator:checked { background: palette(highlight); }
-"""
-"""Style of the boxes: Qt's own are too faint on dark ground."""
 
 
 class TopicTree(QWidget):
@@ -43,7 +38,6 @@ class TopicTree(QWidget):
         self.tree.setUniformRowHeights(True)
         self.tree.header().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         self.tree.header().setStretchLastSection(False)
-        self.tree.setStyleSheet(_BOXES)
         self.tree.itemExpanded.connect(self._open)
         self.tree.itemActivated.connect(self._toggle)
         self.tree.itemChanged.connect(lambda _: self.chosen.emit(tuple(self._ticked())))

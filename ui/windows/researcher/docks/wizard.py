@@ -6,6 +6,7 @@ from textwrap import fill
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QFontMetrics, QResizeEvent
 from PySide6.QtWidgets import (
+    QCheckBox,
     QFrame,
     QGridLayout,
     QLabel,
@@ -20,7 +21,6 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import RoomNames
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
-from ui.windows.controls import CheckBox
 from ui.windows.flow import FlowLayout
 from ui.windows.look import follow_text, font, px
 from ui.windows.words_of_others import PlainLabel, button_text
@@ -52,7 +52,7 @@ class WizardDock(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._puppets: list[CheckBox] = []
+        self._puppets: list[QCheckBox] = []
         self._shown: Wizard | None = None
         self._reason = ""
         self._note = PlainLabel(
@@ -119,7 +119,7 @@ class WizardDock(QWidget):
     def _show_puppets(self, robots: int, puppets: tuple[int, ...]) -> None:
         while len(self._puppets) < robots:
             robot = len(self._puppets)
-            box = CheckBox(robot_name(robot))
+            box = QCheckBox(robot_name(robot))
             box.setAccessibleName(f"Speak for {robot_name(robot)}")
             box.setEnabled(not self._reason)
             box.clicked.connect(lambda on, robot=robot: self.puppeteered.emit(robot, on))
