@@ -15,7 +15,7 @@ from tests.ui.windows.map.houses import busy_robots, house_of, robot_at, rooms_o
 from thbridge.files.map_files import Map
 from ui.model.scene import RoomState
 from ui.model.theme import DARK, LIGHT
-from ui.windows.map import MapView
+from ui.windows.map import MapView, rooms
 from ui.windows.map.item import Z_ABOVE, Z_FLAT, CellImage, MapItem
 from ui.windows.map.points import mapped
 from ui.windows.researcher.map.overlays import COST_COLORS, Arrows, Dots, Lines
@@ -260,6 +260,13 @@ def test_what_was_named_stands_in_its_room_also_on_a_small_map(qtbot: QtBot, are
         assert len(changed) > 50, mark.room
         assert (np.array(changed) >= inside.min(axis=0)).all()
         assert (np.array(changed) <= inside.max(axis=0)).all()
+
+
+def test_a_badge_has_fewer_words_where_all_do_not_fit(qtbot: QtBot, arena: Map) -> None:
+    view = shown(qtbot, arena)
+    space = rooms._Space(view.box.to_pixels(), rooms_of(arena)[0].region, None)
+    found = rooms._Pill(space, "something of an orange that fits into no room", view.box.letters, ("orange",))
+    assert found.words == "orange"
 
 
 class Paintings(QObject):

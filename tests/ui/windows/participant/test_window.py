@@ -486,6 +486,20 @@ def test_what_was_said_last_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
     qtbot.waitUntil(lambda: bar.value() <= newest.y() and newest.geometry().bottom() <= bar.value() + talk.height())
 
 
+def test_the_newest_sentence_is_in_sight_where_it_takes_the_place_of_an_answer(qtbot: QtBot, opened: Open) -> None:
+    pop = replace(samples.dialogue(), sentences=4 * samples.dialogue().sentences, choices=samples.arguing().choices)
+    shown = opened(replace(STATES["playing"], popup=pop))
+    settle()
+    talk = shown.window.dialogue.transcript
+    # As much as one answer less leaves.
+    button = shown.window.dialogue.choices.buttons[-1]
+    said = replace(pop, sentences=(*pop.sentences, ("you", "All right.")), choices=pop.choices[:-1])
+    shown.show(replace(STATES["playing"], popup=said))
+    bar, newest = talk.verticalScrollBar(), talk.findChildren(SpeechBubble)[-1]
+    assert newest.height() == button.height()
+    qtbot.waitUntil(lambda: bar.value() <= newest.y() and newest.geometry().bottom() <= bar.value() + talk.height())
+
+
 def test_answers_stay_where_they_are_while_the_talk_goes_on(opened: Open) -> None:
     pop = samples.dialogue()
     shown = opened(replace(STATES["playing"], popup=replace(pop, sentences=pop.sentences[:2])))

@@ -7,9 +7,12 @@ from thbridge.dialogue.wording.texts import Texts
 from ui.model.screen import DialoguePopup
 from ui.windows import look
 from ui.windows.look import GAP, px, spaced
-from ui.windows.participant.popups.finding import FACTS_WIDTH, PICTURE, TreasureFacts, TreasurePicture, find_size
+from ui.windows.participant.popups.finding import PICTURE, TreasureFacts, TreasurePicture, find_size
 from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.panels import TitledPanel, Transcript
+
+_SAID_WIDTH = 140
+"""Least width of what was said beside a picture, `px`."""
 
 
 class DialoguePanel(TitledPanel):
@@ -71,12 +74,13 @@ class DialoguePanel(TitledPanel):
         """Put what was sensed and said beside the picture, or below where the panel is narrow."""
         super().arrange(space)
         self.transcript.keep_room(space.height() // 2)
-        beside = self.room_beside(PICTURE.width(), space) >= px(FACTS_WIDTH)
+        beside = self.room_beside(PICTURE.width(), space) >= px(_SAID_WIDTH)
         if beside == self._beside:
             return
         self._beside = beside
-        self._grid.addWidget(self.facts, *((0, 1) if beside else (2, 0, 1, 2)), Qt.AlignmentFlag.AlignTop)
-        self._grid.addWidget(self.transcript, *((1, 1) if beside else (3, 0, 1, 2)))
+        row, column, columns = (0, 1, 1) if beside else (2, 0, 2)
+        self._grid.addWidget(self.facts, row, column, 1, columns, Qt.AlignmentFlag.AlignTop)
+        self._grid.addWidget(self.transcript, row + 1, column, 1, columns)
 
     def usual_size(self) -> QSize:
         """Return that of a find where it is about one, since the one takes the place of the other."""

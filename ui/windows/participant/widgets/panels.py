@@ -101,13 +101,13 @@ class TitledPanel(QFrame):
 
     def usual_size(self) -> QSize:
         """Return its size as a pop-up on the map, logical pixels; it is higher only where its words need more."""
-        return QSize(px(360), px(300))
+        return QSize(px(340), px(300))
 
     def arrange(self, space: QSize) -> None:
         """Arrange what it holds for the space that there is on the map, logical pixels."""
         usual = self.usual_size()
         self.compact = space.width() < usual.width() or space.height() < usual.height()
-        self._title.setFont(font("body" if self.compact else "title", bold=True))
+        self._title.setFont(font("body", bold=True))
 
     def room_beside(self, width: int, space: QSize) -> int:
         """Return the width left beside a part of this width, logical pixels, even where what it holds scrolls."""
@@ -322,11 +322,13 @@ class Transcript(QScrollArea):
         self.setVerticalScrollBarPolicy(policy)
         if event.size().width() != event.oldSize().width():
             self.updateGeometry()
+        self._to_end()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Report another size to the layout, since bubbles are shown a moment after they were added."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
+            self._to_end()
         return super().eventFilter(watched, event)
 
     def _to_end(self) -> None:
