@@ -153,6 +153,11 @@ class Texts:
         return words
 
 
+def counted(number: float) -> int:
+    """Return a count that has the plural form of a number with decimals: fractions have that of several."""
+    return round(number) if round(number, 2).is_integer() else 2
+
+
 def words_for(value: str) -> tuple[str, ...]:
     """Return the reserved words that a text may have for a value of this name."""
     return tuple(_with(preposition, value) for preposition in PREPOSITIONS) if value in ROOM_VALUES else (value,)

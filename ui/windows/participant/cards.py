@@ -4,7 +4,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
 
-from thbridge.dialogue.wording.texts import Texts
+from thbridge.dialogue.wording.texts import Texts, counted
 from ui.model.screen import Action, RobotCard
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ParticipantButton
@@ -342,15 +342,17 @@ def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
 
 def energy_words(texts: Texts, card: RobotCard) -> tuple[str, ...]:
     """Return the energy left; while a move is considered, also its cost: the full words, and shorter ones."""
-    energy = texts.number(card.energy)
+    energy, left = texts.number(card.energy), card.energy
     if card.cost is None:
         shown = energy
     elif card.affordable:
-        shown = f"{energy} − {texts.number(card.cost)} = {texts.number(max(0.0, card.energy - card.cost))}"
+        left = max(0.0, card.energy - card.cost)
+        shown = f"{energy} − {texts.number(card.cost)} = {texts.number(left)}"
     else:
         keys = ("window.lacking_units", "window.lacking", "window.lacking_short")
         return tuple(texts.text(key, energy=energy, cost=card.cost) for key in keys)
-    return texts.text("window.energy_units", energy=shown), texts.text("window.energy", energy=shown), shown
+    units = texts.text("window.energy_units", energy=shown, count=counted(left))
+    return units, texts.text("window.energy", energy=shown), shown
 
 
 def spoken_card(texts: Texts, card: RobotCard) -> str:

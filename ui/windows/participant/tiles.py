@@ -4,7 +4,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Signal
 from PySide6.QtGui import QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from thbridge.dialogue.wording.texts import Texts
+from thbridge.dialogue.wording.texts import Texts, counted
 from ui.model.scene import RoomState
 from ui.model.screen import RoomTile
 from ui.windows.look import GAP, RADIUS, colours, font, px, smooth_painter
@@ -277,7 +277,7 @@ def below(texts: Texts, tile: RoomTile) -> tuple[str, ...]:
     if tile.cost is None:
         return ("" if tile.reachable else texts.text("window.no_way"),)
     keys = ("window.costs_energy", "window.costs_units", "window.units")
-    return *(texts.text(key, cost=tile.cost) for key in keys), texts.number(tile.cost)
+    return *(texts.text(key, cost=tile.cost, count=counted(tile.cost)) for key in keys), texts.number(tile.cost)
 
 
 def spoken_tile(texts: Texts, tile: RoomTile) -> str:

@@ -410,8 +410,10 @@ class ParticipantWindow(QWidget):
 
     def _keep_focus(self, before: QWidget | None) -> None:
         """Move the focus from a region that has gone to what has come in its place."""
-        if before is not None and before not in self.regions and self.regions:
-            focus.focus_region(self.regions[0])
+        regions = self.regions
+        if before is not None and before not in regions and regions:
+            # Not the tools, where the next Enter would press one.
+            focus.focus_region(self.column.cards if regions[0] is self.top else regions[0])
 
     def _announce(self, screen: Screen) -> None:
         if screen.announcement_number != self._announced:

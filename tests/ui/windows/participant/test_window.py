@@ -54,7 +54,7 @@ from ui.model.screen import (
 from ui.model.theme import LIGHT
 from ui.windows.look import GAP, font
 from ui.windows.map import MapView
-from ui.windows.participant.cards import EDGE, PAD
+from ui.windows.participant.cards import EDGE, PAD, energy_words
 from ui.windows.participant.pages.pages import KeyCap
 from ui.windows.participant.popups.finding import PICTURE, NamingResult, TreasureFacts, TreasurePicture
 from ui.windows.participant.score import ScoreLabel
@@ -475,6 +475,14 @@ def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(opened: Open) -
     assert focused is not None and shown.window.dialogue.isAncestorOf(focused)
 
 
+def test_the_focus_goes_to_the_robots_where_nothing_takes_the_place(opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    shown.window.treasure.leave.setFocus()
+    shown.show(STATES["playing"])
+    focused = QApplication.focusWidget()
+    assert focused is not None and shown.window.column.cards.isAncestorOf(focused)
+
+
 def test_what_was_said_last_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
     pop = samples.dialogue()
     shown = opened(replace(STATES["playing"], popup=replace(pop, sentences=(), choices=())))
@@ -483,20 +491,6 @@ def test_what_was_said_last_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
     qtbot.waitUntil(lambda: talk.height() >= talk.heightForWidth(talk.width()) > 0)
     shown.show(replace(STATES["playing"], popup=pop))
     bar, newest = talk.verticalScrollBar(), talk.findChildren(SpeechBubble)[-1]
-    qtbot.waitUntil(lambda: bar.value() <= newest.y() and newest.geometry().bottom() <= bar.value() + talk.height())
-
-
-def test_the_newest_sentence_is_in_sight_where_it_takes_the_place_of_an_answer(qtbot: QtBot, opened: Open) -> None:
-    pop = replace(samples.dialogue(), sentences=4 * samples.dialogue().sentences, choices=samples.arguing().choices)
-    shown = opened(replace(STATES["playing"], popup=pop))
-    settle()
-    talk = shown.window.dialogue.transcript
-    # As much as one answer less leaves.
-    button = shown.window.dialogue.choices.buttons[-1]
-    said = replace(pop, sentences=(*pop.sentences, ("you", "All right.")), choices=pop.choices[:-1])
-    shown.show(replace(STATES["playing"], popup=said))
-    bar, newest = talk.verticalScrollBar(), talk.findChildren(SpeechBubble)[-1]
-    assert newest.height() == button.height()
     qtbot.waitUntil(lambda: bar.value() <= newest.y() and newest.geometry().bottom() <= bar.value() + talk.height())
 
 
@@ -937,3 +931,12 @@ def test_a_room_without_a_cost_has_no_way_only_where_none_leads_there() -> None:
     impossible = replace(tile, choose=replace(tile.choose, enabled=False))
     assert below(shipped_texts(), impossible) == ("",), "its robot drives, and another one talks about it"
     assert below(shipped_texts(), replace(impossible, reachable=False)) == ("no way",)
+
+
+def test_one_unit_is_no_units() -> None:
+    texts = shipped_texts()
+    tile = replace(samples.tile(3, 8), cost=1.0)
+    assert below(texts, tile)[0] == "costs 1 unit of energy"
+    assert below(texts, replace(tile, cost=1.5))[0] == "costs 1.5 units of energy"
+    card = replace(samples.card(0), energy=28.0, cost=27.0)
+    assert energy_words(texts, card)[0] == "Energy: 28 − 27 = 1 unit"
