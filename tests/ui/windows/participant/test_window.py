@@ -494,6 +494,23 @@ def test_what_was_said_last_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
     qtbot.waitUntil(lambda: bar.value() <= newest.y() and newest.geometry().bottom() <= bar.value() + talk.height())
 
 
+def test_the_newest_sentence_is_in_sight_where_there_is_as_much_more_room_as_it_takes(qtbot: QtBot) -> None:
+    talk = Transcript(shipped_texts())
+    qtbot.addWidget(talk)
+    said = 6 * (("robot", "Shall I go?"),)
+    talk.show_sentences(said, 0)
+    talk.resize(300, 100)
+    with qtbot.waitExposed(talk):
+        talk.show()
+    settle()
+    bar = talk.verticalScrollBar()
+    bar.blockSignals(True)  # a range that is the same in the end is not reported
+    talk.show_sentences((*said, ("you", "Go.")), 0)
+    settle()
+    newest = talk.findChildren(SpeechBubble)[-1]
+    assert bar.value() <= newest.y() and newest.geometry().bottom() <= bar.value() + talk.height()
+
+
 def test_answers_stay_where_they_are_while_the_talk_goes_on(opened: Open) -> None:
     pop = samples.dialogue()
     shown = opened(replace(STATES["playing"], popup=replace(pop, sentences=pop.sentences[:2])))

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import (
     QApplication,
@@ -270,6 +270,9 @@ class Transcript(QScrollArea):
         self._robot: int | None = None
         self._room = 0
         self.verticalScrollBar().rangeChanged.connect(self._to_end)
+        # New bubbles have their place once all events so far are through.
+        self._settling = QTimer(self, singleShot=True, interval=0)
+        self._settling.timeout.connect(self._to_end)
 
     def show_sentences(self, sentences: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
         """Show these sentences; bubbles that are shown already are kept."""
@@ -328,7 +331,7 @@ class Transcript(QScrollArea):
         """Report another size to the layout, since bubbles are shown a moment after they were added."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
-            self._to_end()
+            self._settling.start()
         return super().eventFilter(watched, event)
 
     def _to_end(self) -> None:
