@@ -127,6 +127,8 @@ class MapArea(QWidget):
             return
         space = self._space()
         if self._robot is None:
+            # Below the banner: in a low window it would hide the title.
+            space.setTop(space.top() + self.banner.height_for(space.width()))
             size = panel.wanted(min(px(MAX_PANEL_WIDTH), space.width()), space.height())
             place = QRect(QPoint(0, 0), size)
             place.moveCenter(space.center())

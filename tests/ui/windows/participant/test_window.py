@@ -24,6 +24,7 @@ from ui.model.screen import (
     AnotherGame,
     AskAdvice,
     AskForRobot,
+    Banner,
     Cancel,
     ChooseRobot,
     ChooseRoom,
@@ -622,6 +623,16 @@ def corner_of(shown: Opened, panel: QWidget) -> tuple[bool, bool]:
     """Whether a panel is at the right and at the bottom of the map."""
     place, area = panel.geometry(), shown.window.map_area.rect()
     return place.right() == area.right() - GAP, place.bottom() == area.bottom() - GAP
+
+
+def test_the_banner_hides_nothing_of_the_end(opened: Open) -> None:
+    over, ending = STATES["over"], STATES["over"].ending
+    assert ending is not None
+    long = replace(ending, lines=8 * ending.lines)
+    shown = opened(replace(over, ending=long, banner=Banner("What is in room 2 is left there.", "note")), 800, 500)
+    settle()
+    area = shown.window.map_area
+    assert not area.banner.geometry().intersects(shown.window.ending.geometry())
 
 
 def test_pictures_have_one_size_and_a_press_enlarges_them(qtbot: QtBot, opened: Open) -> None:
