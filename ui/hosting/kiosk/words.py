@@ -105,7 +105,8 @@ def results(texts: Texts, games: Sequence[tuple[int, int | None]]) -> str:
     """Return what a debriefing says of each game: its score, and the best possible one where it is known."""
     told = []
     for number, (score, best) in enumerate(games, 1):
-        said = texts.text("kiosk.score_of_game", game=number, score=score)
+        only = len(games) == 1
+        said = texts.text("kiosk.your_score" if only else "kiosk.score_of_game", game=number, score=score)
         told.append(said if best is None else f"{said} {texts.text('kiosk.best_possible', count=best)}")
     return "\n\n".join(told)
 

@@ -908,3 +908,4 @@ def test_a_debriefing_tells_the_results_that_games_left_out(tmp_path: Path) -> N
         rf"It was about robots\.\n\nYour score in game 1: 10\. {best}\n\nYour score in game 2: 10\. {best}",
         page.text,
     )
+    assert words.results(TEXTS, [(3, None)]) == "Your score: 3."
