@@ -77,7 +77,8 @@ def until(what: str, condition: Callable[[], bool], programs: list[Program], sec
 
 
 def port_of(server: Program, programs: list[Program]) -> int:
-    until("the server to listen", lambda: "listening on" in server.text, programs)
+    until("the server to listen", lambda: "listening on" in server.text or server.process.poll() is not None, programs)
+    assert "listening on" in server.text, server.text
     return int(server.text.split("listening on ")[1].split()[0].rpartition(":")[2])
 
 

@@ -81,6 +81,7 @@ def study(tmp_path: Path) -> Path:
     folder = tmp_path / "game"
     templates = folder / "kept-Yxoblundt"
     shutil.copytree(ROOT / "templates" / "sklar-azhar-2015", templates)
+    shutil.rmtree(templates / "de")  # Words for the treasures that the set had.
     shutil.rmtree(templates / "pictures")
     (templates / "pictures").mkdir()
     lines = []
