@@ -3,11 +3,13 @@
 import json
 import re
 import subprocess
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from PIL import Image
 
@@ -24,6 +26,8 @@ pytestmark = needs_desktop
 STUDY = "map: arena8\ntemplates: original-2016\nrobots: 2\nseed: 5\nserver:\n  port: 0\n"
 BESIDE = 1250
 """Pixels from the left at which the researcher's window stands."""
+WALL = (0x3A, 0x43, 0x52)
+"""Color of walls in light windows."""
 WORDS = "Shall we begin with room 2?"
 
 
@@ -65,10 +69,27 @@ class Watch:
         self.screen.press(key)
 
     def place(self, x: float, y: float) -> tuple[float, float]:
-        """Where a place of arena8 is on the screen: the map shows all of the house, with a margin of 30 pixels."""
+        """Where a place of arena8 is on the screen: its outer walls reach from (-5, -5) to (11, 7)."""
+        seen, pixels = self.named("Map", "filler"), self.map_pixels()
+        rows, columns = np.nonzero((np.abs(pixels.astype(int) - WALL) < 2).all(axis=-1))
+        left, right, top, bottom = columns.min(), columns.max(), rows.min(), rows.max()
+        return (
+            seen.x + left + (x + 5.0) / 16.0 * float(right - left),
+            seen.y + top + (7.0 - y) / 12.0 * float(bottom - top),
+        )
+
+    def map_pixels(self) -> npt.NDArray[np.uint8]:
+        """The map as it is drawn: (rows, columns, 3) red, green, blue."""
         seen = self.named("Map", "filler")
-        scale = min((seen.width - 60) / 16.0, (seen.height - 60) / 12.0)
-        return seen.middle[0] + (x - 3.0) * scale, seen.middle[1] - (y - 1.0) * scale
+        with tempfile.TemporaryDirectory() as folder:
+            self.screen.picture(Path(folder) / "now.png")
+            with Image.open(Path(folder) / "now.png") as picture:
+                pixels = np.asarray(picture.convert("RGB"))
+        return pixels[seen.y : seen.y + seen.height, seen.x : seen.x + seen.width]
+
+    def wait_for_time(self, shown: str) -> None:
+        """Wait until this moment of a recording is shown."""
+        self.screen.wait(shown, lambda: self.named("Time shown", "text").text == shown, PATIENCE)
 
     def drag(self, tool: str, *places: tuple[float, float]) -> None:
         """A stroke on the map with a tool."""
@@ -119,7 +140,7 @@ def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, t
     (tmp_path / "study.yaml").write_text(STUDY)
     door = f"127.0.0.1:{free_port()}"
     play = ("play", "study.yaml", "--watch", door, "--bag", "hunt.bag", "--no-report")
-    with started(screen, tmp_path, *play), started(screen, tmp_path, "watch", door) as program:
+    with started(screen, tmp_path, *play), started(screen, tmp_path, "watch", door, "--look", "light") as program:
         # It may come before there is anything to watch.
         watch = Watch(screen, program, door)
         screen.do("windowmove", watch.handle, str(BESIDE), "0")
@@ -187,25 +208,21 @@ def test_a_recording_is_looked_through_by_mouse_and_keys(screen: Desktop, tmp_pa
         watch = Watch(screen, program, "hunt.bag")
         watch.named("recording", "label")
         watch.click("Time", "slider")
-        watch.named("0:04", "label")
-        before = costs_drawn(watch, tmp_path)
+        watch.wait_for_time("0:04.00")
+        before = costs_drawn(watch)
         watch.press("5")
         screen.wait("the switch", lambda: watch.named("Global costmap", "check box").checked)
-        screen.wait("its costs", lambda: costs_drawn(watch, tmp_path) > before + 4000)
+        screen.wait("its costs", lambda: costs_drawn(watch) > before + 4000)
         watch.press("Home")
-        watch.named("0:00.00", "label")
+        watch.wait_for_time("0:00.00")
         watch.press("period")
-        watch.named("0:00.02", "label")
+        watch.wait_for_time("0:00.02")
         assert not watch.named("Kidnap (K)").enabled
         screen.ask_to_close(watch.handle)
         assert program.wait(PATIENCE) == 0
 
 
-def costs_drawn(watch: Watch, folder: Path) -> int:
+def costs_drawn(watch: Watch) -> int:
     """Pixels of the map in the colour in which rviz draws costs next to walls."""
-    watch.screen.picture(folder / "now.png")
-    seen = watch.named("Map", "filler")
-    with Image.open(folder / "now.png") as picture:
-        pixels = np.asarray(picture.convert("RGB"))[seen.y : seen.y + seen.height, seen.x : seen.x + seen.width]
-    red, green, blue = np.moveaxis(pixels, 2, 0)
+    red, green, blue = np.moveaxis(watch.map_pixels(), 2, 0)
     return int(((red < 120) & (green > 220) & (blue > 220)).sum())

@@ -84,7 +84,7 @@ class ResearcherWindow(DockedWindow):
         self._overlays = Overlays(self._map.box)
         self._tool_controller = ToolController(feed, self, self._map, self._bodies, self.select)
         self._log_updater = LogUpdater(feed, self)
-        self.sign = TroubleSign(self._map)
+        self.sign = TroubleSign(self._map.viewport())  # Screen readers find nothing in the map itself.
         self._connect()
         self._tool_controller.use_tool(self.tool)
         if feed.refusal:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QAccessible
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QMessageBox, QPushButton
 from pytestqt.qtbot import QtBot
@@ -247,6 +248,8 @@ def test_where_nobody_answers_it_says_so_and_waits(qtbot: QtBot) -> None:
     qtbot.addWidget(window)
     window.show()
     waits(qtbot, lambda: "Nobody answers at 127.0.0.1:1" in window.sign.text())
+    sign = QAccessible.queryAccessibleInterface(window.sign)
+    assert sign.parent().indexOfChild(sign) >= 0, "a screen reader finds it"
     window.close()
     window.deleteLater()
 
