@@ -1,7 +1,8 @@
 """Arguments from beliefs, and how they attack and support each other (Sklar and Azhar 2015, JHRI 4(3), section 3).
 
 An argument is a support and a conclusion: the support is part of the beliefs, consistent, derives the conclusion, and
-nothing can be left out of it.
+nothing can be left out of it. A support derives a rule if, with the premises of the rule granted, it derives the
+conclusion of the rule; so the premises themselves are no support of it.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -26,7 +27,7 @@ class Argument:
     """
 
     support: frozenset[Belief]
-    conclusion: Literal
+    conclusion: Belief
 
     @property
     def premises(self) -> frozenset[Literal]:
@@ -38,7 +39,7 @@ class Argument:
 
 
 def arguments_for(
-    conclusion: Literal,
+    conclusion: Belief,
     literals: Collection[Literal],
     rules: Sequence[Rule],
     is_evidence: Callable[[Literal], bool] = lambda _: True,
@@ -54,8 +55,12 @@ def arguments_for(
     held, by_conclusion = frozenset(literals), dict[Literal, list[Rule]]()
     for rule in rules:
         by_conclusion.setdefault(rule.conclusion, []).append(rule)
+    granted, goal = _derivation(conclusion)
 
     def supports(wanted: Literal, above: frozenset[Literal]) -> Iterator[frozenset[Belief]]:
+        if wanted in granted:
+            yield frozenset()
+            return
         if wanted in held and (above or is_evidence(wanted)):
             yield frozenset([wanted])
         # A rule whose premises need what is wanted would argue in a circle.
@@ -66,19 +71,19 @@ def arguments_for(
                 for parts in product(*(tuple(supports(premise, below)) for premise in rule.premises)):
                     yield own.union(*parts)
 
-    found = {_said(whole) for whole in supports(conclusion, frozenset()) if _is_consistent(whole)}
+    found = {_said(whole) for whole in supports(goal, frozenset()) if _is_consistent(whole | granted)}
     minimal = [support for support in found if not any(other < support for other in found)]
     return tuple(sorted((Argument(support, conclusion) for support in minimal), key=str))
 
 
 def rebuts(one: Argument, other: Argument) -> bool:
-    """Return True when the conclusions are opposed."""
-    return opposed(one.conclusion, other.conclusion)
+    """Return True when the conclusions are opposed, which rules never are: nothing says that a rule does not hold."""
+    return isinstance(other.conclusion, Literal) and _denies(one, other.conclusion)
 
 
 def undermines(one: Argument, other: Argument) -> bool:
     """Return True when the conclusion of one is opposed to something that the other rests on."""
-    return any(opposed(one.conclusion, premise) for premise in other.premises)
+    return any(_denies(one, premise) for premise in other.premises)
 
 
 def p_supports(one: Argument, other: Argument) -> bool:
@@ -107,6 +112,18 @@ def framework_of(
             if (rebuts(one, other) or undermines(one, other)) and not prefers(other, one)
         ),
     )
+
+
+def _derivation(conclusion: Belief) -> tuple[frozenset[Literal], Literal]:
+    """Literals that are granted, and the one that a support derives with them; of a literal nothing is granted."""
+    if isinstance(conclusion, Literal):
+        return frozenset(), conclusion
+    granted = frozenset(part for premise in conclusion.premises for part in (premise, *premise.parts))
+    return granted, conclusion.conclusion
+
+
+def _denies(argument: Argument, literal: Literal) -> bool:
+    return isinstance(argument.conclusion, Literal) and opposed(argument.conclusion, literal)
 
 
 def _said(whole: frozenset[Belief]) -> frozenset[Belief]:

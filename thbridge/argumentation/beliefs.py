@@ -87,7 +87,7 @@ class Beliefs:
         """Return True when neither a proposition nor anything opposed to it is held."""
         return self.stance(proposition) is Stance.UNKNOWN and Literal(proposition) not in self
 
-    def arguments(self, conclusion: Literal) -> tuple[Argument, ...]:
+    def arguments(self, conclusion: Belief) -> tuple[Argument, ...]:
         """Return all arguments for a conclusion."""
         return arguments_for(conclusion, self.origins, self.rules, lambda literal: self.origins[literal].is_evidence)
 

@@ -544,7 +544,7 @@ def _last_said(dialogue: Dialogue) -> Explain:
     match last:
         case Explain(question, about, because) if question is not Question.SIMPLER:
             return Explain(Question.SIMPLER, about, because, question)
-        case DialogueMove("assert", Argument(support, conclusion)):
+        case DialogueMove("assert", Argument(support, Literal() as conclusion)):
             literals = tuple(each for each in reasons(support, conclusion) if isinstance(each, Literal))
             return Explain(Question.SIMPLER, conclusion, literals)
         case DialogueMove("assert", Literal() as said) if not is_decision(said):

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from sim.numerics import noise
 from thbridge.argumentation.arguments import Belief
 from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue.examples import Exchange
-from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.games.contents import DialogueMove, matter_of
 from thbridge.dialogue.games.control import Conversation, Opening
 from thbridge.dialogue.games.strategies import GameStrategy
 
@@ -78,10 +78,9 @@ def _openings(
     if game is None:
         yield from conversation.openings(side, matter, parent)
         return
-    beliefs = conversation.agents[side].beliefs
-    topics: list[Belief] = [Literal(matter), Literal(matter, holds=False)]
+    topics: tuple[Belief, ...] = (Literal(matter), Literal(matter, holds=False))
     if conversation.rulebook.games[game].about == "rule":
-        topics = [rule for rule in beliefs.rules if rule.conclusion.proposition == matter]
+        topics = conversation.proposals(side, matter)
     for topic in topics:
         yield from conversation.opening(side, game, topic, parent)
 
@@ -89,8 +88,7 @@ def _openings(
 def _matters(exchange: Exchange, conversation: Conversation) -> list[Proposition]:
     """Return what a dialogue may be opened about: topics and their parts, but for what is being talked over."""
     parts = [part.proposition for topic in exchange.topics for part in topic.parts]
-    topics = [play.topic.conclusion if isinstance(play.topic, Rule) else play.topic for play in conversation.open_plays]
-    open_ones = {topic.proposition for topic in topics}
+    open_ones = {matter_of(play.topic) for play in conversation.open_plays}
     return [each for each in dict.fromkeys([*exchange.topics, *parts]) if each not in open_ones]
 
 

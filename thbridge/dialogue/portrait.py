@@ -225,6 +225,9 @@ def _arguments(conversation: Conversation, beliefs: Beliefs) -> Iterable[Argumen
     )
     conclusions = dict.fromkeys((*issues, *(~issue for issue in issues), *(rule.conclusion for rule in beliefs.rules)))
     found = dict.fromkeys(sorted(robot.picture.arguments, key=str))
+    found |= dict.fromkeys(
+        argument for rule in topics if isinstance(rule, Rule) for argument in beliefs.arguments(rule)
+    )
     found |= _about(conclusions, issues, beliefs)
     premises = dict.fromkeys(premise for argument in found for premise in sorted(argument.premises, key=str))
     against = [*conclusions, *(~premise for premise in premises)]

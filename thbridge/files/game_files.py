@@ -27,7 +27,8 @@ _KIND_OF_SLOT: Mapping[Slot, ContentKind] = {
 """Kinds of what slots hold; in all others stands what the game is about."""
 LONGEST_NAME = 60
 _NAMES = f"A name has 1 to {LONGEST_NAME} letters, with no blanks at its ends"
-_Forms = Mapping[tuple[str, ContentKind], Locution]
+_FormKey = tuple[str, ContentKind, str | None]
+_Forms = Mapping[_FormKey, Locution]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +38,7 @@ class _LocutionYaml:
     before: tuple[str, ...] = ()
     before_person: tuple[str, ...] = ()
     after: tuple[str, ...] = ()
+    of: Literal["support"] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +77,7 @@ def read_rulebook(folders: Iterable[Path] = (SHIPPED_GAMES,)) -> Rulebook:
     Raises:
         BadFile: a fault of a file, or all faults together.
     """
-    forms: dict[tuple[str, ContentKind], Locution] = {}
+    forms: dict[_FormKey, Locution] = {}
     read: dict[str, Loaded[_GameYaml]] = {}
     faults = FaultCollection()
     for folder in folders:
@@ -108,7 +110,7 @@ def _game_paths(folder: Path) -> list[Path]:
 def _read_locutions(folder: Path) -> _Forms:
     if not (folder / LOCUTIONS).exists():
         return {}
-    return {(each.name, each.content): each for each in _locutions(load(folder / LOCUTIONS, _LocutionsYaml))}
+    return {(each.name, each.content, each.of): each for each in _locutions(load(folder / LOCUTIONS, _LocutionsYaml))}
 
 
 def _load_games(paths: Iterable[Path], others: Mapping[str, Loaded[_GameYaml]]) -> dict[str, Loaded[_GameYaml]]:
@@ -151,12 +153,12 @@ def _check_others(path: Path, games: Iterable[Loaded[_GameYaml]], forms: _Forms)
 
 def _locutions(loaded: Loaded[_LocutionsYaml]) -> list[Locution]:
     faults: list[BadFile] = []
-    seen: set[tuple[str, ContentKind]] = set()
+    seen: set[_FormKey] = set()
     for place, each in enumerate(loaded.value.locutions):
         key = f"locutions[{place}]"
-        if (each.name, each.content) in seen:
+        if (each.name, each.content, each.of) in seen:
             faults.append(loaded.fault(key, f"{each.name} of a {each.content} is there twice", "Keep one of them"))
-        seen.add((each.name, each.content))
+        seen.add((each.name, each.content, each.of))
         for field, names, known in (
             ("before", each.before, CONDITIONS),
             ("before_person", each.before_person, CONDITIONS),
@@ -252,10 +254,10 @@ def _reply_faults(
     forms: _Forms,
 ) -> Iterator[BadFile]:
     about = loaded.value.about
-    have = [kind for name, kind in forms if name == reply.say]
+    have = list(dict.fromkeys(kind for name, kind, of in forms if name == reply.say and of in {None, reply.of}))
     wanted = _kind_of(reply.of, about)
     if not have:
-        yield _no_such(loaded, f"{key}.say", "locution", reply.say, {name for name, _ in forms})
+        yield _no_such(loaded, f"{key}.say", "locution", reply.say, {name for name, _, _ in forms})
     elif wanted not in have:
         yield loaded.fault(
             f"{key}.of",
@@ -290,7 +292,8 @@ def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile
     table = _table(loaded.value)
 
     def form_of(reply: Reply) -> Locution:
-        return forms[reply.locution, _kind_of(reply.slot, table.about)]
+        kind = _kind_of(reply.slot, table.about)
+        return forms.get((reply.locution, kind, reply.slot)) or forms[reply.locution, kind, None]
 
     found = positions(table, form_of)
     for place, stage in enumerate(table.stages):

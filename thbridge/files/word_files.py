@@ -444,13 +444,11 @@ def _lacking(folder: Path, language: Language, locutions: Sequence[Locution]) ->
             if not all(language.phrase(name, side, robot, holds=holds) for side in Side for robot in robots):
                 remedy = f"Add to phrases: {{of: {name}, {word}: [...]}}, {or_fall_back}"
                 yield BadFile(folder, f"no phrase {name} with '{word}' for everybody", remedy, key="phrases")
-    for locution in locutions:
+    for name, content in dict.fromkeys((each.name, each.content) for each in locutions):
         for side in Side:
-            if not language.move(locution.name, locution.content, side, holds=False) or not language.move(
-                locution.name, locution.content, side
-            ):
-                written = f"{{move: {locution.name}, content: {locution.content}, speaker: {side}, say: [...]}}"
-                problem = f"no wording of {locution.name} with a {locution.content} for every case, said by the {side}"
+            if not language.move(name, content, side, holds=False) or not language.move(name, content, side):
+                written = f"{{move: {name}, content: {content}, speaker: {side}, say: [...]}}"
+                problem = f"no wording of {name} with a {content} for every case, said by the {side}"
                 yield BadFile(folder, problem, f"Add to moves: {written}, {or_fall_back}", key="moves")
     for key, line in LINES.items():
         if not language.line(key):

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from thbridge.argumentation.arguments import (
     Argument,
+    Belief,
     arguments_for,
     c_supports,
     framework_of,
@@ -96,15 +97,46 @@ def test_what_follows_by_rules_of_the_language_must_be_consistent_too() -> None:
     assert arguments_for(c, [a, d], [*rules[:1], Rule((b, d), ~a), Rule((~a,), c)]) == ()
 
 
+def test_what_derives_a_rule_with_its_premises_granted_supports_it_and_they_do_not() -> None:
+    a, b, c, d = fact("a"), fact("b"), fact("c"), fact("d")
+    first, second, both, whole = Rule((a,), c), Rule((c,), b), Rule((a, d), b), Rule((a,), b)
+
+    def supports(literals: list[Literal], rules: list[Rule], conclusion: Rule = whole) -> list[frozenset[Belief]]:
+        found = arguments_for(conclusion, literals, rules)
+        assert all(argument.conclusion == conclusion for argument in found)
+        return [argument.support for argument in found]
+
+    assert supports([a], []) == supports([a, c], [first]) == []
+    assert supports([], [first, second]) == supports([a], [first, second]) == [{first, second}]
+    assert supports([a, d], [both]) == [{d, both}]
+    assert supports([], [both], Rule((d, a), b)) == [{both}]
+    # A rule that is held supports itself, as an observation does; one of the language rests on nothing.
+    assert supports([], [whole]) == [{whole}]
+    assert supports([], [Rule((a,), b, is_said=False)]) == [frozenset()]
+    # From what cannot hold together with its premises a rule does not follow.
+    assert supports([], [Rule((a,), ~a), Rule((~a,), b)]) == []
+    assert supports([], [Rule((a,), d), Rule((d,), b)], Rule((a, ~d), b)) == []
+
+
+def test_a_rule_is_attacked_in_what_it_rests_on_alone() -> None:
+    a, b, c, d = fact("a"), fact("b"), fact("c"), fact("d")
+    for_rule = Argument(frozenset([d, Rule((a, d), b)]), Rule((a,), b))
+    assert undermines(Argument(frozenset([c]), ~d), for_rule)
+    for conclusion in (~b, ~a, Rule((a,), ~b)):
+        other = Argument(frozenset([c]), conclusion)
+        assert not rebuts(other, for_rule) and not rebuts(for_rule, other) and not undermines(for_rule, other)
+    assert p_supports(for_rule, Argument(frozenset([a, Rule((a,), b)]), b))
+
+
 NAMES = [fact(name) for name in "abcd"]
 LITERALS = st.sampled_from([*NAMES, *(~name for name in NAMES)])
 PREMISES = st.lists(LITERALS, min_size=1, max_size=2, unique=True).map(tuple)
 RULES = st.builds(Rule, PREMISES, LITERALS, st.just(True))
 
 
-def derives(support: frozenset[Literal | Rule], conclusion: Literal) -> bool:
+def derives(support: frozenset[Literal | Rule], conclusion: Literal, granted: frozenset[Literal]) -> bool:
     """Whether a conclusion follows, by applying rules until nothing new comes."""
-    known = {each for each in support if isinstance(each, Literal)}
+    known = {each for each in support if isinstance(each, Literal)} | granted
     rules = [each for each in support if isinstance(each, Rule)]
     while True:
         new = {rule.conclusion for rule in rules if set(rule.premises) <= known} - known
@@ -114,19 +146,23 @@ def derives(support: frozenset[Literal | Rule], conclusion: Literal) -> bool:
 
 
 @given(
-    literals=st.frozensets(LITERALS, max_size=5), rules=st.lists(RULES, max_size=4, unique=True), conclusion=LITERALS
+    literals=st.frozensets(LITERALS, max_size=5),
+    rules=st.lists(RULES, max_size=4, unique=True),
+    conclusion=LITERALS | RULES,
 )
 def test_arguments_are_the_least_consistent_parts_of_the_beliefs_that_derive_the_conclusion(
-    literals: frozenset[Literal], rules: list[Rule], conclusion: Literal
+    literals: frozenset[Literal], rules: list[Rule], conclusion: Belief
 ) -> None:
+    granted = frozenset(conclusion.premises) if isinstance(conclusion, Rule) else frozenset[Literal]()
+    goal = conclusion.conclusion if isinstance(conclusion, Rule) else conclusion
     beliefs: list[Literal | Rule] = [*literals, *rules]
     parts = [frozenset(some) for size in range(len(beliefs) + 1) for some in combinations(beliefs, size)]
-    deriving = [part for part in parts if derives(part, conclusion)]
+    deriving = [part for part in parts if derives(part, goal, granted)]
     least = {part for part in deriving if not any(other < part for other in deriving)}
 
     def is_consistent(part: frozenset[Literal | Rule]) -> bool:
         conclusions = {each.conclusion if isinstance(each, Rule) else each for each in part}
-        return consistent(frozenset(conclusions | {conclusion}))
+        return consistent(frozenset(conclusions | granted | {goal}))
 
     found = {argument.support for argument in arguments_for(conclusion, literals, rules)}
     assert found == {part for part in least if is_consistent(part)}

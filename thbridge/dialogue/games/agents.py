@@ -77,9 +77,8 @@ class Picture:
             conclusion: what is argued for.
             rules: of the language, which everybody knows.
         """
-        if conclusion in self.argued or isinstance(conclusion, Rule):
-            return conclusion in self.argued
-        return bool(arguments_for(conclusion, self.held, (*rules, *sorted(self.rules, key=str))))
+        known = (*rules, *sorted(self.rules, key=str))
+        return conclusion in self.argued or bool(arguments_for(conclusion, self.held, known))
 
 
 @dataclass(frozen=True, slots=True)

@@ -87,6 +87,11 @@ def propositions_in(content: Content) -> frozenset[Proposition]:
             return frozenset().union(*map(propositions_in, (*support, conclusion)))
 
 
+def matter_of(topic: Belief) -> Proposition:
+    """Return the proposition that a topic is about, whether it holds or not; of a rule that of its conclusion."""
+    return (topic.conclusion if isinstance(topic, Rule) else topic).proposition
+
+
 def opposite(content: Belief) -> Belief:
     """Return the opposite of a literal. Raises ValueError for a rule, which has none."""
     if isinstance(content, Rule):

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 
 from thbridge.argumentation.arguments import Belief
 from thbridge.argumentation.cases import DialogueCase, DialogueKind, Side, Stance, case_of
-from thbridge.argumentation.propositions import Literal, Proposition
+from thbridge.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.games.agents import Agent
-from thbridge.dialogue.games.contents import DialogueMove, kind_of_content
+from thbridge.dialogue.games.contents import DialogueMove, kind_of_content, matter_of
 from thbridge.dialogue.games.dialogue_game import (
     Agents,
     GamePlay,
@@ -106,6 +106,7 @@ class Conversation:
         """
         case = self.case(proposition)
         yes = Literal(proposition)
+        topics: list[tuple[str, Belief]]
         match case.kind:
             case DialogueKind.PERSUASION if side in case.openers:
                 robot_believes = self.agents[Side.ROBOT].beliefs.stance(proposition) is Stance.BELIEVES
@@ -115,11 +116,27 @@ class Conversation:
             case DialogueKind.INQUIRY if self.able(other_side(side), proposition):
                 topics = [("information-seeking", yes)]
             case DialogueKind.INQUIRY:
-                rules = [rule for rule in self.agents[side].beliefs.rules if rule.conclusion.proposition == proposition]
-                return tuple(opening for rule in rules for opening in self._ways("inquiry", rule, side, parent))
+                topics = [("inquiry", rule) for rule in self.proposals(side, proposition)]
             case _:
                 topics = []
         return tuple(opening for game, topic in topics for opening in self._ways(game, topic, side, parent))
+
+    def proposals(self, side: Side, proposition: Proposition) -> tuple[Rule, ...]:
+        """Return the rules about a proposition that a side holds, and those that its arguments about it amount to.
+
+        Such a rule leads from the literals of an argument to its conclusion; what else the argument rests on is its
+        support.
+        """
+        beliefs = self.agents[side].beliefs
+        rules = [rule for rule in beliefs.rules if matter_of(rule) == proposition]
+        known = {(frozenset(rule.premises), rule.conclusion) for rule in rules}
+        for conclusion in (Literal(proposition), Literal(proposition, holds=False)):
+            for argument in beliefs.arguments(conclusion):
+                premises = argument.premises - {conclusion}
+                if premises and (premises, conclusion) not in known:
+                    known.add((premises, conclusion))
+                    rules.append(Rule(tuple(each for each in beliefs.origins if each in premises), conclusion))
+        return tuple(rules)
 
     def opening(self, side: Side, game: str, topic: Belief, parent: int | None = None) -> tuple[Opening, ...]:
         """Return the ways in which a side may open this game about this topic, whatever the nine cases say of it."""
@@ -193,24 +210,43 @@ class Conversation:
                 return ()
         if self.rulebook.games[game].about != kind_of_content(topic):
             return ()
-        if any(play.topic == topic and play.game.name == game for play in self.open_plays):
+        if self._is_talked_over(topic):
             return ()
-        moves = self._legal(fresh)
-        return tuple(Opening(game, topic, legal.move) for legal in moves if self._has_answer(fresh, legal))
+        said = self._said_inside(parent, side)
+        return tuple(
+            Opening(game, topic, legal.move)
+            for legal in self._legal(fresh)
+            if legal.move not in said and self._has_answer(fresh, legal)
+        )
+
+    def _is_talked_over(self, topic: Belief) -> bool:
+        """Return True while another dialogue is about the same matter, whose replies and their limits hold for it."""
+        return any(matter_of(play.topic) == matter_of(topic) for play in self.open_plays)
+
+    def _said_inside(self, parent: int | None, side: Side) -> frozenset[DialogueMove]:
+        """Openings that a side has made inside a dialogue: none comes twice, so that the dialogue that waits ends."""
+        inside = [play for play in self.plays if parent is not None and (play.parent, play.initiator) == (parent, side)]
+        return frozenset(play.moves[0][1] for play in inside)
 
     def _new(self, game: str, topic: Belief, side: Side, parent: int | None) -> GamePlay:
-        # A question may be put, and answered, again; and who was left alone with a claim has not used up an answer.
-        failed = [
-            play
-            for play in self.plays[self.since :]
-            if (play.game.name, play.topic, play.initiator) == (game, topic, side)
-            and play.end not in {None, DialogueEnd.AGREEMENT, DialogueEnd.WITHDRAWN}
-            and self.rulebook.makes_claim(play.moves[0][1])
-        ]
-        used = frozenset(play.moves[1][1] for play in failed if len(play.moves) > 1)
         number, refused = len(self.plays) + 1, self.refused
         asks = refused is not None and (refused.number, refused.defender, refused.in_question) == (parent, side, topic)
+        used = self._used_up(topic, side)
         return GamePlay(number, self.rulebook.games[game], topic, side, parent, asks, barred=used)
+
+    def _used_up(self, topic: Belief, initiator: Side) -> frozenset[tuple[DialogueMove, DialogueMove]]:
+        """Openings about a topic, each with a reply that was used up in a dialogue of whatever game that failed.
+
+        A question may be put, and answered, again; and who was left alone with a claim has not used up an answer.
+        """
+        return frozenset(
+            (play.moves[0][1], play.moves[1][1])
+            for play in self.plays[self.since :]
+            if (play.topic, play.initiator) == (topic, initiator)
+            and play.end not in {None, DialogueEnd.AGREEMENT, DialogueEnd.WITHDRAWN}
+            and self.rulebook.makes_claim(play.moves[0][1])
+            and len(play.moves) > 1
+        )
 
     def _has_answer(self, fresh: GamePlay, legal: LegalMove) -> bool:
         """Return True when the other side has a reply that it has not used up in a dialogue that began likewise.
@@ -219,7 +255,8 @@ class Conversation:
         """
         if fresh.questions_refusal and self.rulebook.makes_claim(legal.move):
             return False
-        if not fresh.barred and not fresh.questions_refusal:
+        has_barred = any(opening == legal.move for opening, _ in fresh.barred)
+        if not has_barred and not fresh.questions_refusal:
             return True
         play, agents, _ = say(fresh, self.agents, self.rulebook, legal, 0.0)
         able = lambda what: self.able(fresh.initiator, what)  # noqa: E731 - the listener changes with the speaker

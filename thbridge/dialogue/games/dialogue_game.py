@@ -8,7 +8,7 @@ from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, opposite
-from thbridge.dialogue.games.locutions import Able, Utterer, after_saying, may_say
+from thbridge.dialogue.games.locutions import Able, Locution, Utterer, after_saying, may_say
 from thbridge.dialogue.games.tables import DialogueEnd, GameRole, GameStage, GameTable, Reply, Rulebook, Slot
 
 Agents = Mapping[Side, Agent]
@@ -36,7 +36,7 @@ class GamePlay:
         offered: support of the claim that was said, in order.
         argument: the argument that was announced as a whole; None without one.
         moves: all so far, with their speakers.
-        barred: replies to the opening that were used up by earlier dialogues.
+        barred: openings, each with a reply to it that was used up by an earlier dialogue.
         resumes: name of the state in which it goes on if the refusal that has ended it is questioned; None: it may not.
         put_off: the end that a refusal has, from when it is questioned until another move is made.
         end: None while it goes on.
@@ -54,7 +54,7 @@ class GamePlay:
     offered: tuple[Belief, ...] = ()
     argument: Argument | None = None
     moves: tuple[tuple[Side, DialogueMove], ...] = ()
-    barred: frozenset[DialogueMove] = frozenset()
+    barred: frozenset[tuple[DialogueMove, DialogueMove]] = frozenset()
     resumes: str | None = None
     put_off: DialogueEnd | None = None
     end: DialogueEnd | None = None
@@ -124,10 +124,10 @@ def legal_replies(play: GamePlay, agents: Agents, rulebook: Rulebook, able: Able
         LegalMove(move, reply)
         for reply in play.state.replies
         for content in _contents(play, reply.slot, agents)
-        if (locution := rulebook.locution(reply.locution, content)) is not None
+        if (locution := rulebook.locution(reply.locution, content, reply.slot)) is not None
         and may_say(locution, at, content)
         and (move := DialogueMove(reply.locution, content)) not in said
-        and not (len(play.moves) == 1 and move in play.barred)
+        and not (len(play.moves) == 1 and (play.moves[0][1], move) in play.barred)
     )
 
 
@@ -181,7 +181,7 @@ def say(
         play = replace(play, offered=(*play.offered, move.content))
     if reply.slot is Slot.ARGUMENT and isinstance(move.content, Argument):
         play = replace(play, argument=move.content)
-    agents = _after(agents, rulebook, side, move, at)
+    agents = _after(agents, rulebook.locution(move.locution, move.content, reply.slot), side, move, at)
     after = reply.leads_to(is_last=reply.last is not None and is_last_support(play, agents))
     if (
         rulebook.makes_claim(move)
@@ -195,7 +195,7 @@ def say(
     play = replace(play, resumes=reply.questioned if end else None, put_off=None)
     booked = _follows(play, reply)
     if booked is not None:
-        agents = _after(agents, rulebook, side, booked, at)
+        agents = _after(agents, rulebook.locution(booked.locution, booked.content), side, booked, at)
         utterances.append(GameUtterance(play.number, play.parent, len(play.moves), side, booked, after, after, True))
         play = replace(play, moves=(*play.moves, (side, booked)))
     return play, agents, tuple(utterances)
@@ -208,8 +208,7 @@ def _follows(play: GamePlay, reply: Reply) -> DialogueMove | None:
     return None
 
 
-def _after(agents: Agents, rulebook: Rulebook, side: Side, move: DialogueMove, at: float) -> Agents:
-    locution = rulebook.locution(move.locution, move.content)
+def _after(agents: Agents, locution: Locution | None, side: Side, move: DialogueMove, at: float) -> Agents:
     if locution is None:
         return agents
     speaker, listener = after_saying(locution, agents[side], agents[other_side(side)], move, at)
@@ -257,8 +256,6 @@ def _cases_made(play: GamePlay, agents: Agents) -> list[tuple[Argument, tuple[Be
 
 
 def _arguments(defender: Agent, claim: Belief) -> tuple[Argument, ...]:
-    if isinstance(claim, Rule):
-        return (Argument(frozenset(claim.premises), claim.conclusion),)
     found = defender.beliefs.arguments(claim)
     # Of several, the one that rests on the best evidence comes first; its support is what a program says.
     prefers = defender.beliefs.prefers
@@ -268,9 +265,8 @@ def _arguments(defender: Agent, claim: Belief) -> tuple[Argument, ...]:
 def _with_parts(defender: Agent, argument: Argument) -> tuple[Belief, ...]:
     """Support of an argument and of one for each part of its conclusion, in the order in which it came to be held."""
     supports = set(argument.support)
-    if len(parts := argument.conclusion.parts) > 1:
+    if isinstance(argument.conclusion, Literal) and len(parts := argument.conclusion.parts) > 1:
         for part in parts:
             supports |= next((each.support for each in defender.beliefs.arguments(part)), frozenset())
-    # A person may rest a rule on what nobody knows her to hold.
-    ordered: list[Belief] = [*defender.beliefs.origins, *defender.beliefs.rules, *sorted(supports, key=str)]
-    return tuple(dict.fromkeys(each for each in ordered if each in supports))
+    ordered: tuple[Belief, ...] = (*defender.beliefs.origins, *defender.beliefs.rules)
+    return tuple(each for each in ordered if each in supports)

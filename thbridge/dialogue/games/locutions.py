@@ -6,6 +6,7 @@ A condition of the speaker's own beliefs binds programs alone: what a person bel
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Literal as OneOf
 
 from thbridge.argumentation.arguments import Argument, Belief
 from thbridge.argumentation.beliefs import Origin, Source
@@ -28,6 +29,7 @@ class Locution:
         before: names of the conditions that must hold for a program.
         before_person: names of those that must hold for a person.
         after: names of the effects.
+        of: slot that this form is for; None: all for which there is no other form.
     """
 
     name: str
@@ -35,6 +37,7 @@ class Locution:
     before: tuple[str, ...] = ()
     before_person: tuple[str, ...] = ()
     after: tuple[str, ...] = ()
+    of: OneOf["support"] | None = None
 
     @property
     def makes_claim(self) -> bool:
@@ -124,7 +127,7 @@ def _all_of(agent: Agent) -> frozenset[Literal | Rule]:
 def _argued(at: Utterer, content: Content) -> bool:
     if isinstance(content, Argument):
         return content in at.speaker.beliefs.arguments(content.conclusion)
-    return isinstance(content, Literal) and bool(at.speaker.beliefs.arguments(content))
+    return isinstance(content, Literal | Rule) and bool(at.speaker.beliefs.arguments(content))
 
 
 def _said(at: Utterer, content: Content) -> bool:
@@ -169,13 +172,12 @@ def _consequence_open(at: Utterer, content: Content) -> bool:
 
 
 _CLAIMS = frozenset({ContentKind.LITERAL, ContentKind.RULE})
+_BELIEFS = frozenset(ContentKind) - {ContentKind.UNKNOWN}
 
 CONDITIONS: Mapping[str, Precondition] = {
-    "held": Precondition("the speaker believes the content", _held, frozenset(ContentKind) - {ContentKind.UNKNOWN}),
+    "held": Precondition("the speaker believes the content", _held, _BELIEFS),
     "not held": Precondition("the speaker does not believe the content", lambda at, content: not _held(at, content)),
-    "argued": Precondition(
-        "the speaker has an argument for the content", _argued, frozenset({ContentKind.LITERAL, ContentKind.ARGUMENT})
-    ),
+    "argued": Precondition("the speaker has an argument for the content", _argued, _BELIEFS),
     "not argued": Precondition(
         "the speaker has no argument for the content", lambda at, content: not _argued(at, content)
     ),
@@ -203,7 +205,7 @@ CONDITIONS: Mapping[str, Precondition] = {
     "premises held": Precondition(
         "the speaker believes what a rule rests on, or the content",
         _premises_held,
-        frozenset(ContentKind) - {ContentKind.UNKNOWN},
+        _BELIEFS,
     ),
     "consequence open": Precondition("neither side is taken to hold what would follow from a rule", _consequence_open),
 }
@@ -223,6 +225,13 @@ def _argues(speaker: Agent, listener: Agent, move: DialogueMove, _at: float) -> 
     return speaker, listener
 
 
+def _shows_premises(speaker: Agent, listener: Agent, move: DialogueMove, _at: float) -> tuple[Agent, Agent]:
+    picture = listener.picture
+    for premise in move.content.premises if isinstance(move.content, Rule) else ():
+        picture = picture.gaining(premise)
+    return speaker, replace(listener, picture=picture)
+
+
 def _is_persuaded(speaker: Agent, listener: Agent, move: DialogueMove, at: float) -> tuple[Agent, Agent]:
     # Accepting what is held already is legal, and leaves it with the origin that it has.
     if isinstance(move.content, Literal | Rule) and move.content not in speaker.beliefs:
@@ -240,22 +249,16 @@ def _concludes(accepter: Agent, proposer: Agent, move: DialogueMove, at: float) 
     rule = move.content
     if not isinstance(rule, Rule):
         return accepter, proposer
-    return (
-        _with_rule(accepter, rule, at, other_has_premises=True),
-        _with_rule(proposer, rule, at, other_has_premises=False),
-    )
+    return _with_rule(accepter, rule, at), _with_rule(proposer, rule, at)
 
 
-def _with_rule(agent: Agent, rule: Rule, at: float, *, other_has_premises: bool) -> Agent:
-    """Return an agent that holds a rule, takes the other to hold it, and draws its conclusion for both.
-
-    Whoever proposed the rule has shown its premises to be held; who accepted it may not hold them.
-    """
+def _with_rule(agent: Agent, rule: Rule, at: float) -> Agent:
+    """Return an agent that holds a rule, takes the other to hold it, and draws its conclusion for whoever can."""
     beliefs = agent.beliefs.gaining(rule, Origin(Source.TOLD, at))
     if all(premise in beliefs for premise in rule.premises):
         beliefs = beliefs.gaining(rule.conclusion, Origin(Source.COMPUTED, at))
     picture = agent.picture.gaining(rule)
-    if other_has_premises or all(premise in picture for premise in rule.premises):
+    if all(premise in picture for premise in rule.premises):
         picture = picture.gaining(rule.conclusion)
     return replace(agent, beliefs=beliefs, picture=picture)
 
@@ -267,6 +270,11 @@ EFFECTS: Mapping[str, Postcondition] = {
     "shown": Postcondition("the listener takes the speaker to hold the content, or not to know, from now on", _shows),
     "shown to be argued": Postcondition(
         "the listener takes the speaker to have an argument for the content", _argues, _CLAIMS
+    ),
+    "premises shown": Postcondition(
+        "the listener takes the speaker to hold what a rule rests on, from now on",
+        _shows_premises,
+        frozenset({ContentKind.RULE}),
     ),
     "believed": Postcondition(
         "the speaker believes the content, and nothing that it is opposed to", _is_persuaded, _CLAIMS

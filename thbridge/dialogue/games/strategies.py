@@ -11,7 +11,7 @@ from typing import Protocol
 
 from thbridge.argumentation.arguments import Argument, Belief, framework_of
 from thbridge.argumentation.beliefs import Beliefs
-from thbridge.argumentation.propositions import Literal, Rule, opposed
+from thbridge.argumentation.propositions import Literal, opposed
 from thbridge.argumentation.semantics import grounded
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import ContentKind, DialogueMove, kind_of_content
@@ -89,8 +89,6 @@ class ArguingStrategy:
 
     def _agrees(self, agent: Agent, claim: Belief, content: Belief) -> bool:
         """Return True when an agent accepts a content that is the claim, or is said for it."""
-        if isinstance(claim, Rule) or isinstance(content, Rule):
-            return self.attitude is not Attitude.SCEPTICAL
         if content in agent.beliefs and content == claim:
             return True
         own = agent.beliefs
@@ -107,16 +105,24 @@ class ArguingStrategy:
         return bool(for_it) if self.attitude is Attitude.SCEPTICAL else not against
 
 
-def _standing(beliefs: Beliefs, claim: Literal) -> tuple[list[Argument], list[Argument]]:
-    """Return the arguments for and against a claim that are in the grounded extension."""
-    against_it = [~claim, *(held for held in beliefs.origins if opposed(held, claim) and held != ~claim)]
+def _standing(beliefs: Beliefs, claim: Belief) -> tuple[list[Argument], list[Argument]]:
+    """Return the arguments for and against a claim that are in the grounded extension.
+
+    Against a rule are those against its conclusion, if what it rests on stands.
+    """
+    against_it: list[Literal] = []
+    if isinstance(claim, Literal):
+        against_it = [~claim, *(held for held in beliefs.origins if opposed(held, claim) and held != ~claim)]
     # Arguments against a premise count too.
     arguments = dict.fromkeys(argument for each in (claim, *against_it) for argument in beliefs.arguments(each))
     premises = dict.fromkeys(premise for argument in arguments for premise in sorted(argument.premises, key=str))
     arguments |= dict.fromkeys(argument for premise in premises for argument in beliefs.arguments(~premise))
     standing = grounded(framework_of(tuple(arguments), beliefs.prefers))
     found = [argument for argument in arguments if str(argument) in standing]
-    return (
-        [argument for argument in found if argument.conclusion == claim],
-        [argument for argument in found if opposed(argument.conclusion, claim)],
-    )
+    for_it = [argument for argument in found if argument.conclusion == claim]
+    if isinstance(claim, Literal):
+        return for_it, [
+            each for each in found if isinstance(each.conclusion, Literal) and opposed(each.conclusion, claim)
+        ]
+    has_premises = all(_standing(beliefs, premise)[0] for premise in claim.premises)
+    return for_it, _standing(beliefs, claim.conclusion)[1] if has_premises else []

@@ -112,12 +112,13 @@ class Rulebook:
     games: Mapping[str, GameTable]
 
     @cached_property
-    def _forms(self) -> Mapping[tuple[str, ContentKind], Locution]:
-        return {(each.name, each.content): each for each in self.locutions}
+    def _forms(self) -> Mapping[tuple[str, ContentKind, str | None], Locution]:
+        return {(each.name, each.content, each.of): each for each in self.locutions}
 
-    def locution(self, name: str, content: Content) -> Locution | None:
-        """Return the form of a locution for a content, or None when it has none."""
-        return self._forms.get((name, kind_of_content(content)))
+    def locution(self, name: str, content: Content, slot: Slot | None = None) -> Locution | None:
+        """Return the form of a locution for a content in a slot, or None when it has none."""
+        kind = kind_of_content(content)
+        return self._forms.get((name, kind, slot)) or self._forms.get((name, kind, None))
 
     def makes_claim(self, move: DialogueMove) -> bool:
         """Return True for a move whose content its speaker has to defend."""

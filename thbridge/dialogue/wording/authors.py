@@ -295,6 +295,6 @@ def _literals_in(content: Content) -> Iterator[Literal]:
         case Rule(premises, conclusion):
             yield from (*premises, conclusion)
         case Argument(support, conclusion):
-            yield from conclusion.parts
+            yield from _literals_in(conclusion)
             for part in reasons(support, conclusion):
                 yield from _literals_in(part)

@@ -146,16 +146,17 @@ class _Clauses:
     def words_of(self, content: Content) -> dict[str, str]:
         """The words for a content as a whole, and its parts."""
         match content:
-            case Literal():
-                return {"content": self.of(content)}
+            case Literal() | Rule():
+                return {"content": self.belief(content)}
             case Unknown(proposition):
                 return {"content": self.of(Literal(proposition))}
-            case Rule():
-                return {"content": self.rule(content)}
             case Argument(support, conclusion):
-                ordered = reasons(support, conclusion)
-                said = [self.rule(part) if isinstance(part, Rule) else self.of(part) for part in ordered]
-                return {"support": self.wording.language.grammar.all_of(said), "conclusion": self.of(conclusion)}
+                said = map(self.belief, reasons(support, conclusion))
+                return {"support": self.wording.language.grammar.all_of(said), "conclusion": self.belief(conclusion)}
+
+    def belief(self, belief: Belief) -> str:
+        """Clause for a literal or a rule."""
+        return self.rule(belief) if isinstance(belief, Rule) else self.of(belief)
 
     def rule(self, rule: Rule) -> str:
         """Clause for a rule."""
@@ -238,12 +239,13 @@ _BEGINNINGS = {
 """Text before a capital: where a sentence begins with it or not, with and without a capital after a colon."""
 
 
-def reasons(support: Iterable[Belief], conclusion: Literal) -> list[Belief]:
+def reasons(support: Iterable[Belief], conclusion: Belief) -> list[Belief]:
     """Return what an argument rests on in the order in which it is said.
 
     As predicates are listed, rules last; of several with one predicate first that about the conclusion's room.
     """
-    room: Room | None = getattr(conclusion.parts[0].proposition, "room", None)
+    follows = conclusion.conclusion if isinstance(conclusion, Rule) else conclusion
+    room: Room | None = getattr(follows.parts[0].proposition, "room", None)
 
     def order(reason: Belief) -> tuple[int, bool, str]:
         proposition = reason.proposition if isinstance(reason, Literal) else None
@@ -264,7 +266,7 @@ def _subject(content: Content) -> Literal | None:
             return content
         case Unknown(proposition):
             return Literal(proposition)
-        case Argument(_, conclusion):
+        case Argument(_, Literal() as conclusion):
             return conclusion
         case _:
             return None

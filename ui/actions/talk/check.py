@@ -160,7 +160,9 @@ def words() -> Iterator[str]:
         "after: what holds after it; besides, it enters the speaker's commitment store", _rules(EFFECTS)
     )
     yield from _section("turn: whose turn it is in a stage", _meanings(GameRole))
-    yield from _section("of: what a reply is about", _meanings(Slot))
+    yield from _section(
+        "of: what a reply is about; in a locution, support: a form for what is said as support", _meanings(Slot)
+    )
     yield from _section(
         "next, last: the stage that follows a reply, or an end; questioned: the stage that follows when the game has "
         "ended by the reply, and that is questioned in another game",

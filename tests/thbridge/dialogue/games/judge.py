@@ -12,7 +12,7 @@ from itertools import product
 from thbridge.argumentation.arguments import Argument, Belief
 from thbridge.argumentation.beliefs import Beliefs
 from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule
+from thbridge.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.games.agents import Picture
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown
 
@@ -36,26 +36,33 @@ class Fact(Proposition):
 
 def parts_of(literal: Literal) -> tuple[Literal, ...]:
     """A conjunction is the list of what it joins; the opposite of one denies each part."""
-    if not isinstance(literal.proposition, Conjunction):
-        return (literal,)
-    return tuple(Literal(part.proposition, part.holds == literal.holds) for part in literal.proposition.literals)
+    return tuple(Literal(part.proposition, part.holds == literal.holds) for part in literal.proposition.parts)
 
 
 def clash(one: Literal, other: Literal) -> bool:
     def two_clash(x: Literal, y: Literal) -> bool:
         if x.proposition == y.proposition:
             return x.holds != y.holds
-        return x.holds and y.holds and str(x.proposition)[0] == str(y.proposition)[0]
+        exclude = x.proposition.excludes(y.proposition) or y.proposition.excludes(x.proposition)
+        return x.holds and y.holds and exclude
 
     return any(two_clash(x, y) for x in parts_of(one) for y in parts_of(other))
 
 
 @cache
 def supports(
-    conclusion: Literal, literals: frozenset[Literal], decided: frozenset[Literal], rules: frozenset[Rule]
+    conclusion: Belief, literals: frozenset[Literal], decided: frozenset[Literal], rules: frozenset[Rule]
 ) -> Supports:
-    """Supports of all arguments for a conclusion, by deriving everything that follows with what it rests on."""
+    """Supports of all arguments for a conclusion, by deriving everything that follows with what it rests on.
+
+    S derives a -> b if S and a together derive b; what is granted in this way is no part of S.
+    """
+    granted = frozenset[Literal]()
+    if isinstance(conclusion, Rule):
+        granted = frozenset(part for premise in conclusion.premises for part in (premise, *parts_of(premise)))
+        conclusion = conclusion.conclusion
     rests_on: dict[Literal, set[frozenset[Belief]]] = {each: {frozenset([each])} for each in literals}
+    rests_on |= {each: {frozenset()} for each in granted}
     grows = True
     while grows:
         grows = False
@@ -70,7 +77,7 @@ def supports(
         frozenset(each for each in whole if not isinstance(each, Rule) or each.is_said)
         for whole in rests_on.get(conclusion, ())
         # A decision needs other premises than itself.
-        if not (conclusion in decided and conclusion in whole) and _is_consistent(whole)
+        if not (conclusion in decided and conclusion in whole) and _is_consistent(whole | granted)
     }
     return frozenset(each for each in sound if not any(other < each for other in sound))
 
@@ -111,7 +118,7 @@ class Party:
             return content in self.rules
         return all(part in self.sigma for part in parts_of(content))
 
-    def arguments(self, conclusion: Literal) -> set[Argument]:
+    def arguments(self, conclusion: Belief) -> set[Argument]:
         found = supports(conclusion, self.sigma, self.decided, self.rules)
         return {Argument(support, conclusion) for support in found}
 
@@ -132,9 +139,8 @@ class Party:
         return all(part in self.gamma for part in parts_of(content))
 
     def attributes_some_argument(self, content: Belief) -> bool:
-        if content in self.gamma_argued or isinstance(content, Rule):
-            return content in self.gamma_argued
-        return bool(supports(content, self.gamma, frozenset(), self.gamma_rules | self.language))
+        known = self.gamma_rules | self.language
+        return content in self.gamma_argued or bool(supports(content, self.gamma, frozenset(), known))
 
     def attributes_opinion(self, proposition: Proposition) -> bool:
         yes = Literal(proposition)
@@ -232,6 +238,11 @@ class Talk:
         return support if isinstance(support, Literal) else None
 
 
+def about(topic: Belief) -> Proposition:
+    """A dialogue about b and one about not b are about the same; so is one about what would follow, a -> b."""
+    return topic.conclusion.proposition if isinstance(topic, Rule) else topic.proposition
+
+
 def rival(side: Side) -> Side:
     return {Side.ROBOT: Side.HUMAN, Side.HUMAN: Side.ROBOT}[side]
 
@@ -273,7 +284,7 @@ class Judge:
             for move in self._protocol(talk)
             if move not in said
             and not (len(talk.lines) == 1 and move in talk.used)
-            and self.may_say(side, move.locution, move.content)
+            and self.may_say(side, move.locution, move.content, is_support=len(talk.lines) > 0)
         }
 
     def _protocol(self, talk: Talk) -> Iterator[DialogueMove]:
@@ -321,8 +332,6 @@ class Judge:
 
     def _arguments(self, talk: Talk) -> set[Argument]:
         defender, claim = talk.claim
-        if isinstance(claim, Rule):
-            return {Argument(frozenset(claim.premises), claim.conclusion)}
         return self.parties[defender].arguments(claim)
 
     def due(self, talk: Talk) -> list[set[Belief]]:
@@ -334,9 +343,9 @@ class Judge:
             if talk.announced not in {None, argument}:
                 continue
             whole = set(argument.support)
-            if len(parts_of(argument.conclusion)) > 1:
+            if isinstance(claim, Literal) and len(parts_of(claim)) > 1:
                 # The support may take in that of the parts; the paper does not say which, we take the first by name.
-                for part in parts_of(argument.conclusion):
+                for part in parts_of(claim):
                     whole |= min(party.arguments(part), key=str, default=argument).support
             if set(talk.offered) <= whole:
                 known = {*talk.offered, claim}
@@ -345,7 +354,9 @@ class Judge:
 
     # --- what must hold before: the paper's figure 4
 
-    def may_say(self, side: Side, locution: str, content: Content, *, after_a_no: bool = False) -> bool:
+    def may_say(
+        self, side: Side, locution: str, content: Content, *, after_a_no: bool = False, is_support: bool = False
+    ) -> bool:
         i, j = self.parties[side], self.parties[rival(side)]
         if after_a_no and isinstance(content, Literal):
             # It takes j to have an opinion on what j has refused, unless it has learnt that j knows nothing of it.
@@ -363,10 +374,12 @@ class Judge:
                 return i.holds(b) and content in i.arguments(b) and not i.attributes(b) and not i.attributes(content)
             case (("assert" | "propose"), Literal()):
                 return i.holds(content) and bool(i.arguments(content)) and not i.attributes(content)
-            case "assert", Rule():
-                return i.holds(content) and not i.attributes(content)
+            case (("assert" | "propose"), Rule()) if is_support or locution == "assert":
+                return i.holds(content) and bool(i.arguments(content)) and not i.attributes(content)
             case "propose", Rule(premises, b):
-                return i.holds(content) and all(i.holds(a) for a in premises) and not i.holds(b) and not i.attributes(b)
+                # a is in Sigma; the rule need not be, if it can be supported.
+                is_open = not i.holds(b) and not i.attributes(b)
+                return bool(i.arguments(content)) and all(i.holds(a) for a in premises) and is_open
             case "question", Literal(proposition):
                 learnt = proposition in i.gamma_unknown
                 tells = i.attributes_opinion(proposition) or proposition in self.able.get(rival(side), ())
@@ -376,11 +389,9 @@ class Judge:
             case "accept", Literal():
                 return j.has_said(content) and i.attributes(content) and i.attributes_some_argument(content)
             case "accept", Rule():
-                return j.has_said(content)
-            case "reject", Literal():
+                return j.has_said(content) and i.attributes_some_argument(content)
+            case "reject", (Literal() | Rule()):
                 return j.has_said(content) and not i.holds(content) and not i.arguments(content)
-            case "reject", Rule():
-                return j.has_said(content) and not i.holds(content)
         raise AssertionError((locution, content))
 
     # --- what holds after
@@ -428,15 +439,17 @@ class Judge:
             case "accept", Rule(premises, conclusion):
                 # Both know the rule now, and who holds its premises draws the conclusion.
                 i, j = i.believing(content).attributing(content), j.believing(content).attributing(content)
-                i = i.attributing(conclusion)
-                if all(j.attributes(premise) for premise in premises):
-                    j = j.attributing(conclusion)
+                i = i.attributing(conclusion) if all(map(i.attributes, premises)) else i
+                j = j.attributing(conclusion) if all(map(j.attributes, premises)) else j
                 i = i.believing(conclusion) if all(map(i.holds, premises)) else i
                 j = j.believing(conclusion) if all(map(j.holds, premises)) else j
             case "accept", Literal():
                 i = i if i.holds(content) else i.believing(content)
                 j = j.attributing(content)
-            case "propose", Rule():
+            case "propose", Rule(premises) if not talk.lines:
+                # Who opens with it holds its premises, by the locution's first condition.
+                for premise in premises:
+                    j = j.attributing(premise)
                 j = j.attributing_some_argument(content)
             case (("assert" | "propose"), (Literal() | Rule())):
                 j = j.attributing(content).attributing_some_argument(content)
@@ -450,7 +463,8 @@ class Judge:
 
     def fresh(self, side: Side, game: str, topic: Belief, parent: int | None) -> Talk | None:
         """The dialogue before its opening, or None where it may not be opened."""
-        if any(talk.end is None and (talk.game, talk.topic) == (game, topic) for talk in self.talks):
+        # Protocols name all replies about b: none may be made up for by another dialogue about b, or not b.
+        if any(talk.end is None and about(talk.topic) == about(topic) for talk in self.talks):
             return None
         asks = parent is not None and self._may_question(side, game, topic, parent)
         if parent is not None and not asks:
@@ -460,7 +474,7 @@ class Judge:
         failed = [
             talk
             for talk in self.talks
-            if (talk.game, talk.topic, talk.opener) == (game, topic, side)
+            if (talk.kind, talk.topic, talk.opener) == (game.removesuffix(IN_BRIEF), topic, side)
             and talk.end not in {None, "agreement", "withdrawn"}
             and not game.startswith("information-seeking")
         ]
@@ -468,6 +482,9 @@ class Judge:
         talk = Talk(len(self.talks) + 1, game, topic, side, parent, used=used, asks_about_a_no=asks)
         (move,) = self._protocol(talk) if list(self._protocol(talk)) else (None,)
         if move is None or not self.may_say(side, move.locution, move.content, after_a_no=asks):
+            return None
+        # Nothing is said twice in a dialogue, whatever is embedded in it.
+        if any(each.parent == parent and each.lines[0] == (side, move) for each in self.talks if parent is not None):
             return None
         spoken = self._with(talk)._spoken(talk, side, move)
         return talk if not (used or asks) or spoken.legal(spoken.talks[-1]) else None

@@ -50,6 +50,10 @@ def random_rule(rng: random.Random, *, is_said: bool) -> Rule:
 
 def random_topic(rng: random.Random, now: Conversation) -> Belief:
     rules = [random_rule(rng, is_said=True), *(rule for agent in now.agents.values() for rule in agent.beliefs.rules)]
+    # What follows from two rules, one after the other, is a rule, too.
+    rules += [
+        Rule(one.premises, other.conclusion) for one in rules for other in rules if one.conclusion in other.premises
+    ]
     if rng.random() < 0.3:
         return rng.choice(rules)
     # Much of the talk is about what somebody can argue for.
@@ -58,6 +62,10 @@ def random_topic(rng: random.Random, now: Conversation) -> Belief:
 
 def _random_agent(rng: random.Random, side: Side, language: list[Rule]) -> Agent:
     rules = [*language, *(random_rule(rng, is_said=rng.random() < 0.5) for _ in range(rng.randrange(1, 4)))]
+    if rng.random() < 0.5:
+        start, middle, end = (Literal(fact, rng.random() < 0.5) for fact in rng.sample(FACTS, 3))
+        also = [rng.choice(LITERALS)] if rng.random() < 0.3 else []
+        rules += [Rule((start,), middle), Rule((middle, *(each for each in also if each != middle)), end)]
     held = [rng.choice(CLAIMS) for _ in range(rng.randrange(3))]
     for rule in rules:
         # Arguments of several steps are rare among beliefs that have nothing to do with each other.

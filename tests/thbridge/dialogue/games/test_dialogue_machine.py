@@ -100,6 +100,9 @@ class Talking(RuleBasedStateMachine):
         if self.now.plays and rng.random() < 0.4:
             former = rng.choice(self.now.plays)
             side, game, topic = former.initiator, former.game.name, former.topic
+            if isinstance(topic, Literal) and rng.random() < 0.4:
+                # The opposite, or by the other side, or in another game: the same matter.
+                side, game, topic = rng.choice(list(Side)), rng.choice(GAMES), rng.choice([topic, ~topic])
         parent = self.some_parent(rng, side)
         openings = self.now.opening(side, game, topic, parent)
         fresh = self.judge.fresh(side, game, topic, parent)
@@ -140,10 +143,20 @@ class Talking(RuleBasedStateMachine):
         if kind == "inquiry" and proposition in self.judge.able[rival(side)]:
             return [("information-seeking", yes)]
         if kind == "inquiry":
-            known = self.now.agents[side].beliefs.rules
-            return [("inquiry", each) for each in known if each.conclusion.proposition == proposition]
+            return [("inquiry", each) for each in self.proposals(side, yes)]
         robot_for = robot.holds(yes)
         return [(kind, yes if kind != "persuasion" or robot_for == (side is Side.ROBOT) else ~yes)]
+
+    def proposals(self, side: Side, yes: Literal) -> list[Rule]:
+        """Rules that a side holds, and those from what it holds to what it can argue for."""
+        beliefs = self.now.agents[side].beliefs
+        rules = [each for each in beliefs.rules if each.conclusion in {yes, ~yes}]
+        for conclusion in (yes, ~yes):
+            for argument in self.judge.parties[side].arguments(conclusion):
+                held = tuple(each for each in beliefs.origins if each in argument.support - {conclusion})
+                if held and not any((set(each.premises), each.conclusion) == (set(held), conclusion) for each in rules):
+                    rules.append(Rule(held, conclusion))
+        return rules
 
     @precondition(lambda self: self.now.refused is not None)
     @rule(rng=RANDOM)

@@ -63,7 +63,7 @@ CONTENTS: dict[ContentKind, st.SearchStrategy[Content]] = {
     ContentKind.RULE: RULES,
     ContentKind.UNKNOWN: PROPOSITIONS.map(Unknown),
     ContentKind.ARGUMENT: st.builds(
-        Argument, st.frozensets(literals(PLAIN) | RULES, min_size=1, max_size=4), literals(PROPOSITIONS)
+        Argument, st.frozensets(literals(PLAIN) | RULES, min_size=1, max_size=4), literals(PROPOSITIONS) | RULES
     ),
 }
 MOVES = st.sampled_from(FORMS).flatmap(lambda form: st.builds(DialogueMove, st.just(form[0]), CONTENTS[form[1]]))
