@@ -66,10 +66,11 @@ def jhri2015(rulebook: Rulebook) -> tuple[Exchange, ...]:
         Exchange("In which order", (order(1, 3),), _how(rulebook)),
         Exchange("What was found", (BOTTLE_IN_5, BOTTLE_IN_2, BLUE_BOTTLE), _what(rulebook)),
     )
-    return tuple(replace(each, course=_course(text)) for each, text in zip(exchanges, _COURSES, strict=True))
+    return tuple(replace(each, course=course(text)) for each, text in zip(exchanges, _COURSES, strict=True))
 
 
-def _course(text: str) -> tuple[tuple[Side, tuple[str, ...]], ...]:
+def course(text: str) -> tuple[tuple[Side, tuple[str, ...]], ...]:
+    """Return the course that is written as a move a line, each after its side, with ` | ` between alternatives."""
     lines = [line.strip().split(": ", 1) for line in text.strip().splitlines()]
     return tuple((Side(side), tuple(moves.split(" | "))) for side, moves in lines)
 
@@ -225,8 +226,9 @@ def _person(reasons: tuple[Proposition, ...], against: Literal, rules: list[Rule
 
 
 def _conversation(rulebook: Rulebook, robot: Agent, person: Agent) -> Conversation:
-    return Conversation(rulebook, {Side.ROBOT: robot, Side.HUMAN: person}, able=_people_see_shapes)
+    return Conversation(rulebook, {Side.ROBOT: robot, Side.HUMAN: person}, able=people_see_shapes)
 
 
-def _people_see_shapes(side: Side, proposition: Proposition) -> bool:
+def people_see_shapes(side: Side, proposition: Proposition) -> bool:
+    """Return True for what a side is thought able to tell: the person, which things pictures show."""
     return side is Side.HUMAN and isinstance(proposition, InImage)

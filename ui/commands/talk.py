@@ -22,6 +22,7 @@ class TalkExample(StrEnum):
     """Example of a conversation."""
 
     JHRI2015 = "jhri2015"
+    RULES = "rules"
 
 
 class TalkPlayer(StrEnum):
@@ -35,7 +36,8 @@ class TalkPlayer(StrEnum):
 def talk(
     context: typer.Context,
     example: Annotated[
-        TalkExample | None, typer.Option(help="What to talk about: the worked example of Sklar and Azhar (2015).")
+        TalkExample | None,
+        typer.Option(help="What to talk about: jhri2015, the worked example of Sklar and Azhar (2015), or rules."),
     ] = None,
     exchange: Annotated[int | None, typer.Option(help="Only this exchange of the example.", min=1)] = None,
     robot: Annotated[TalkPlayer, typer.Option(help="Who plays the robot.")] = TalkPlayer.PROGRAM,
@@ -58,6 +60,7 @@ def talk(
         fail(BAD_INPUT, f"--example: nothing to talk about. Write --example {TalkExample.JHRI2015}, or see --help.")
     from thbridge.argumentation.cases import Side
     from thbridge.dialogue.examples import jhri2015
+    from thbridge.dialogue.rule_examples import rules_as_topics
     from thbridge.dialogue.wording.wording import Wording
     from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
     from thbridge.files.word_files import SHIPPED_LANGUAGES, read_language
@@ -72,7 +75,7 @@ def talk(
         )
     if game is not None and game not in rulebook.games:
         fail(BAD_INPUT, f"--game: there is no game {game}. There are: {', '.join(sorted(rulebook.games))}.")
-    exchanges = jhri2015(rulebook)
+    exchanges = (jhri2015 if example is TalkExample.JHRI2015 else rules_as_topics)(rulebook)
     if exchange is not None and exchange > len(exchanges):
         fail(BAD_INPUT, f"--exchange: {exchange} is not there. The example has 1 to {len(exchanges)}.")
     show = note if as_json else say

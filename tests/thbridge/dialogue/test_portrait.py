@@ -14,6 +14,8 @@ from thbridge.dialogue.engine import DialogueStep
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import DialogueTopic, Scenario
 from thbridge.dialogue.portrait import MOST_ARGUMENTS, DialoguePortrait, portray, read_portrait
+from thbridge.dialogue.rule_examples import BROWN_BOTTLE, rules_as_topics
+from thbridge.files.game_files import read_rulebook
 from thbridge.hunt.rooms import Room
 
 WANTED = "wanted(next(Robot1, Room1))"
@@ -51,6 +53,21 @@ def test_a_portrait_tells_what_is_believed_and_said_and_can_be_read_again(
     assert {each.conclusion for each in portrait.arguments if each.conclusion in each.support} <= held
     # What stands is attacked by nothing that stands.
     assert not {(one, other) for one, other in portrait.attacks if {one, other} <= set(portrait.grounded)}
+
+
+def test_arguments_for_a_rule_are_in_the_portrait_of_a_conversation_about_it() -> None:
+    now = rules_as_topics(read_rulebook())[0].start
+    (opening,) = now.openings(Side.ROBOT, BROWN_BOTTLE)
+    portrait = portray(now.open(Side.ROBOT, opening))
+    brown, bottle, treasure = (
+        "color_found(image3, brown)",
+        "in_image(bottle, image3)",
+        "treasure_in(brown bottle, Room2)",
+    )
+    (argument,) = [each for each in portrait.arguments if each.conclusion == f"{brown} -> {treasure}"]
+    assert argument.support == (f"{brown} -> {bottle}", f"{bottle} -> {treasure}")
+    assert argument.sides == ("robot",) and portrait.arguments.index(argument) in portrait.grounded
+    assert brown not in portrait.held
 
 
 def test_a_wish_is_an_argument_of_the_person_that_does_not_stand_against_a_better_one() -> None:

@@ -15,6 +15,7 @@ from thbridge.argumentation.cases import Side
 from thbridge.dialogue.examples import jhri2015
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.tables import DialogueEnd, GameTable, Rulebook
+from thbridge.dialogue.rule_examples import rules_as_topics
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 
@@ -146,16 +147,18 @@ FAULTS = [
     (PERSUASION, "name: persuasion", "name: inquiry", "line 2, name: inquiry.yaml has a game inquiry, too"),
     (INQUIRY, "about: rule", "about: literal", "which it replaces, is about a rule"),
     # Locutions.
-    (LOCUTIONS, "argued, news]", "arged, news]", "line 10, locutions[0].before[1]: there is no condition arged"),
+    (LOCUTIONS, "argued, news]", "arged, news]", "line 11, locutions[0].before[1]: there is no condition arged"),
     (LOCUTIONS, "after: [claimed,", "after: [claimd,", "there is no effect claimd. The nearest is claimed"),
     (LOCUTIONS, "before: [held, argued", "before: [held, not held, argued", "held and not held never hold together"),
     (LOCUTIONS, "content: literal", "content: litteral", "'litteral' is no choice here"),
     (LOCUTIONS, "content: unknown", "content: literal", "locutions[2]: assert of a literal is there twice"),
+    (LOCUTIONS, "of: support", "of: claim", "locutions[8].of: 'claim' is no choice here"),
+    (LOCUTIONS, "of: support, ", "", "locutions[8]: propose of a rule is there twice"),
     (
         LOCUTIONS,
         "before: [undecided]",
         "before: [held]",
-        "line 12, locutions[2].before[0]: held is",
+        "line 13, locutions[2].before[0]: held is",
     ),
     (LOCUTIONS, "after: [believed, shown]", "after: [concluded]", "concluded is for content: rule; not for literal"),
     (LOCUTIONS, "after: [concluded]", "after: concluded", "a list is needed"),
@@ -273,7 +276,7 @@ def test_any_file_is_refused_with_line_and_remedy_or_every_play_of_it_ends(
 
 
 def _play(rulebook: Rulebook, game: GameTable, chance: Random) -> None:
-    start = chance.choice(jhri2015(rulebook)).start
+    start = chance.choice((*jhri2015(rulebook), *rules_as_topics(rulebook))).start
     openings = [
         (side, opening)
         for side in Side

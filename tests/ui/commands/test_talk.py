@@ -13,6 +13,7 @@ from thbridge.dialogue.examples import jhri2015
 from thbridge.dialogue.games.dialogue_game import GameUtterance
 from thbridge.dialogue.games.locutions import CONDITIONS, EFFECTS
 from thbridge.dialogue.games.tables import DialogueEnd, GameRole, Slot
+from thbridge.dialogue.rule_examples import rules_as_topics
 from thbridge.dialogue.wording.lines import LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES
 from thbridge.dialogue.wording.wording import Wording
@@ -32,16 +33,19 @@ EXAMPLE = ("--example", "jhri2015")
 EXCHANGES = jhri2015(read_rulebook())
 
 
-def said(exchange: int, *more: object, typed: str | None = None) -> list[dict[str, object]]:
-    told = talk(*EXAMPLE, "--exchange", exchange, "--json", *more, typed=typed)
+def said(exchange: int, *more: object, example: str = "jhri2015", typed: str | None = None) -> list[dict[str, object]]:
+    told = talk("--example", example, "--exchange", exchange, "--json", *more, typed=typed)
     return [json.loads(line) for line in told.splitlines()]
 
 
-@pytest.mark.parametrize("number", [1, 2, 4, 5])
-def test_two_programs_say_just_what_the_example_says(number: int) -> None:
-    told = said(number, "--human", "program")
+@pytest.mark.parametrize(
+    ("example", "number"),
+    [*(("jhri2015", number) for number in (1, 2, 4, 5)), *(("rules", number) for number in (1, 2, 3))],
+)
+def test_two_programs_say_just_what_the_example_says(example: str, number: int) -> None:
+    told = said(number, "--human", "program", example=example)
     moves = [(each["side"], each["locution"]) for each in told if not each["booked"]]
-    course = EXCHANGES[number - 1].course
+    course = (EXCHANGES if example == "jhri2015" else rules_as_topics(read_rulebook()))[number - 1].course
     assert moves == [(side, text.partition("(")[0]) for side, (text,) in course]
     for each, (_, (text,)) in zip([each for each in told if not each["booked"]], course, strict=True):
         assert each["content"] in text
