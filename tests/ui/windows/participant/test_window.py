@@ -30,6 +30,7 @@ from ui.model.screen import (
     ChooseRoom,
     Confirm,
     ConsiderRoom,
+    DialoguePopup,
     EndGame,
     EnlargePicture,
     FitMap,
@@ -510,6 +511,15 @@ def test_the_newest_sentence_is_in_sight_where_there_is_as_much_more_room_as_it_
     settle()
     newest = talk.findChildren(SpeechBubble)[-1]
     assert bar.value() <= newest.y() and newest.geometry().bottom() <= bar.value() + talk.height()
+
+
+@pytest.mark.parametrize("pop", [samples.dialogue(), samples.arguing()])
+def test_what_was_said_has_all_the_room_that_is_left(opened: Open, pop: DialoguePopup) -> None:
+    shown = opened(replace(STATES["playing"], popup=replace(pop, sentences=pop.sentences[:1])), 1200, 800)
+    settle()
+    talk = shown.window.dialogue
+    above = talk.transcript.mapTo(talk, QPoint(0, 0)).y() - talk.aside.geometry().bottom()
+    assert above < 8 * GAP
 
 
 def test_answers_stay_where_they_are_while_the_talk_goes_on(opened: Open) -> None:

@@ -31,7 +31,6 @@ class DialoguePanel(TitledPanel):
         self._grid = spaced(QGridLayout(), int(1.5 * GAP))
         self._grid.addWidget(self.picture, 0, 0, 2, 1, Qt.AlignmentFlag.AlignTop)
         self._grid.setColumnStretch(1, 1)
-        self._grid.setRowStretch(1, 1)
         self.rows.addLayout(self._grid, 1)
         self._state = look.label(muted=True)
         self.rows.addWidget(self._state)
@@ -81,6 +80,8 @@ class DialoguePanel(TitledPanel):
         row, column, columns = (0, 1, 1) if beside else (2, 0, 2)
         self._grid.addWidget(self.facts, row, column, 1, columns, Qt.AlignmentFlag.AlignTop)
         self._grid.addWidget(self.transcript, row + 1, column, 1, columns)
+        for each in (1, 3):
+            self._grid.setRowStretch(each, int(each == row + 1))
 
     def usual_size(self) -> QSize:
         """Return that of a find where it is about one, since the one takes the place of the other."""
