@@ -47,6 +47,7 @@ the classes in `sim/parameters`, which the study file's reader and its error mes
 TITLES = {
     ("amcl",): "amcl",
     ("ekf",): "Kalman filter (robot_pose_ekf's place)",
+    ("ukf",): "Unscented Kalman filter",
     ("fake_localization",): "fake_localization",
     ("global_costmap", "local_costmap"): "costmap_2d",
     ("NavfnROS",): "navfn",

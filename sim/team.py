@@ -43,7 +43,6 @@ from sim.parameters.reconfiguration import P, fixed_differences
 from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.global_planning.wave import Workspace
 from sim.robot.localization.amcl import Amcl
-from sim.robot.localization.ekf import Ekf
 from sim.robot.localization.estimate import Localizer, carried_on
 from sim.robot.localization.fake_localization import FakeLocalization
 from sim.robot.navigator.move_base import Navigator
@@ -177,8 +176,11 @@ class Team:
         if parameters.localization in {"truth", "fake_localization"}:
             truth = parameters.fake_localization
             return FakeLocalization(truth, lambda: Pose2(*(float(value) for value in self._state.poses[index])))
-        if parameters.localization == "ekf":
-            return Ekf(parameters.ekf, grid, mount_of(world.laser))
+        if parameters.localization in {"ekf", "ukf"}:
+            # filterpy takes long to import, and most teams need none of it.
+            from sim.robot.localization.ekf import KalmanLocalizer  # noqa: PLC0415
+
+            return KalmanLocalizer(parameters, grid, mount_of(world.laser))
         return Amcl(parameters.amcl, grid, mount_of(world.laser), seed, namespace_of(index))
 
     @property

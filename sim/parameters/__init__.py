@@ -17,7 +17,7 @@ from sim.parameters.costmap_2d import (
     StaticParameters,
 )
 from sim.parameters.declaration import param
-from sim.parameters.ekf import EkfParameters
+from sim.parameters.ekf import EkfParameters, UkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParameters
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters

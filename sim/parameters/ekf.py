@@ -41,3 +41,15 @@ class EkfParameters:
     odom_alpha3: float = live(0.01, "believed variance in distance per metre", "", 0, 10)
     odom_alpha4: float = live(0.01, "believed variance in distance per turning", "", 0, 10)
     gyro_noise: float = live(0.01, "believed standard deviation of the measured rate of turn", "rad/s", 0, 10)
+
+
+@dataclass(frozen=True, slots=True)
+class UkfParameters:
+    """Unscented Kalman filter localisation: sigma points; all else is as in `ekf`.
+
+    Names and defaults are those of robot_localization's ukf_localization_node.
+    """
+
+    alpha: float = param(0.001, "spread of the sigma points about the mean", "", 0.0001, 1)
+    beta: float = param(2.0, "knowledge of the distribution; 2 is best for a Gaussian", "", 0, 10)
+    kappa: float = param(0.0, "second parameter of the spread", "", 0, 10)

@@ -13,7 +13,7 @@ from sim.parameters.costmap_2d import (
     RobotsParameters,
 )
 from sim.parameters.declaration import param
-from sim.parameters.ekf import EkfParameters
+from sim.parameters.ekf import EkfParameters, UkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParameters
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
@@ -43,15 +43,16 @@ MIN_MAX_PAIRS = (
 class RobotParameters:
     """One robot's own software."""
 
-    not_in_ros: ClassVar[frozenset[str]] = frozenset({"localization", "ekf"})
+    not_in_ros: ClassVar[frozenset[str]] = frozenset({"localization", "ekf", "ukf"})
 
     localization: str = param(
         "amcl",
         "how it knows where it is; truth and fake_localization are the same",
-        choices=("amcl", "ekf", "truth", "fake_localization"),
+        choices=("amcl", "ekf", "ukf", "truth", "fake_localization"),
     )
     amcl: AmclParameters = param(_AMCL, "particle filter")
-    ekf: EkfParameters = param(EkfParameters(), "Kalman filter")
+    ekf: EkfParameters = param(EkfParameters(), "Kalman filter, extended or unscented")
+    ukf: UkfParameters = param(UkfParameters(), "sigma points of the unscented Kalman filter")
     fake_localization: FakeLocalizationParameters = param(
         FakeLocalizationParameters(), "the truth instead of an estimate"
     )

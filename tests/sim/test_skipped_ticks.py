@@ -31,7 +31,7 @@ from thbridge.files.map_files import read_map
 
 ARENA = read_map(Path(__file__).parents[2] / "maps" / "arena8")
 STUDY = RobotParameters()
-PARTICLES, KALMAN, TRUTH = (replace(STUDY, localization=name) for name in ("amcl", "ekf", "truth"))
+PARTICLES, EXTENDED, UNSCENTED, TRUTH = (replace(STUDY, localization=name) for name in ("amcl", "ekf", "ukf", "truth"))
 
 
 def team_of(robots, seed):
@@ -81,7 +81,7 @@ def requests(seed: int, robots: int, tick: int):
 @pytest.mark.parametrize(
     ("seed", "robots"),
     [
-        (2, [PARTICLES, KALMAN, TRUTH]),
+        (2, [PARTICLES, EXTENDED, UNSCENTED, TRUTH]),
         (3, [PARTICLES]),
         *(pytest.param(seed, [PARTICLES] * robots, marks=pytest.mark.slow) for seed, robots in ((1, 4), (4, 3))),
     ],

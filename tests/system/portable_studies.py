@@ -159,10 +159,14 @@ STUDIES: Mapping[str, PortableStudy] = {
     "one robot": PortableStudy("robots: 1\nmap: practice\ntemplates: practice\n", 10.0),
     "two robots": PortableStudy("seed: 7\nrobots: 2\n", 8.0, BotStrategy.SUGGESTION),
     "kalman filter, dwa": PortableStudy(
-        f"seed: 2\nrobots: 2\nrobot: {{localization: ekf, move_base: {{{_DWA}, {_GLOBAL}}}}}\n", 8.0
+        f"seed: 2\nrobots: 2\nrobot: {{localization: ekf, move_base: {{{_DWA}, {_GLOBAL}}}}}\n"
+        "each: {2: {localization: ukf}}\n",
+        8.0,
     ),
     "kalman filter, bad wheels": PortableStudy(
-        "seed: 3\nrobots: 3\nmap: office\nnoise: {preset: bad wheels}\nrobot: {localization: ekf}\n", 12.0
+        "seed: 3\nrobots: 3\nmap: office\nnoise: {preset: bad wheels}\nrobot: {localization: ekf}\n"
+        "each: {2: {localization: ukf}}\n",
+        12.0,
     ),
     "the truth, dwa": PortableStudy(
         f"seed: 4\nrobots: 4\nrobot: {{localization: truth, move_base: {{{_DWA}}}}}\nmap: warehouse12\n", 15.0

@@ -59,11 +59,12 @@ def test_help_and_mistakes_load_nothing_that_a_command_needs(tmp_path: Path, arg
     assert not {name for name in modules if name.startswith("sim.")}
 
 
-def test_a_game_without_a_report_loads_nothing_of_analysis(tmp_path: Path) -> None:
+def test_a_game_without_a_report_loads_nothing_of_analysis_and_of_other_filters(tmp_path: Path) -> None:
     arguments = ("play", "--headless", "--no-report", "--port", "0", "--max-seconds", "1", "--bag", "a.bag")
     modules = loaded(tmp_path, *arguments)
     assert "thbridge.app.play" in modules
     assert not {name for name in modules if name.startswith(("thbridge.analysis", "matplotlib", "PySide6"))}
+    assert not {name for name in modules if name.startswith(("filterpy", "scipy.stats", "sim.robot.localization.ekf"))}
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 ParameterValue: TypeAlias = "bool | int | float | str | list[ParameterValue] | dict[str, ParameterValue]"
 Tree: TypeAlias = dict[str, ParameterValue]
 
-NODES = ("amcl", "ekf", "fake_localization")
+NODES = ("amcl", "ekf", "ukf", "fake_localization")
 """Sections that are separate nodes in ROS."""
 MOVE_BASE = "move_base"
 DEFAULT_RECOVERY = ("conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery")

@@ -292,8 +292,9 @@ def test_a_robot_that_need_not_be_exact_any_more_has_arrived_where_it_is():
     assert before > 0.2
 
 
-def test_a_filter_that_trusts_its_wheels_less_doubts_more_and_goes_on_from_what_it_believed():
-    start = replace(STUDY, localization="ekf", ekf=replace(STUDY.ekf, vo_used=False))
+@pytest.mark.parametrize("kind", ["ekf", "ukf"])
+def test_a_filter_that_trusts_its_wheels_less_doubts_more_and_goes_on_from_what_it_believed(kind):
+    start = replace(STUDY, localization=kind, ekf=replace(STUDY.ekf, vo_used=False))
     doubts = []
     for inputs in ([], [SetSoftwareParameters(0, changed("ekf.odom_alpha3", 1.0, start))]):
         team = team_of(start)

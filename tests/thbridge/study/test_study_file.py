@@ -69,14 +69,14 @@ class TestRoundTrip:
         assert read_study_text(STUDY, text) == STANDARD
         assert "  # energy of each robot at the start [0.01 to 1000000]\n  energy: 100.0\n" in text
         assert "    # greatest forward speed [0 to 20 m/s]\n    max_vel_x: 1.0\n" in text
-        assert "are the same [amcl, ekf, truth or fake_localization]" in text
+        assert "are the same [amcl, ekf, ukf, truth or fake_localization]" in text
 
     @given(
         # Paths that no file can have are refused.
         st.text(st.characters(codec="utf-8"), min_size=1).filter(lambda name: not fault_of_path(name)),
         st.floats(0.01, 1e6),
         st.integers(0, 2**31 - 1),
-        st.sampled_from(["amcl", "ekf", "truth"]),
+        st.sampled_from(["amcl", "ekf", "ukf", "truth"]),
     )
     def test_a_resolved_study_reads_back_equal(self, name: str, energy: float, seed: int, localization: str) -> None:
         study = Study(

@@ -57,7 +57,7 @@ def test_every_parameter_of_a_study_is_a_field_with_words() -> None:
     assert all(field.help and field.written is None for field in fields.values())
     field = fields["robot.amcl.kld_err"]
     assert (field.kind, field.minimum, field.maximum, field.default) == (FieldKind.NUMBER, 0, 1, "0.05")
-    assert fields["robot.localization"].choices == ("amcl", "ekf", "truth", "fake_localization")
+    assert fields["robot.localization"].choices == ("amcl", "ekf", "ukf", "truth", "fake_localization")
     assert hint_of(fields["rate"]) == "0 to 1000, or null"
 
 

@@ -1,18 +1,16 @@
 import math
-from copy import copy
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from filterpy.kalman import ExtendedKalmanFilter
 from scipy.stats import chi2
 
 from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Imu
 from sim.numerics.elementary import wrap_angle
-from sim.parameters import EkfParameters
-from sim.robot.localization.ekf import Ekf, carried, corrected
+from sim.parameters import EkfParameters, RobotParameters
+from sim.robot.localization.ekf import KalmanLocalizer
 from sim.robot.localization.scan_matching import ScanMatcher
 from tests.sim.robot.localization.conftest import draw_arena
 
@@ -20,31 +18,14 @@ PARAMETERS = EkfParameters()
 VAGUE = np.diag((0.25, 0.25, 0.07))
 
 
-def ekf_of(drive, parameters=PARAMETERS, covariance=VAGUE):
-    ekf = Ekf(parameters, drive.grid, drive.mount)
+def ekf_of(drive, parameters=PARAMETERS, covariance=VAGUE, kind="ekf"):
+    ekf = KalmanLocalizer(RobotParameters(localization=kind, ekf=parameters), drive.grid, drive.mount)
     ekf.start(drive.start, covariance)
     return ekf
 
 
 def run(localizer, moments):
     return [localizer.update(moment.odometry, moment.imu, moment.scan) for moment in moments]
-
-
-def test_the_algebra_is_that_of_filterpy():
-    draw = np.random.default_rng(1)
-    for _ in range(20):
-        before, noise, motion = (draw.uniform(-1, 1, (3, 3)) for _ in range(3))
-        before, noise, innovation = before @ before.T, noise @ noise.T + 0.01 * np.eye(3), draw.uniform(-1, 1, 3)
-        judge = ExtendedKalmanFilter(dim_x=3, dim_z=3)
-        judge.x, judge.P, judge.F, judge.Q = np.zeros(3), before, motion, noise
-        judge.predict()
-        predicted = carried(before, motion) + noise
-        assert predicted == pytest.approx(judge.P)
-        judge.update(innovation, lambda _: np.eye(3), lambda mean: mean, R=noise)
-        change, covariance = corrected(predicted, noise, innovation)
-        assert change == pytest.approx(judge.x)
-        assert covariance == pytest.approx(judge.P)
-        assert (covariance == covariance.T).all()
 
 
 def test_before_the_first_scan_it_believes_what_it_was_told(drive):
@@ -59,10 +40,10 @@ def test_before_the_first_scan_it_believes_what_it_was_told(drive):
 @pytest.mark.parametrize(
     ("noise", "others", "mean", "worst"), [(1.0, 0, 0.008, 0.04), (5.0, 0, 0.03, 0.15), (1.0, 5, 0.01, 0.06)]
 )
-@pytest.mark.parametrize("seed", [1, 2])
-def test_it_tracks_through_the_arena(drive, seed, noise, others, mean, worst):
+@pytest.mark.parametrize(("seed", "kind"), [(1, "ekf"), (2, "ekf"), (1, "ukf")])
+def test_it_tracks_through_the_arena(drive, seed, kind, noise, others, mean, worst):
     tour = drive(seed=seed, noise=noise, others=others)
-    estimates = run(ekf_of(tour), tour)
+    estimates = run(ekf_of(tour, kind=kind), tour)
     errors = np.array([m.truth.distance(e.base_in_map) for m, e in zip(tour, estimates, strict=True)])
     assert errors.mean() < mean
     assert errors.max() < worst
@@ -91,9 +72,9 @@ def squared_errors(localizer, tour):
     return found
 
 
-def assert_consistent(tours, least):
+def assert_consistent(tours, least, kind):
     """As sure as it is right: means over the runs, update by update, lie within their bounds of 95 %."""
-    runs = [squared_errors(ekf_of(tour), tour) for tour in tours]
+    runs = [squared_errors(ekf_of(tour, kind=kind), tour) for tour in tours]
     updates = min(map(len, runs))
     means = np.mean([run[:updates] for run in runs], axis=0)
     low, high = chi2.ppf((0.025, 0.975), 3 * len(runs)) / len(runs)
@@ -101,17 +82,24 @@ def assert_consistent(tours, least):
     assert np.mean((low < means) & (means < high)) > least
 
 
-def assert_not_too_sure(tours):
+def assert_not_too_sure(tours, kind="ekf"):
     """Nine of ten errors within the bounds of 95 %: where noise is not what is believed, it must be learnt first."""
-    nees = np.array([one for tour in tours for one in squared_errors(ekf_of(tour), tour)])
+    nees = np.array([one for tour in tours for one in squared_errors(ekf_of(tour, kind=kind), tour)])
     inside = np.mean(nees < chi2.ppf(0.95, 3))
     print(f"NEES {nees.mean():.2f}, {inside:.3f} of them within 95 %")
     assert nees.mean() < 3.6
     assert inside > 0.9
 
 
+KINDS = pytest.mark.parametrize("kind", ["ekf", "ukf"])
+
+
 def test_it_is_as_sure_as_it_is_right_where_noise_is_what_it_believes(drive):
-    assert_consistent([drive(seed=seed) for seed in range(1, 9)], least=0.85)
+    assert_consistent([drive(seed=seed) for seed in range(1, 9)], 0.85, "ekf")
+
+
+def test_the_unscented_filter_is_not_surer_than_it_is_right(drive):
+    assert_not_too_sure([drive(seed=seed) for seed in (1, 2, 3)], "ukf")
 
 
 @pytest.mark.parametrize(
@@ -131,21 +119,24 @@ def test_it_is_not_surer_than_it_is_right_where_walls_are_not_quite_where_the_ma
 
 
 @pytest.mark.slow
-def test_it_is_as_sure_as_it_is_right_in_many_runs(drive):
-    assert_consistent([drive(seed=seed) for seed in range(1, 31)], least=0.9)
+@KINDS
+def test_it_is_as_sure_as_it_is_right_in_many_runs(drive, kind):
+    assert_consistent([drive(seed=seed) for seed in range(1, 31)], 0.9, kind)
 
 
 @pytest.mark.slow
+@KINDS
 @pytest.mark.parametrize("noise", [0.1, 0.3, 1.0, 2.0, 5.0])
 @pytest.mark.parametrize("scales", [(1.0, 1.0), (1.05, 1.1), (0.95, 0.9)])
-def test_it_is_not_surer_than_it_is_right_in_many_runs(drive, noise, scales):
-    assert_not_too_sure([degraded(drive(seed=seed, noise=noise), *scales) for seed in range(1, 31)])
+def test_it_is_not_surer_than_it_is_right_in_many_runs(drive, noise, scales, kind):
+    assert_not_too_sure([degraded(drive(seed=seed, noise=noise), *scales) for seed in range(1, 31)], kind)
 
 
 @pytest.mark.slow
+@KINDS
 @pytest.mark.parametrize("others", [3, 5, 8])
-def test_it_is_not_surer_than_it_is_right_among_many_robots(drive, others):
-    assert_not_too_sure([drive(seed=seed, others=others) for seed in range(1, 31)])
+def test_it_is_not_surer_than_it_is_right_among_many_robots(drive, others, kind):
+    assert_not_too_sure([drive(seed=seed, others=others) for seed in range(1, 31)], kind)
 
 
 @pytest.mark.slow
@@ -257,17 +248,6 @@ def test_a_scan_from_elsewhere_is_not_believed(drive):
         refused += scan is not None and not estimate.updated
         assert moment.truth.distance(estimate.base_in_map) < 0.3
     assert refused >= 5
-
-
-def test_a_copy_goes_on_alike(drive):
-    tour = drive(seconds=20)
-    ekf = ekf_of(tour)
-    run(ekf, tour.moments[:503])
-    other = copy(ekf)
-    expected = run(ekf, tour.moments[503:])
-    for one, two in zip(expected, run(other, tour.moments[503:]), strict=True):
-        assert one.base_in_map == two.base_in_map
-        assert one.covariance.tobytes() == two.covariance.tobytes()
 
 
 def test_it_begins_anew_where_it_is_told(drive):
