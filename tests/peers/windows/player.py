@@ -50,7 +50,8 @@ class Sight:
         """What may be answered to the robot that talks."""
         if self.named("What was said") is None:
             return []
-        return [one for one in self.buttons if one.name not in ("Later", "Close") and "asked for" not in one.name]
+        others = ("Later", "Close", "Picture of what was found")
+        return [one for one in self.buttons if one.name not in others and "asked for" not in one.name]
 
     @property
     def names(self) -> list[Seen]:

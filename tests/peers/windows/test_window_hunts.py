@@ -243,7 +243,7 @@ def test_a_whole_hunt_on_a_small_screen_with_properties_that_only_its_set_declar
             if button is not None and not seen.answers:
                 screen.click(button)
             elif name and told and seen.names and seen.picked is None and not seen.answers:
-                screen.click(next(one for one in seen.names if one.name.startswith(name)))
+                screen.click(next(one for one in seen.names if one.name.casefold().startswith(name)))
             else:
                 player.step(seen)
 
