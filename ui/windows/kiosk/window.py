@@ -87,11 +87,12 @@ class ProgressStrip(QWidget):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._texts = texts
-        row = spaced(QHBoxLayout(self), 2 * GAP, 2 * GAP, GAP, 2 * GAP, 0)
+        row = spaced(QHBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, 0)
         self._words, self._bar = look.label(size="small", muted=True), QProgressBar()
         self._words.setWordWrap(False)
         self._bar.setTextVisible(False)
         self._bar.setFixedHeight(GAP)
+        self._bar.setMinimumWidth(4 * GAP)  # words and buttons need the width of a small window
         row.addWidget(self._words)
         row.addWidget(self._bar, 1)
         self._time = look.label(size="small", muted=True)
