@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Imu, Odometry, Scan
@@ -12,8 +13,10 @@ from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Estimate, Localizer
 from thbridge.hunt.refusals import RequestRefused
+from thbridge.offline.clock_changes import CLOCK_STEP_NS, split_by_clock
 from thbridge.offline.laser import Laser, usable
-from thbridge.offline.odometry import CLOCK_SET_BACK_NS, OdometryTrack
+from thbridge.offline.odometry import OdometryTrack
+from thbridge.offline.odometry_faults import FaultKind, RecordedFault, clock_faults
 from thbridge.offline.recording import StampedScan
 from thbridge.ros.names import frame_name
 
@@ -71,6 +74,7 @@ class LocalizationResult:
         scans: number of scans given to the filter, which ignores those after too little motion.
         skipped: number of scans left out, by reason.
         cpu_seconds: processor time of the filter's updates, without reading the bag.
+        scan_faults: changes of the scans' clock, and scans with a stamp that does not fit the others.
     """
 
     updates: tuple[FilterUpdate, ...]
@@ -78,6 +82,7 @@ class LocalizationResult:
     scans: int
     skipped: Mapping[SkipReason, int]
     cpu_seconds: float
+    scan_faults: tuple[RecordedFault, ...]
 
     @property
     def lost_stretches(self) -> tuple[LostStretch, ...]:
@@ -92,6 +97,11 @@ class LocalizationResult:
                 stretches.append(LostStretch(updates, self.updates[first].stamp_ns, update.stamp_ns))
                 first = None
         return tuple(stretches)
+
+
+class _ScanStamp(NamedTuple):
+    received_ns: int
+    stamp_ns: int
 
 
 def localize(
@@ -117,7 +127,8 @@ def localize(
     updates: list[FilterUpdate] = []
     skipped: Counter[SkipReason] = Counter()
     last: Estimate | None = None
-    given, latest_ns, cpu_seconds = 0, 0, 0.0
+    given, latest_ns, received_ns, cpu_seconds = 0, 0, 0, 0.0
+    stamps: list[_ScanStamp] = []
     frame = frame_name(laser.first.frame)
     for tick, read in enumerate(scans):
         progress()
@@ -127,14 +138,17 @@ def localize(
         if frame_name(read.scan.frame) != frame:
             skipped[SkipReason.OTHER_LASER] += 1
             continue
-        if latest_ns - CLOCK_SET_BACK_NS <= read.stamp_ns <= latest_ns:
+        stamps.append(_ScanStamp(read.received_ns, read.stamp_ns))
+        if latest_ns - CLOCK_STEP_NS <= read.stamp_ns <= latest_ns:
             skipped[SkipReason.NOT_NEWER] += 1
             continue
         base_in_odom = odometry.at(read.stamp_ns, read.received_ns)
         if base_in_odom is None:
             skipped[SkipReason.NO_ODOMETRY] += 1
             continue
-        latest_ns = read.stamp_ns
+        for missed in odometry.missed(received_ns, read.received_ns):
+            localizer.widen(missed.distance, missed.turn)
+        latest_ns, received_ns = read.stamp_ns, read.received_ns
         given += 1
         scan = laser.scan(tick, read.scan)
         started = clock()
@@ -142,12 +156,19 @@ def localize(
         last = localizer.update(Odometry(tick, base_in_odom, STANDSTILL), Imu(tick, 0.0), scan)
         cpu_seconds += clock() - started
         if last.updated:
-            agreement = last.agreement or 0.0
-            updates.append(FilterUpdate(read.stamp_ns, last.base_in_map, last.covariance, agreement, last.lost))
+            agreement, pose = last.agreement or 0.0, last.base_in_map
+            updates.append(FilterUpdate(read.stamp_ns, pose, last.covariance, agreement, last.lost))
     if last is None:
         reasons = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
         return RequestRefused("no-usable-scan", f"No scan could be used: {reasons or 'there are none'}.")
-    return LocalizationResult(tuple(updates), last, given, dict(skipped), cpu_seconds)
+    return LocalizationResult(tuple(updates), last, given, dict(skipped), cpu_seconds, _faults_of(stamps))
+
+
+def _faults_of(stamps: Iterable[_ScanStamp]) -> tuple[RecordedFault, ...]:
+    """The faults of scans' stamps, in the order of recording."""
+    runs, odd = split_by_clock(stamps)
+    faults = [*clock_faults(runs), *(RecordedFault(FaultKind.WRONG_STAMP, *each) for each in odd)]
+    return tuple(sorted(faults, key=lambda fault: fault.received_ns))
 
 
 def warm_up(localizer: Amcl, parameters: AmclParameters, scan: Scan) -> None:

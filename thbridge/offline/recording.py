@@ -10,7 +10,8 @@ from typing import TypeVar
 from sim.common.geometry import Pose2
 from thbridge.files.errors import BadFile
 from thbridge.offline.laser import Laser, usable
-from thbridge.offline.odometry import OdometrySample, OdometryTrack
+from thbridge.offline.odometry import OdometryTrack
+from thbridge.offline.odometry_faults import OdometrySample, fault_sentences
 from thbridge.recording.bag.reading.reader import RawMessage, TopicInfo, info, messages
 from thbridge.ros.frames import FrameTree, PlanarMount
 from thbridge.ros.messages import unpack
@@ -67,7 +68,11 @@ class LocalizationBag:
 
 
 def open_recording(
-    path: Path, scan_topic: str | None, odom_topic: str | None, laser_in_base: Pose2 | None
+    path: Path,
+    scan_topic: str | None,
+    odom_topic: str | None,
+    laser_in_base: Pose2 | None,
+    max_odom_speed: float | None = None,
 ) -> LocalizationBag:
     """Find scans, odometry and the laser's mounting in a bag.
 
@@ -77,6 +82,7 @@ def open_recording(
         odom_topic: topic of type nav_msgs/Odometry; None finds that of the same robot. Without such a topic odometry is
             taken from tf.
         laser_in_base: pose of the laser on the base; None takes it from tf.
+        max_odom_speed: m/s that the robot cannot exceed; None takes it from its odometry.
 
     Raises:
         BadFile: the bag cannot be read, or lacks something; the message tells what it has instead.
@@ -104,9 +110,7 @@ def open_recording(
     odometry = _topic(topics, odom_name, (ODOMETRY,))
     if odometry is not None:
         tree = FrameTree()
-        steps, child, left_out = _odometry_of_topic(path, odometry.name)
-        if left_out:
-            notices.append(f"{left_out} poses of {odometry.name} are left out: they are not finite, or too large.")
+        steps, child = _odometry_of_topic(path, odometry.name)
         source = odometry.name
         bases = _base_names(child, first.frame)
         if laser_in_base is None:
@@ -121,11 +125,10 @@ def open_recording(
         source = f"tf {edge[0]} -> {edge[1]}"
         bases = (edge[1],)
         notices.append(f"There is no odometry on {odom_name}; it is taken from {source}.")
-    track = OdometryTrack(steps)
+    track = OdometryTrack(steps, max_odom_speed)
     if not len(track):
         raise BadFile(path, "there is no odometry in it", "name another topic by --odom-topic", key=source)
-    if track.clock_set_back:
-        notices.append(f"The stamps of {source} go back {track.clock_set_back} times: the clock was set anew.")
+    notices += fault_sentences(source, track.faults, track.begin_ns)
 
     if laser_in_base is None:
         mount = _mount(tree, first.frame, bases)
@@ -203,26 +206,15 @@ def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
         yield StampedScan(scan.stamp_ns or raw.stamp_ns, raw.stamp_ns, scan)
 
 
-def _is_plausible(pose: Pose2) -> bool:
-    return is_plausible(pose.x, pose.y, pose.theta)
-
-
-def _odometry_of_topic(path: Path, topic: str) -> tuple[list[OdometrySample], str, int]:
-    """All odometry of a topic, its child frame, and the number of poses left out, which are not finite or too large.
-
-    Zero stamps are replaced by the time of recording.
-    """
+def _odometry_of_topic(path: Path, topic: str) -> tuple[list[OdometrySample], str]:
+    """All odometry of a topic, and its child frame. Zero stamps are replaced by the time of recording."""
     steps = []
     child = ""
-    left_out = 0
     for raw in messages(path, (topic,)):
         read = _decoded(raw, unpack.odometry, path)
         child = child or read.child_frame
-        if _is_plausible(read.pose):
-            steps.append(OdometrySample(raw.stamp_ns, read.stamp_ns or raw.stamp_ns, read.pose))
-        else:
-            left_out += 1
-    return steps, child, left_out
+        steps.append(OdometrySample(raw.stamp_ns, read.stamp_ns or raw.stamp_ns, read.pose))
+    return steps, child
 
 
 def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> list[OdometrySample]:
@@ -230,7 +222,7 @@ def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> lis
         OdometrySample(raw.stamp_ns, stamp_ns or raw.stamp_ns, pose)
         for raw in messages(path, topics)
         for stamp_ns, (parent, child, pose) in _decoded(raw, unpack.transforms, path)
-        if (frame_name(parent), frame_name(child)) == edge and _is_plausible(pose)
+        if (frame_name(parent), frame_name(child)) == edge
     ]
 
 

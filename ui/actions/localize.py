@@ -18,6 +18,7 @@ from thbridge.files.ros.defaults import RosDefault, ros_defaults
 from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, localize, warm_up
+from thbridge.offline.odometry_faults import RecordedFault, fault_sentences
 from thbridge.offline.recording import LocalizationBag
 from thbridge.offline.tum import tum_line
 from ui.actions.pictures import write_picture
@@ -128,10 +129,23 @@ def localized_as_json(
         "scans": result.scans,
         "skipped": {str(reason): count for reason, count in result.skipped.items()},
         "scan_topic": recording.scan_topic,
+        "scan_faults": [_fault_as_json(fault) for fault in result.scan_faults],
         "odometry": recording.odometry_source,
+        "odometry_faults": [_fault_as_json(fault) for fault in recording.odometry.faults],
         "laser_pose": recording.laser.mount.laser_in_base.array().tolist(),
         "upside_down": recording.laser.upside_down,
         "notices": list(notices),
+    }
+
+
+def _fault_as_json(fault: RecordedFault) -> dict[str, object]:
+    return {
+        "kind": str(fault.kind),
+        "stamp": fault.stamp_ns / 1e9,
+        "recorded": fault.received_ns / 1e9,
+        "meters": fault.distance,
+        "radians": fault.turn,
+        "seconds": fault.seconds,
     }
 
 
@@ -149,6 +163,8 @@ def show_localized(recording: LocalizationBag, result: LocalizationResult) -> No
     show(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
     for reason, count in result.skipped.items():
         show(f"{count} scans were left out: {reason}.")
+    for sentence in fault_sentences(recording.scan_topic, result.scan_faults, recording.odometry.begin_ns):
+        show(sentence)
     show(f"Scans: {recording.scan_topic}. Odometry: {recording.odometry_source}.")
 
 

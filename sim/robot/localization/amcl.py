@@ -27,7 +27,7 @@ from sim.numerics.noise_arrays import NoiseStream
 from sim.parameters import AmclParameters, RobotParameters
 from sim.robot.localization.estimate import Estimate, PosePrior, read_only
 from sim.robot.localization.free_space import FreeSpace
-from sim.robot.localization.hypothesis import CloudFilter, CloudNoise, Hypothesis
+from sim.robot.localization.hypothesis import CloudFilter, CloudNoise, Hypothesis, widened
 
 SETTLED_SCANS = 5
 """Scans in a row that nearly all particles must agree on one place, and the map explain, for the robot to be found."""
@@ -139,6 +139,7 @@ class Amcl:
         self._free_space = FreeSpace(grid)
         self._use(parameters)
         self._start_noise = NoiseStream.named(seed, robot, "amcl", "start")
+        self._widening_noise = NoiseStream.named(seed, robot, "amcl", "widening")
         self._noise = CloudNoise.named(seed, robot, "amcl")
         self._rival_noise = CloudNoise.named(seed, robot, "amcl", "rival")
         pose = Pose2(parameters.initial_pose_x, parameters.initial_pose_y, wrap_angle(parameters.initial_pose_a))
@@ -157,6 +158,19 @@ class Amcl:
     def globalize(self) -> None:
         """Begin anew at the next tick, uniformly over the free cells and all headings."""
         self.state = UniformPrior()
+
+    def widen(self, distance: float, turn: float) -> None:
+        """Doubt the pose more: the particles of the place and of its rival are moved by as much at random."""
+        spread = (distance, distance, turn)
+        variances = np.diag([each * each for each in spread])
+        match self.state:
+            case PosePrior(base_in_map=base_in_map, covariance=covariance):
+                self.state = PosePrior(base_in_map, read_only(covariance + variances))
+            case ParticleBelief(tick=tick, place=place, rival=rival):
+                draws = self._widening_noise
+                place = widened(place, spread, draws.normals(tick, 3 * len(place.particles)))
+                rival = rival and widened(rival, spread, draws.normals(tick, 3 * len(rival.particles)))
+                self.state = replace(self.state, place=place, rival=rival)
 
     def request_update(self) -> None:
         """Weigh the next scan even if the robot has not moved; the first scan after a start is weighed anyway."""

@@ -155,6 +155,11 @@ class KalmanLocalizer:
         """Forget where the robot was: lost, with a covariance as wide as the map, until it is found or told a pose."""
         self._forgotten = True
 
+    def widen(self, distance: float, turn: float) -> None:
+        """Doubt the pose more; see `Localizer`."""
+        more = np.diag((distance * distance, distance * distance, turn * turn))
+        self._filter.reset(self._filter.mean, self._filter.covariance + more)
+
     def request_update(self) -> None:
         """Match the next scan even if the robot has not moved."""
         self._requested = True

@@ -81,6 +81,9 @@ class Localizer(Protocol):
     def globalize(self) -> None:
         """Forget where the robot was: it may be anywhere (ROS: global_localization)."""
 
+    def widen(self, distance: float, turn: float) -> None:
+        """Doubt the pose more: the robot has moved unseen, with standard deviations of these metres and radians."""
+
     def request_update(self) -> None:
         """Weigh the next scan even if the robot has not moved (ROS: request_nomotion_update)."""
 

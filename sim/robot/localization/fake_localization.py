@@ -38,6 +38,9 @@ class FakeLocalization:
     def globalize(self) -> None:
         """Do nothing: there is no belief to forget."""
 
+    def widen(self, distance: float, turn: float) -> None:
+        """Do nothing: there is no belief to doubt."""
+
     def request_update(self) -> None:
         """Do nothing: no scans are weighed."""
 

@@ -94,6 +94,13 @@ class Hypothesis:
     settled: int = 0
 
 
+def widened(place: Hypothesis, spread: tuple[float, float, float], draws: FloatArray) -> Hypothesis:
+    """Return a hypothesis whose particles are moved by (3 n,) standard normals, with these standard deviations."""
+    covariance = place.covariance + np.diag([each * each for each in spread])
+    particles = place.particles + draws.reshape(-1, 3) * spread
+    return replace(place, particles=read_only(particles), covariance=read_only(covariance))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanView:
     """The part of a scan that is weighed.

@@ -1,5 +1,6 @@
 """Bags as other robots record them, written by rosbags: a drive through a room of known walls."""
 
+import itertools
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -54,7 +55,12 @@ def quaternion(roll: float, yaw: float) -> tuple[float, float, float, float]:
 
 @dataclass
 class Robot:
-    """The robot of a bag, and the way it is recorded."""
+    """The robot of a bag, and the way it is recorded.
+
+    Attributes:
+        spikes: metres along x by which single odometry messages are wrong, by their numbers.
+        reset_at: number of the odometry message from which on odometry counts from 0 again.
+    """
 
     laser: Pose2 = LASER
     roll: float = 0.0
@@ -77,6 +83,8 @@ class Robot:
     range_max: float = 6.0
     compression: Writer.CompressionFormat | None = None
     stamp_offsets: dict[int, int] = field(default_factory=dict)
+    spikes: dict[int, float] = field(default_factory=dict)
+    reset_at: int | None = None
 
 
 def ranges_at(grid: OccupancyGrid, robot: Robot, base: Pose2, angles: FloatArray) -> FloatArray:
@@ -165,7 +173,15 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
             seat = transform(START_NS, robot.body_frame, robot.laser_frame, robot.laser, robot.roll, robot.laser_height)
             say(static, START_NS, tf_message([lift, seat]))
 
+        said = itertools.count()
+        origin = IDENTITY
+
         def say_odometry(ns: int, pose: Pose2) -> None:
+            nonlocal origin
+            number = next(said)
+            origin = pose.inverse() if number == robot.reset_at else origin
+            pose = origin.compose(pose)
+            pose = Pose2(pose.x + robot.spikes.get(number, 0.0), pose.y, pose.theta)
             if robot.odom_topic:
                 say(robot.odom_topic, ns, odometry(ns, robot.odom_frame, robot.base_frame, pose))
             if robot.tf:
@@ -177,9 +193,9 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
         say_odometry(START_NS - half, in_odom)
         for index, pose in enumerate(poses):
             ns = START_NS + index * PERIOD_NS
-            said = ns + robot.stamp_offsets.get(index, 0)
+            stamped = ns + robot.stamp_offsets.get(index, 0)
             for topic in scans:
-                say(topic, ns, laser_scan(said, robot, angles, ranges_at(grid, robot, pose, angles)))
+                say(topic, ns, laser_scan(stamped, robot, angles, ranges_at(grid, robot, pose, angles)))
             if index + 1 < len(poses):
                 moved = pose.between(poses[index + 1])
                 part = 1.0 / robot.odom_per_scan

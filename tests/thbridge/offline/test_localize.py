@@ -18,6 +18,7 @@ from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, ro
 from thbridge.files.errors import BadFile
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, SkipReason, localize, warm_up
+from thbridge.offline.odometry_faults import FaultKind
 from thbridge.offline.recording import LocalizationBag, open_recording
 
 PARAMETERS = AmclParameters(min_particles=200, max_particles=500)
@@ -52,6 +53,9 @@ BAGS = {
     ),
     "laser turned": Robot(laser=Pose2(-0.2, 0.1, 2.0)),
     "laser upside down": Robot(laser=Pose2(0.1, 0.0, 0.7), roll=math.pi, angle_min=-1.0),
+    "odometry spikes": Robot(spikes={20: 1000.0, 21: 1000.0, 60: -4.0}),
+    "odometry spikes in tf": Robot(odom_topic=None, spikes={20: 1000.0, 60: -4.0}),
+    "odometry reset": Robot(reset_at=50),
     "slow odometry": Robot(odom_per_scan=1),
     "fast odometry": Robot(odom_per_scan=5),
     "bz2": Robot(compression=Writer.CompressionFormat.BZ2),
@@ -67,6 +71,36 @@ def test_a_robot_is_followed(tmp_path: Path, robot: Robot) -> None:
     assert np.mean(list(errors(done, truth))) < 0.08
     assert done.last.base_in_map.distance(truth[-1]) < 0.15
     assert not done.skipped
+
+
+def test_the_filter_doubts_its_pose_more_after_a_reset(tmp_path: Path) -> None:
+    """Odometry does not say how far the robot drove meanwhile."""
+    write(tmp_path / "a.bag", Robot(reset_at=50))
+    recording = open_recording(tmp_path / "a.bag", "/scan", "/odom", None)
+    assert len(recording.odometry.faults) == 1
+    doubted: list[tuple[float, float]] = []
+
+    class Watched(Amcl):
+        def widen(self, distance: float, turn: float) -> None:
+            doubted.append((distance, turn))
+            super().widen(distance, turn)
+
+    localizer = Watched(PARAMETERS, room(), recording.laser.mount, 1, "robot1")
+    localizer.start(FIRST, CERTAIN)
+    localize(localizer, recording.laser, recording.odometry, recording.scans(), lambda: 0.0, lambda: None)
+    ((distance, turn),) = doubted
+    assert distance == pytest.approx(0.051, abs=0.002), "half a metre a second, for a tenth of a second"
+    assert turn == 0.03
+
+
+def test_a_clock_that_is_set_back_and_scans_with_odd_stamps_are_named(tmp_path: Path) -> None:
+    hour = 3_600_000_000_000
+    write(tmp_path / "a.bag", Robot(stamp_offsets={4: -hour, **dict.fromkeys(range(12, 21), hour)}), seconds=2.0)
+    done = follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", None))
+    assert [(fault.kind, fault.seconds) for fault in done.scan_faults] == [
+        (FaultKind.WRONG_STAMP, 0.0),
+        (FaultKind.CLOCK_AHEAD, 3600.0),
+    ]
 
 
 def test_a_laser_pose_that_is_given_wins(tmp_path: Path) -> None:

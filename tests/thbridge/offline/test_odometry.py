@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
-from thbridge.offline.odometry import LONGEST_GAP_NS, REACH_NS, OdometrySample, OdometryTrack
+from thbridge.offline.odometry import LONGEST_GAP_NS, REACH_NS, OdometryTrack
+from thbridge.offline.odometry_faults import FaultKind, OdometrySample
 
 SECOND = 1_000_000_000
 
@@ -33,7 +34,7 @@ def test_the_order_of_messages_does_not_matter(order: list[int]) -> None:
     steps = straight(0, 12, period=SECOND // 20)
     track = OdometryTrack([steps[index]._replace(received_ns=0) for index in order])
     assert x_at(track, SECOND // 4) == 0.25
-    assert track.clock_set_back == 0
+    assert not track.faults
 
 
 def test_headings_are_taken_the_short_way() -> None:
@@ -75,7 +76,7 @@ def test_a_clock_that_was_set_back_begins_a_new_run() -> None:
     before = [step._replace(received_ns=step.stamp_ns) for step in straight(100 * SECOND, 20)]
     after = [step._replace(received_ns=step.stamp_ns + 10 * SECOND) for step in straight(100 * SECOND, 20, 7.0)]
     track = OdometryTrack(before + after)
-    assert track.clock_set_back == 1
+    assert [(fault.kind, fault.seconds) for fault in track.faults] == [(FaultKind.CLOCK_BACK, -10.0)]
     assert x_at(track, 101 * SECOND, 101 * SECOND) == 1.0
     assert x_at(track, 101 * SECOND, 111 * SECOND) == 8.0
 
@@ -85,12 +86,16 @@ def test_one_odd_stamp_does_not_hide_what_follows() -> None:
     steps.insert(10, OdometrySample(steps[10].received_ns, 5, Pose2(0, 0, 0)))
     track = OdometryTrack(steps)
     assert [x_at(track, 100 * SECOND + i * SECOND // 10) for i in (5, 9, 10, 15)] == [0.5, 0.9, 1.0, 1.5]
+    assert [fault.kind for fault in track.faults] == [FaultKind.WRONG_STAMP]
 
 
 def test_what_is_not_finite_is_left_out() -> None:
     steps = straight(0, 3)
     steps.insert(1, OdometrySample(1, 1, Pose2(math.nan, 0, 0)))
-    assert len(OdometryTrack(steps)) == 3
+    steps.insert(2, OdometrySample(2, 2, Pose2(1e300, 0, 0)))
+    track = OdometryTrack(steps)
+    assert len(track) == 3
+    assert [fault.kind for fault in track.faults] == [FaultKind.NOT_FINITE] * 2
 
 
 def test_no_odometry_at_all() -> None:

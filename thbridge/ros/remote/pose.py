@@ -32,8 +32,9 @@ every 0.2 m (update_min_d)."""
 _REMEMBERED = 500
 _APART_NS = 1_000_000_000
 """Odometry farther from a pose in time than this is not combined with it."""
-_JUMP = 1.0
-"""Metres between two odometry messages above which the driver was restarted and counts from zero again."""
+_JUMP, _FASTEST = 1.0, 5.0
+"""Metres, and m/s times the time between two odometry messages, beyond which no robot has driven: the message is an
+outlier, or the driver was restarted and counts from zero again. The next message shows which."""
 _NO_PARTICLES: FloatArray = np.empty((0, 3))
 _UNKNOWN: FloatArray = np.full((3, 3), np.nan)
 
@@ -49,6 +50,7 @@ class RemotePose:
         received_ns: time of the last odometry message; None before the first.
         base_in_odom: pose of the last odometry message.
         twist: velocity of the last odometry message.
+        notices: sentences about odometry that cannot be true; the reader empties the list.
     """
 
     def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS) -> None:
@@ -67,6 +69,9 @@ class RemotePose:
         self._blind = 0.0
         self._restarted = False
         self._updated = False
+        self.notices: list[str] = []
+        self._suspect: tuple[int, Pose2] | None = None
+        self._outliers = 0
 
     @property
     def localized(self) -> bool:
@@ -159,15 +164,48 @@ class RemotePose:
         if self.received_ns is not None:
             if 0 < late_ns < SET_BACK_NS:
                 return None
-            distance = self.base_in_odom.distance(base_in_odom)
-            if (distance > _JUMP and now_ns - self.received_ns < SET_BACK_NS) or late_ns > 0:
-                self._odometry.clear()
-                self._restarted = True
-            self._blind += distance
+            is_new = now_ns - self.received_ns < SET_BACK_NS
+            if late_ns > 0 or (is_new and not _drivable(self._stamp_ns, self.base_in_odom, stamp_ns, base_in_odom)):
+                if not self._continues_suspect(stamp_ns, base_in_odom):
+                    self._leave_out_suspect()
+                    self._suspect = stamp_ns, base_in_odom
+                    return None
+                self._restart(late_ns, base_in_odom)
+            else:
+                self._leave_out_suspect()
+            self._suspect = None
+            self._blind += self.base_in_odom.distance(base_in_odom)
         self.received_ns, self._stamp_ns = now_ns, stamp_ns
         self.base_in_odom, self.twist = base_in_odom, twist
         self._odometry.append((stamp_ns, base_in_odom))
         return None
+
+    def _continues_suspect(self, stamp_ns: int, base_in_odom: Pose2) -> bool:
+        """Return True when a message goes on from the one before, which seemed to be an outlier."""
+        if self._suspect is None:
+            return False
+        return 0 <= stamp_ns - self._suspect[0] < SET_BACK_NS and _drivable(*self._suspect, stamp_ns, base_in_odom)
+
+    def _leave_out_suspect(self) -> None:
+        if self._suspect is None:
+            return
+        self._outliers += 1
+        # A broken driver may send nothing else: report the first, the second, the fourth, ...
+        if self._outliers & (self._outliers - 1) == 0:
+            distance = self.base_in_odom.distance(self._suspect[1])
+            self.notices.append(f"an odometry message {distance:.1f} m off is left out ({self._outliers} so far)")
+
+    def _restart(self, late_ns: int, base_in_odom: Pose2) -> None:
+        self._odometry.clear()
+        self._restarted = True
+        distance = self.base_in_odom.distance(base_in_odom)
+        cause = f"its clock was set back by {late_ns / 1e9:.1f} s" if late_ns > 0 else "its odometry was reset"
+        self.notices.append(f"{cause}: the pose by odometry moves by {distance:.1f} m")
+
+
+def _drivable(stamp_ns: int, left: Pose2, later_ns: int, reached: Pose2) -> bool:
+    """Return True where a robot can have driven from one pose to another between two stamps."""
+    return left.distance(reached) <= _JUMP + _FASTEST * (later_ns - stamp_ns) / 1e9
 
 
 def _is_finite(pose: Pose2) -> bool:

@@ -134,6 +134,11 @@ class RemoteRobot:
         """Number of goals that were sent once more, because its navigation did not know them."""
         return self._goals.resent
 
+    def take_notices(self) -> list[str]:
+        """Return what people should hear of its odometry since the last call, as sentences about the robot."""
+        notices, self._pose.notices = self._pose.notices, []
+        return notices
+
     def receive(self, topic: str, data: bytes, now_ns: int) -> InvalidMessage | None:
         """Take in a message of a topic and type in `subscriptions`; returns a reason when it cannot be used."""
         try:

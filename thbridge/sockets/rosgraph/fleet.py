@@ -140,7 +140,7 @@ class Fleet:
         return self._clock is not None
 
     def tell_changes(self) -> None:
-        """Log what has fallen silent, and what has come back; each change once, when it has lasted a second."""
+        """Log odometry that cannot be true, and parts that have been silent, or back, for a second."""
         if self._clock is None or not self._clock.runs:
             return
         wall_ns = self._wall()
@@ -154,6 +154,8 @@ class Fleet:
             before = state.settled
             if state.take(remote.silent_parts(now_ns), now_ns):
                 _log.warning("%s", sentence_of_change(robot_name(robot), remote.names, before, state.settled))
+            for notice in remote.take_notices():
+                _log.warning("%s: %s", robot_name(robot), notice)
             if remote.resent_goals != self._resent[robot]:
                 self._resent[robot] = remote.resent_goals
                 _log.warning("%s: its navigation did not know its goal, which is sent again", robot_name(robot))

@@ -33,6 +33,13 @@ def localize_command(
     laser_pose: Annotated[
         Triple | None, typer.Option(help="Where the laser sits on the base; by default as tf says.", metavar="X Y YAW")
     ] = None,
+    max_odom_speed: Annotated[
+        float | None,
+        typer.Option(
+            help="Fastest speed of the robot, m/s; faster odometry is left out. Default: by the odometry itself.",
+            min=0.01,
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(help="All chance is keyed by it.", min=0, max=2**31 - 1)] = 1,
     to: Annotated[
         Path | None,
@@ -80,7 +87,7 @@ def localize_command(
         parameters, told, defaults = read_amcl_parameters(params or [])
         grid = read_grid(map_yaml)
         seat = None if laser_pose is None else pose_in(laser_pose)
-        recording = open_recording(bag, scan_topic, odom_topic, seat)
+        recording = open_recording(bag, scan_topic, odom_topic, seat, max_odom_speed)
     notices = (*told, *recording.notices)
     for sentence in (*notices, *sentences_of(defaults)):
         note(sentence)

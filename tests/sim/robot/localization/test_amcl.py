@@ -320,3 +320,22 @@ def test_among_eight_robots_close_by_its_ellipse_covers_nine_of_ten_errors(drive
                 square = error @ np.linalg.solve(estimate.covariance[:2, :2], error)
                 inside.append(square < chi2.ppf(0.95, 2))
     assert np.mean(inside) > 0.9
+
+
+def test_a_widened_cloud_is_wider_around_the_same_place_and_finds_the_way_back(drive):
+    tour = drive(seconds=20)
+    before, after = tour.moments[:500], tour.moments[500:]
+    amcl, again = amcl_of(tour), amcl_of(tour)
+    last, _ = run(amcl, before)[-1], run(again, before)
+    for each in (amcl, again):
+        each.widen(0.3, 0.2)
+    belief = amcl.state
+    moved = belief.place.particles - last.particles
+    moved[:, 2] = np.remainder(moved[:, 2] + math.pi, 2 * math.pi) - math.pi
+    assert moved.std(axis=0) == pytest.approx((0.3, 0.3, 0.2), rel=0.3)
+    assert np.diag(belief.place.covariance - last.covariance) == pytest.approx((0.09, 0.09, 0.04))
+    assert belief.odom_in_map == last.odom_in_map
+    estimates = run(amcl, after)
+    assert all(map(same, estimates, run(again, after)))
+    assert errors_of(replace(tour, moments=after), estimates)[250:].max() < 0.2
+    assert not any(estimate.lost for estimate in estimates)

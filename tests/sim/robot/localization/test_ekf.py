@@ -283,3 +283,16 @@ def test_asked_for_it_weighs_a_scan_though_the_robot_stands(drive):
     ekf.request_update()
     assert ekf.update(replace(odometry, tick=10), Imu(10, 0.0), scan).updated
     assert not ekf.update(replace(odometry, tick=15), Imu(15, 0.0), scan).updated
+
+
+@pytest.mark.parametrize("kind", ["ekf", "ukf"])
+def test_a_widened_gaussian_is_wider_around_the_same_pose(drive, kind):
+    tour = drive(seconds=2)
+    first, second = tour.moments[:2]
+    widened, plain = ekf_of(tour, kind=kind), ekf_of(tour, kind=kind)
+    for each in (widened, plain):
+        each.update(first.odometry, first.imu, first.scan)
+    widened.widen(0.3, 0.2)
+    one, other = (each.update(second.odometry, second.imu, None) for each in (widened, plain))
+    assert one.base_in_map == other.base_in_map
+    assert one.covariance - other.covariance == pytest.approx(np.diag((0.09, 0.09, 0.04)))

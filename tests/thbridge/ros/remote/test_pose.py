@@ -131,8 +131,22 @@ def test_without_tf_a_way_driven_blindly_makes_it_lost_and_standing_does_not(rob
 def test_a_driver_that_counts_anew_makes_the_robot_lost_until_the_next_correction(robot, seconds, x):
     heard(robot, 2, 5.0)
     robot.receive_pose(located(2, 5))
-    robot.receive_odometry(odometry(seconds, x), round(2.02 * SECOND))
+    for later in (0.0, 0.02):
+        assert not robot.estimate(0, 2 * SECOND).lost
+        robot.receive_odometry(odometry(seconds + later, x), round((2.02 + later) * SECOND))
     assert robot.estimate(0, 3 * SECOND).lost
+    (notice,) = robot.notices
+    assert ("its clock was set back by 102.0 s" if seconds < 0 else "its odometry was reset") in notice
     robot.receive_pose(located(seconds, 5.1))
     assert not robot.estimate(0, 3 * SECOND).lost
     assert where(robot, 3) == (5.1, 0)
+
+
+def test_an_outlier_of_odometry_moves_nothing_and_is_reported(robot):
+    heard(robot, 1, 5.0)
+    robot.receive_transforms([(SECOND, Transform("map", "odom", Pose2(10, 0, 0)))], SECOND)
+    for number in range(1, 11):
+        heard(robot, 1 + 0.02 * number, 1005.0 if number % 2 else 5.0)
+        assert where(robot, 1.2) == (15, 0)
+        assert not robot.estimate(0, 2 * SECOND).lost
+    assert robot.notices == [f"an odometry message 1000.0 m off is left out ({count} so far)" for count in (1, 2, 4)]

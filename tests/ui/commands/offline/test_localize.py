@@ -94,6 +94,31 @@ def test_each_update_is_written_with_its_covariance_agreement_and_lost_flag(fold
     pd.testing.assert_frame_equal(pd.DataFrame(parsed), rows)
 
 
+def test_odometry_that_cannot_be_true_is_reported_and_moves_nothing(tmp_path: Path) -> None:
+    truth = write(tmp_path / "a.bag", Robot(spikes={20: 1000.0}, reset_at=50), seconds=4.0)
+    write_map(tmp_path, ORIGIN)
+    done = run(tmp_path, *start(), "--json", "--out", str(tmp_path / "est.tum"))
+    told = json.loads(done.stdout)
+    assert [fault["kind"] for fault in told["odometry_faults"]] == ["outlier", "reset"]
+    assert told["odometry_faults"][0]["meters"] == pytest.approx(1000.0, abs=0.1)
+    assert "/odom: left out as outliers, since the robot cannot have driven there: 1 (after " in " ".join(
+        told["notices"]
+    )
+    for line in (tmp_path / "est.tum").read_text().splitlines():
+        stamp, x, y, *_ = map(float, line.split())
+        true = ORIGIN.compose(truth[round((stamp - START_NS / 1e9) * 10)])
+        assert true.distance(Pose2(x, y, 0.0)) < 0.3
+
+
+def test_the_fastest_speed_of_odometry_can_be_given(tmp_path: Path) -> None:
+    write(tmp_path / "a.bag", Robot(spikes={20: 0.15}), seconds=2.0)
+    write_map(tmp_path, ORIGIN)
+    plain, bounded = (
+        json.loads(run(tmp_path, *start(), "--json", *more).stdout) for more in ([], ["--max-odom-speed", "1.0"])
+    )
+    assert (plain["odometry_faults"], len(bounded["odometry_faults"])) == ([], 1)
+
+
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_the_path_is_drawn_over_the_map_the_same_each_time(folder: Path, tmp_path: Path, suffix: str) -> None:
     pictures = [tmp_path / f"{number}.{suffix}" for number in range(2)]

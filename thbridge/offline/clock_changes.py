@@ -1,0 +1,88 @@
+"""Stamps of a recording that jump because somebody set a clock, and single stamps that are wrong."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Generic, Protocol, TypeVar
+
+CLOCK_STEP_NS = 1_000_000_000
+"""Least change of a clock that counts. Smaller ones are reordered messages, or messages that took longer to come."""
+
+
+class Stamped(Protocol):
+    """Anything with a stamp and a time of recording, nanoseconds."""
+
+    @property
+    def stamp_ns(self) -> int:
+        """Its own stamp."""
+
+    @property
+    def received_ns(self) -> int:
+        """Time of recording."""
+
+
+Message = TypeVar("Message", bound=Stamped)
+
+
+@dataclass(slots=True)
+class ClockRun(Generic[Message]):
+    """Messages between two changes of their clock, in the order of recording.
+
+    Attributes:
+        messages: at least one.
+        changed_ns: change of the clock before the first message, ahead positive; 0 for the first run.
+    """
+
+    messages: list[Message]
+    changed_ns: int = 0
+    _latest_ns: int = field(init=False)
+    _ahead_ns: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        first = self.messages[0]
+        self._latest_ns, self._ahead_ns = first.stamp_ns, first.stamp_ns - first.received_ns
+
+    def continues_with(self, message: Message) -> bool:
+        """Return True where a message can have been stamped by the clock as it is in this run.
+
+        A message is stamped before it is recorded: how far stamps are ahead of the recording has an upper limit.
+        """
+        back = message.stamp_ns < self._latest_ns - CLOCK_STEP_NS
+        return not back and message.stamp_ns - message.received_ns <= self._ahead_ns + CLOCK_STEP_NS
+
+    def add(self, message: Message) -> None:
+        """Add the next message."""
+        self.messages.append(message)
+        self._latest_ns = max(self._latest_ns, message.stamp_ns)
+        self._ahead_ns = max(self._ahead_ns, message.stamp_ns - message.received_ns)
+
+
+def split_by_clock(messages: Iterable[Message]) -> tuple[list[ClockRun[Message]], list[Message]]:
+    """Return the runs of a clock, and the messages whose stamps fit neither those before nor those after them.
+
+    Args:
+        messages: in the order of recording.
+    """
+    runs: list[ClockRun[Message]] = []
+    odd: list[Message] = []
+    waiting: ClockRun[Message] | None = None  # one message that does not fit, until the next one shows which is odd
+    for message in messages:
+        if not runs:
+            runs.append(ClockRun([message]))
+        elif runs[-1].continues_with(message):
+            runs[-1].add(message)
+            odd += waiting.messages if waiting else []
+            waiting = None
+        elif waiting is not None and waiting.continues_with(message):
+            waiting.add(message)
+            if len(runs[-1].messages) == 1 and len(runs) == 1:
+                odd += runs.pop().messages
+                waiting.changed_ns = 0
+            runs.append(waiting)
+            waiting = None
+        else:
+            odd += waiting.messages if waiting else []
+            last = runs[-1].messages[-1]
+            changed = (message.stamp_ns - message.received_ns) - (last.stamp_ns - last.received_ns)
+            waiting = ClockRun([message], changed)
+    odd += waiting.messages if waiting else []
+    return runs, odd

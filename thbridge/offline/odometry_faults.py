@@ -1,0 +1,368 @@
+"""Odometry that cannot be true: outliers, resets of its origin, changes of its clock.
+
+A robot cannot be elsewhere at once. The speeds around a message in the recording itself say how far the robot can have
+driven since the message before; whatever is farther is no motion. Where the messages after it come back, it was an
+outlier. Where they go on from there, the odometry was reset, and only its increments count from then on.
+
+Source: Hampel, The influence curve and its role in robust estimation (1974), for limits by median and median absolute
+deviation: they hold while less than half of the values around are wrong.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter
+
+from sim.common.geometry import IDENTITY, Pose2
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from thbridge.offline.clock_changes import ClockRun, Message, split_by_clock
+from thbridge.ros.messages.plausible import is_plausible
+
+WINDOW = 51
+"""Steps between messages whose speeds say what is usual: the 25 before, and the 25 after."""
+DEVIATIONS = 10.0
+"""Median absolute deviations above the median speed that a robot may still drive."""
+LEAST_ABOVE_USUAL = (2.0, 3.0)
+"""m/s and rad/s above the median speed that a robot may drive in any case: it may start while it stands."""
+FASTEST = (50.0, 50.0)
+"""m/s and rad/s that no robot exceeds, however many values around are wrong."""
+RETURN_NS = 1_000_000_000
+"""Time within which odometry comes back from outliers."""
+LEAST_MESSAGES = 3
+"""Messages in a row that odometry must go on with, for a jump to be more than an outlier."""
+AT_ORIGIN = 0.5
+"""Metres and radians from 0 within which odometry that jumps is reset."""
+MISSED = ((0.05, 0.03), (1.0, 0.5))
+"""Least and greatest standard deviations, in metres and radians, of what the robot drives unseen during a reset."""
+
+
+class FaultKind(StrEnum):
+    """Kind of a fault in a recorded topic."""
+
+    NOT_FINITE = "not-finite"
+    OUTLIER = "outlier"
+    RESET = "reset"
+    JUMP = "jump"
+    WRONG_STAMP = "wrong-stamp"
+    CLOCK_BACK = "clock-back"
+    CLOCK_AHEAD = "clock-ahead"
+
+
+class OdometrySample(NamedTuple):
+    """One odometry message: stamp of recording, its own stamp, pose of the base in odom."""
+
+    received_ns: int
+    stamp_ns: int
+    base_in_odom: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedFault:
+    """One fault.
+
+    Attributes:
+        kind: its kind.
+        received_ns: stamp of recording of the message.
+        stamp_ns: its own stamp.
+        distance: metres from the message before that can be true; 0 for faults of stamps.
+        turn: radians from it, not negative.
+        seconds: change of the clock, ahead positive; 0 for other faults.
+    """
+
+    kind: FaultKind
+    received_ns: int
+    stamp_ns: int
+    distance: float = 0.0
+    turn: float = 0.0
+    seconds: float = 0.0
+
+
+class MissedMotion(NamedTuple):
+    """Motion that odometry does not report because it was reset: time of recording, standard deviations (m, rad)."""
+
+    received_ns: int
+    distance: float
+    turn: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OdometryRun:
+    """Sound odometry between two changes of the clock.
+
+    Attributes:
+        received_ns: stamp of recording of its first message.
+        stamps: (n,) int64 nanoseconds, strictly increasing; n at least 1.
+        poses: (n, 3) poses of the base in odom as it began: jumps of its origin are taken out.
+    """
+
+    received_ns: int
+    stamps: NDArray[np.int64]
+    poses: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SoundOdometry:
+    """Odometry without its faults.
+
+    Attributes:
+        runs: in the order of recording.
+        faults: all of them, in the order of recording.
+        missed: motions that it does not report.
+    """
+
+    runs: tuple[OdometryRun, ...]
+    faults: tuple[RecordedFault, ...]
+    missed: tuple[MissedMotion, ...]
+
+
+MOST_EXAMPLES = 5
+"""Faults of one kind that a sentence describes one by one."""
+_WORDS = {
+    FaultKind.NOT_FINITE: "left out, since they are not finite or too large",
+    FaultKind.OUTLIER: "left out as outliers, since the robot cannot have driven there",
+    FaultKind.WRONG_STAMP: "with a stamp that does not fit the others",
+    FaultKind.RESET: "resets to 0, after which only increments are used",
+    FaultKind.JUMP: "jumps of the origin, after which only increments are used",
+    FaultKind.CLOCK_BACK: "clock set back",
+    FaultKind.CLOCK_AHEAD: "clock set ahead",
+}
+
+
+def fault_sentences(topic: str, faults: Iterable[RecordedFault], begin_ns: int) -> Iterator[str]:
+    """Yield a sentence for each kind of fault: how many, when (seconds after the beginning), and by how much.
+
+    Args:
+        topic: its name, or its frames in tf.
+        faults: in the order of recording.
+        begin_ns: time of recording at the beginning.
+    """
+    of_kind: dict[FaultKind, list[RecordedFault]] = {}
+    for fault in faults:
+        of_kind.setdefault(fault.kind, []).append(fault)
+    for kind, alike in of_kind.items():
+        examples = [_example(fault, begin_ns) for fault in alike[:MOST_EXAMPLES]]
+        if len(alike) > MOST_EXAMPLES:
+            examples.append(f"and {len(alike) - MOST_EXAMPLES} more")
+        yield f"{topic}: {_WORDS[kind]}: {len(alike)} ({'; '.join(examples)})."
+
+
+def _example(fault: RecordedFault, begin_ns: int) -> str:
+    when = f"after {(fault.received_ns - begin_ns) / 1e9:.2f} s"
+    match fault.kind:
+        case FaultKind.OUTLIER | FaultKind.RESET | FaultKind.JUMP:
+            return f"{when}, {fault.distance:.1f} m and {fault.turn:.2f} rad off"
+        case FaultKind.CLOCK_BACK | FaultKind.CLOCK_AHEAD:
+            return f"{when}, by {abs(fault.seconds):.1f} s"
+        case _:
+            return when
+
+
+def sound_odometry(samples: Iterable[OdometrySample], max_speed: float | None) -> SoundOdometry:
+    """Leave out what cannot be true, and join what was reset.
+
+    Args:
+        samples: in the order of recording.
+        max_speed: m/s that the robot cannot exceed; None takes it from the speeds around each message.
+    """
+    finite: list[OdometrySample] = []
+    faults: list[RecordedFault] = []
+    for sample in samples:
+        if is_plausible(*sample.base_in_odom.array().tolist()):
+            finite.append(sample)
+        else:
+            faults.append(RecordedFault(FaultKind.NOT_FINITE, sample.received_ns, sample.stamp_ns))
+    clock_runs, odd = split_by_clock(finite)
+    faults += (RecordedFault(FaultKind.WRONG_STAMP, sample.received_ns, sample.stamp_ns) for sample in odd)
+    faults += clock_faults(clock_runs)
+    runs: tuple[OdometryRun, ...] = ()
+    missed: list[MissedMotion] = []
+    if clock_runs:
+        judge = _Judge(clock_runs, max_speed)
+        judge.judge()
+        runs, missed = tuple(judge.sound()), judge.missed
+        faults += judge.faults
+    return SoundOdometry(runs, tuple(sorted(faults, key=lambda fault: fault.received_ns)), tuple(missed))
+
+
+def clock_faults(runs: Sequence[ClockRun[Message]]) -> Iterator[RecordedFault]:
+    """Yield the changes of a clock between its runs."""
+    for run in runs[1:]:
+        kind = FaultKind.CLOCK_AHEAD if run.changed_ns > 0 else FaultKind.CLOCK_BACK
+        first = run.messages[0]
+        yield RecordedFault(kind, first.received_ns, first.stamp_ns, seconds=run.changed_ns / 1e9)
+
+
+class _Piece(NamedTuple):
+    """Samples from `begin` to `end` (excluded) between which the robot can have driven."""
+
+    begin: int
+    end: int
+
+
+class _Judge:
+    """Finds outliers and resets among the samples of all runs of a clock, put end to end.
+
+    Attributes:
+        faults: outliers, resets and jumps, once judged.
+        missed: see `SoundOdometry`.
+    """
+
+    def __init__(self, runs: Sequence[ClockRun[OdometrySample]], max_speed: float | None) -> None:
+        samples: list[OdometrySample] = []
+        run_of: list[int] = []
+        for number, run in enumerate(runs):
+            # Of equal stamps the last is kept, as in tf.
+            newest = {sample.stamp_ns: sample for sample in run.messages}
+            samples += (newest[stamp] for stamp in sorted(newest))
+            run_of += [number] * len(newest)
+        self._runs = runs
+        self._samples = samples
+        self._run_of = np.array(run_of)
+        self._stamps = np.array([sample.stamp_ns for sample in samples], dtype=np.int64)
+        self._received = np.array([sample.received_ns for sample in samples], dtype=np.int64)
+        self._poses = np.array([sample.base_in_odom.array() for sample in samples])
+        self._corrections: list[tuple[_Piece, Pose2]] = []
+        self._measure(max_speed)
+        self.faults: list[RecordedFault] = []
+        self.missed: list[MissedMotion] = []
+
+    def _measure(self, max_speed: float | None) -> None:
+        """Set the usual period, and speeds and limits of each step to the next sample; cut where that is too far."""
+        same = np.diff(self._run_of) == 0
+        seconds = np.maximum(np.where(same, np.diff(self._stamps), np.diff(self._received)) / 1e9, 0.0)
+        # A mean, since messages may come in bursts; without the gaps of a recording.
+        usual = seconds[seconds <= RETURN_NS / 1e9]
+        self._period = float(usual.mean()) if len(usual) else 0.0
+        steps = np.diff(self._poses, axis=0)
+        turns = np.abs((steps[:, 2] + np.pi) % (2.0 * np.pi) - np.pi)
+        moved = np.column_stack((np.hypot(steps[:, 0], steps[:, 1]), turns))
+        speeds = moved / np.maximum(seconds, max(self._period, 1e-3))[:, np.newaxis]
+        self._usual = _moving_median(speeds)
+        scatter = _moving_median(np.abs(speeds - self._usual))
+        self._limits = np.minimum(self._usual + np.maximum(DEVIATIONS * scatter, LEAST_ABOVE_USUAL), FASTEST)
+        if max_speed is not None:
+            self._limits[:, 0] = max_speed
+        drivable = (moved <= self._limits * (seconds + self._period)[:, np.newaxis]).all(axis=1)
+        cuts = np.flatnonzero(~(same & drivable)) + 1
+        self._pieces = [_Piece(*ends) for ends in pairwise([0, *cuts.tolist(), len(self._samples)])]
+
+    def _seconds(self, before: int, after: int) -> float:
+        """Time between two samples; by the time of recording where the clock was changed."""
+        times = self._stamps if self._run_of[before] == self._run_of[after] else self._received
+        return max(0.0, float(times[after] - times[before]) / 1e9)
+
+    def _moved(self, before: int, after: int) -> tuple[float, float]:
+        """Metres and radians, not negative, from one sample to another."""
+        one, other = self._samples[before].base_in_odom, self._samples[after].base_in_odom
+        return one.distance(other), abs(wrap_angle(other.theta - one.theta))
+
+    def _effort(self, before: int, after: int) -> float:
+        """Way from one sample to another as a share of what the robot can drive; stamps may be off by a period."""
+        seconds = max(self._seconds(before, after) + self._period, 1e-9)
+        distance, turn = self._moved(before, after)
+        most, most_turn = (self._limits[after - 1] * seconds).tolist()
+        return float(max(distance / most, turn / most_turn))
+
+    def _drivable(self, before: int, after: int) -> bool:
+        return self._effort(before, after) <= 1.0
+
+    def judge(self) -> None:
+        """Go through the pieces: keep, leave out, or join them."""
+        last, correction = None, IDENTITY
+        pieces = self._pieces
+        number = 0
+        while number < len(pieces):
+            piece = pieces[number]
+            if last is not None and not self._drivable(last, piece.begin):
+                begin = self._return_within(piece, last)
+                if begin > piece.begin:
+                    self._leave_out([_Piece(piece.begin, begin)], last)
+                    pieces[number] = _Piece(begin, piece.end)
+                    continue
+                back = self._return(number, last)
+                if back > number or piece.end - piece.begin < LEAST_MESSAGES:
+                    after = max(back, number + 1)
+                    self._leave_out(pieces[number:after], last)
+                    number = after
+                    continue
+                if sum(kept.end - kept.begin for kept, _ in self._corrections) < LEAST_MESSAGES:
+                    self._leave_out([kept for kept, _ in self._corrections], piece.begin)
+                    self._corrections = []
+                else:
+                    correction = self._reset(last, piece.begin, correction)
+            self._corrections.append((piece, correction))
+            last = piece.end - 1
+            number += 1
+
+    def _return_within(self, piece: _Piece, last: int) -> int:
+        """First sample of a piece that is nearer to the last sound one than to the piece's beginning; see `_return`.
+
+        A way just too long into an outlier may not be too long out of it.
+        """
+        for later in range(piece.begin + 1, min(piece.begin + LEAST_MESSAGES, piece.end)):
+            if self._effort(last, later) < min(1.0, self._effort(piece.begin, later)):
+                return later
+        return piece.begin
+
+    def _return(self, number: int, last: int) -> int:
+        """Number of the piece that soon comes back to where the last sound sample was; the given one if none does."""
+        for later in range(number + 1, len(self._pieces)):
+            begin = self._pieces[later].begin
+            if self._seconds(last, begin) * 1e9 > RETURN_NS:
+                break
+            if self._drivable(last, begin):
+                return later
+        return number
+
+    def _leave_out(self, pieces: Iterable[_Piece], sound: int) -> None:
+        for piece in pieces:
+            for i in range(*piece):
+                self.faults.append(self._fault(FaultKind.OUTLIER, i, sound))
+
+    def _reset(self, last: int, begin: int, correction: Pose2) -> Pose2:
+        """Record a jump of the odometry's origin; return the pose of the new origin in the first."""
+        x, y, theta = np.abs(self._poses[begin]).tolist()
+        kind = FaultKind.RESET if max(x, y, theta) <= AT_ORIGIN else FaultKind.JUMP
+        self.faults.append(self._fault(kind, begin, last))
+        seconds = self._seconds(last, begin) + self._period
+        distance, turn = (
+            max(least, min(usual * seconds, most))
+            for usual, least, most in zip(self._usual[begin - 1].tolist(), *MISSED, strict=True)
+        )
+        self.missed.append(MissedMotion(int(self._received[begin]), distance, turn))
+        before, after = self._samples[last].base_in_odom, self._samples[begin].base_in_odom
+        return correction.compose(before).compose(after.inverse())
+
+    def _fault(self, kind: FaultKind, i: int, sound: int) -> RecordedFault:
+        return RecordedFault(kind, int(self._received[i]), int(self._stamps[i]), *self._moved(sound, i))
+
+    def sound(self) -> Iterator[OdometryRun]:
+        """Yield the sound odometry of each run of the clock that has any."""
+        for number, run in enumerate(self._runs):
+            parts = [(piece, to) for piece, to in self._corrections if self._run_of[piece.begin] == number]
+            if parts:
+                stamps = np.concatenate([self._stamps[slice(*piece)] for piece, _ in parts])
+                poses = np.concatenate([_moved_by(to, self._poses[slice(*piece)]) for piece, to in parts])
+                yield OdometryRun(run.messages[0].received_ns, stamps, poses)
+
+
+def _moving_median(values: FloatArray) -> FloatArray:
+    """(n, 2) medians of the values around each."""
+    if not len(values):
+        return values
+    medians: FloatArray = median_filter(values, (WINDOW, 1), mode="nearest")
+    return medians
+
+
+def _moved_by(correction: Pose2, poses: FloatArray) -> FloatArray:
+    """(n, 3) poses seen from another origin; the very same ones from the first."""
+    if correction == IDENTITY:
+        return poses
+    headings = [wrap_angle(correction.theta + theta) for theta in poses[:, 2].tolist()]
+    return np.column_stack((correction.transform(poses[:, :2]), headings))
