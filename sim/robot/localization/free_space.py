@@ -7,8 +7,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.common.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid
 from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.numerics.noise_arrays import NoiseStream
 
 
@@ -23,6 +24,20 @@ def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint32]:
     cells = np.flatnonzero(free).astype(np.uint32)
     cells.setflags(write=False)
     return cells
+
+
+@njit(cache=True)
+def _poses(free: NDArray[np.uint32], cols: int, frame: GridFrame, drawn: FloatArray) -> FloatArray:
+    """(n, 3) poses of (2 n,) uniforms: first those that draw cells, then those that draw headings."""
+    n = drawn.size // 2
+    out = np.empty((n, 3))
+    for i in range(n):
+        cell = int(free[int(drawn[i] * free.size)])
+        x, y = (cell % cols + 0.5) * frame.resolution, (cell // cols + 0.5) * frame.resolution
+        out[i, 0] = frame.x + frame.cos * x - frame.sin * y
+        out[i, 1] = frame.y + frame.sin * x + frame.cos * y
+        out[i, 2] = drawn[n + i] * 2.0 * math.pi - math.pi
+    return out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,8 +55,5 @@ class FreeSpace:
 
         Source: AmclNode::uniformPoseGenerator.
         """
-        cell, heading = noise.uniforms(tick, 2 * count).reshape(2, count)
-        free = _free_cells(self.grid)
-        drawn = free[(cell * len(free)).astype(np.int64)].astype(np.int64)
-        cells = np.column_stack(np.divmod(drawn, self.grid.cols))
-        return np.column_stack((self.grid.centres_of(cells), heading * 2.0 * math.pi - math.pi))
+        drawn = noise.uniforms(tick, 2 * count)
+        return _poses(_free_cells(self.grid), self.grid.cols, self.grid.frame, drawn)

@@ -8,6 +8,7 @@ asks for (`resampling`). Meanwhile `scan_agreement` watches how well the map exp
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003).
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,7 +34,11 @@ CANDIDATES_PER_PARTICLE = 20
 MIN_CANDIDATES = 50_000
 """At least so many, so that one lies near enough to the right place in a map of some hundred square metres."""
 MAX_CANDIDATES = 400_000
-"""At most so many: a quarter of a second's work with 60 beams."""
+"""At most so many."""
+ROUGH_BEAMS = 15
+"""Beams at most by which candidates are compared at first; most of them fit so badly that these show it."""
+ROUGH_SHARE = 0.1
+"""Share of the candidates, those that these beams fit best, that all beams weigh: ten times `FITTING_SHARE`."""
 
 FITTING_SHARE = 0.01
 """Share of the candidates that must remain effective when newcomers are drawn by how well a scan fits."""
@@ -302,7 +307,14 @@ class CloudFilter:
             amcl draws blindly; such places hardly ever lie near enough to the truth to survive.
         """
         places = max(MIN_CANDIDATES, min(count * CANDIDATES_PER_PARTICLE, MAX_CANDIDATES))
-        return self._fitting(count, self._free_space.draw(places, noise.places, view.tick), view, noise)
+        candidates = self._free_space.draw(places, noise.places, view.tick)
+        step = math.ceil(len(view.points) / ROUGH_BEAMS)
+        if step == 1:
+            return self._fitting(count, candidates, FITTING_SHARE, view, noise)
+        rough = self._field.log_likelihood(candidates, np.ascontiguousarray(view.points[::step]))
+        last = int((1.0 - ROUGH_SHARE) * places)
+        likely = candidates[rough >= np.partition(rough, last)[last]]
+        return self._fitting(count, likely, FITTING_SHARE * places / len(likely), view, noise)
 
     def _nearby(self, place: Pose2, count: int, view: ScanView, noise: CloudNoise) -> FloatArray:
         """(count, 3) places around one where a scan fits, drawn in proportion to how well.
@@ -313,10 +325,13 @@ class CloudFilter:
         if count == 0:
             return np.empty((0, 3))
         draws = noise.places.normals(view.tick, 3 * count * CANDIDATES_PER_PARTICLE)
-        return self._fitting(count, place.array() + draws.reshape(-1, 3) * NEARBY, view, noise)
+        return self._fitting(count, place.array() + draws.reshape(-1, 3) * NEARBY, FITTING_SHARE, view, noise)
 
-    def _fitting(self, count: int, candidates: FloatArray, view: ScanView, noise: CloudNoise) -> FloatArray:
+    def _fitting(
+        self, count: int, candidates: FloatArray, share: float, view: ScanView, noise: CloudNoise
+    ) -> FloatArray:
+        """(count, 3) of the candidates, drawn so that this share of them remains effective."""
         fit = self._field.log_likelihood(candidates, view.points)
         offset = noise.resampling.uniforms(view.tick, 3)[2]
-        chosen: FloatArray = candidates[systematic(tempered(fit, FITTING_SHARE), count, offset)]
+        chosen: FloatArray = candidates[systematic(tempered(fit, share), count, offset)]
         return self._jittered(chosen, view.tick + 1, noise, NEWCOMER_JITTER)
