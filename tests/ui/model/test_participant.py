@@ -33,6 +33,7 @@ from ui.model.screen import (
     EndGame,
     EnlargePicture,
     FinishNumber,
+    FollowRobot,
     GiveAnswer,
     LeaveTreasure,
     NextRobot,
@@ -279,6 +280,19 @@ def test_no_other_robot_is_selected_by_itself_before_the_selected_one_is_sent():
     seat.do(ChooseRoom(2))
     agree(seat)
     assert (selected(seat), seat.screen.popup.room) == (0, 1)
+
+
+def test_a_map_that_follows_a_robot_follows_that_of_the_pop_up():
+    seat = Seat(robots=2)
+    seat.do(ChooseRoom(1))
+    agree(seat)
+    seat.do(ChooseRobot(1))
+    seat.do(FollowRobot())
+    assert seat.model.followed == 1
+    seat.do(ChooseRoom(2))
+    agree(seat)
+    seat.run(60)
+    assert (seat.screen.popup.robot, seat.model.followed) == (0, 0)
 
 
 def selected(seat):

@@ -96,9 +96,10 @@ def receive_tick(hunt: HuntMemory, tick: int) -> bool:
 def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     """Bring up to date everything that follows from the view and from pending requests.
 
-    The robot in the pop-up shown is the selected one: else two robots would look selected at once. After the
-    participant has turned to a robot that can be sent, no other robot's pop-up comes by itself before that robot's own:
-    the next room chosen is meant for it.
+    The robot in the pop-up shown is the selected one: else two robots would look selected at once. A map that follows
+    a robot follows this one then: else the room of the pop-up would be out of sight. After the participant has turned
+    to a robot that can be sent, no other robot's pop-up comes by itself before that robot's own: the next room chosen
+    is meant for it.
     """
     view = hunt.view
     hunt.submitted_names = {room: name for room, name in hunt.submitted_names.items() if _is_talked_over(hunt, room)}
@@ -119,6 +120,7 @@ def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
         memory.turned = False
         if hunt.popups.shown.robot != memory.selected:
             memory.selected, memory.typed = hunt.popups.shown.robot, ""
+            memory.followed = None if memory.followed is None else memory.selected
     if hunt.choice is not None and not _asks_for_name(hunt, hunt.choice.item):
         hunt.choice = None
 
