@@ -23,6 +23,7 @@ robot:
   move_base:
     base_local_planner: dwa_local_planner/DWAPlannerROS
     base_global_planner: global_planner/GlobalPlanner
+each: {2: {localization: ukf}}
 things:
   - {name: door, shape: door, at: [7.0, -4.0, 1.5708], size: [2.0, 0.1]}
   - {name: crate, shape: crate, at: [3.0, 1.0, 0.5], appears: 2}
