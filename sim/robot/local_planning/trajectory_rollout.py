@@ -4,7 +4,8 @@ Source: ros-planning/navigation, base_local_planner/src/trajectory_planner.cpp a
 Konolige, Planning and Control in Unstructured Terrain (2008).
 Differs: a robot that faces away from its path first turns in place; obstacles are scored under the robot's centre, and
 under its outline only looked at for collisions; of a trajectory only the pose that is scored must have a path to the
-goal; a command must also be safe (`braking`); the speed falls toward a point that may not be passed yet.
+goal; a command must also be safe (`braking`); the speed falls toward a point that may not be passed yet; with a
+`min_vel_x` above 0, turns in place are tried only where nothing else leads on, and to the heading that does.
 """
 
 import math

@@ -11,7 +11,8 @@ Source: ros-planning/navigation, move_base/src/move_base.cpp.
 Differs: plans and commands are made in the tick that is due, without threads, but the search for a path on a large map
 takes several ticks, a portion of the map in each; robots take turns in planning. A goal that the map alone makes
 impossible is given up without recovery. A robot that waits for its right of way neither
-oscillates nor is out of valid commands.
+oscillates nor is out of valid commands. One that drives in one place for STAY_TIMEOUT seconds tries a recovery behavior
+even with `oscillation_timeout: 0`.
 """
 
 import math
