@@ -32,6 +32,9 @@ STALL_TIMEOUT = 3.0
 STALL_DISTANCE = 0.3
 FREE_AGAIN_DISTANCE = 1.0
 """Metres of driving after which the costs of obstacles count again."""
+BACK_ALONG = 0.1
+"""Radians off the heading in which it came within which a robot with little margin may back up. Costmaps forget what
+lies under the padded outline, and a laser does not see behind: only where the body has been is surely free."""
 MIN_ARC_RADIUS = 0.05
 """Metres: thinner robots, even a point, back up in arcs as a robot of this radius does."""
 
@@ -152,6 +155,7 @@ class LocalPlanner(ABC):
         self._mark: Pose2 | None = None
         self._stalled_for = 0.0
         self._heading: float | None = None
+        self._came: float | None = None
 
     def turn_first(self) -> None:
         """Turn to the path before setting out again."""
@@ -187,8 +191,13 @@ class LocalPlanner(ABC):
 
     def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
         """Drive slowly backwards, in an arc if need be, or where there is no room behind forwards, if that is safe."""
+        backs_up = self._body.margin == WALL_MARGIN or (
+            self._came is not None and abs(wrap_angle(pose.theta - self._came)) < BACK_ALONG
+        )
         # Having turned round before an obstacle, do not go back to it.
         for speed in (self._escape_speed, -self._escape_speed):
+            if speed < 0.0 and not backs_up:
+                continue
             # Beside a corner, which straight on would come nearer, an arc may lead away from it.
             arc = 2.0 * speed / max(self._body.circumscribed, MIN_ARC_RADIUS)
             for turn in (0.0, arc, -arc):
@@ -238,6 +247,8 @@ class LocalPlanner(ABC):
             aligning = self._align(pose, twist, around)
             if aligning is not None:
                 return aligning
+        if v > 0.0:
+            self._came = pose.theta
         command = Twist(v, w)
         return PlannedCommand(command, self._preview(pose, twist, command), score == math.inf)
 

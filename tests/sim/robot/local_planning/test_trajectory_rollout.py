@@ -156,6 +156,16 @@ def test_what_a_footprint_is_padded_by_is_not_kept_from_walls_once_more(padding,
     assert local.safe(pose, Twist(1.0, 0.0), Twist(1.0, 0.0), around(pose, clearance)) == safe
 
 
+def test_with_little_margin_it_backs_up_only_the_way_it_came():
+    """The costmap forgets what lies under the padded outline, and the laser does not see behind."""
+    robot = RobotParameters().TrajectoryPlannerROS
+    local = TrajectoryPlanner(robot, STUDY, InflationParameters(), (80, 80), 0.1, 0.1)
+    came = Pose2(0.0, 0.0, 0.0)
+    assert local.follow(came, STANDSTILL, OPEN, FRAME, AHEAD, 0.1, around(came)).command.linear > 0.0
+    assert local.escape(Pose2(0.0, 0.0, 0.05), STANDSTILL, around(came)).command.linear < 0.0
+    assert local.escape(Pose2(0.0, 0.0, 0.3), STANDSTILL, around(came)).command.linear >= 0.0
+
+
 def test_a_robot_of_no_size_escapes_too():
     point = np.zeros((16, 2))
     local = TrajectoryPlanner(RobotParameters().TrajectoryPlannerROS, point, InflationParameters(), (80, 80), 0.1)
