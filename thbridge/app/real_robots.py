@@ -108,7 +108,10 @@ async def simr_with_real_robots(
         footprint = np.array(setting.study.world.footprint, dtype=np.float64)
         named = setting.study.fleet.names(setting.study.robots)
         stale_ns = round(setting.study.fleet.silence * 1e9)
-        robots = [RemoteRobot(robot, each, CALLER, footprint, stale_ns) for robot, each in enumerate(named)]
+        odom_later_ns = round(setting.study.fleet.odom_time_offset * 1e9)
+        robots = [
+            RemoteRobot(robot, each, CALLER, footprint, stale_ns, odom_later_ns) for robot, each in enumerate(named)
+        ]
         fleet = Fleet(graph, robots, traffic)
         opened.push_async_callback(fleet.stop)
         started = await fleet.start()

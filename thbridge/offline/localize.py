@@ -18,6 +18,8 @@ from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import OdometryTrack
 from thbridge.offline.odometry_faults import FaultKind, RecordedFault, clock_faults
 from thbridge.offline.recording import StampedScan
+from thbridge.offline.scan_headings import ScanHeadings
+from thbridge.offline.time_offset import TimeOffset
 from thbridge.ros.names import frame_name
 
 
@@ -75,6 +77,7 @@ class LocalizationResult:
         skipped: number of scans left out, by reason.
         cpu_seconds: processor time of the filter's updates, without reading the bag.
         scan_faults: changes of the scans' clock, and scans with a stamp that does not fit the others.
+        time_offset: of odometry to scans, by the stamps that `odometry` had; None where it cannot be found.
     """
 
     updates: tuple[FilterUpdate, ...]
@@ -83,6 +86,7 @@ class LocalizationResult:
     skipped: Mapping[SkipReason, int]
     cpu_seconds: float
     scan_faults: tuple[RecordedFault, ...]
+    time_offset: TimeOffset | None
 
     @property
     def lost_stretches(self) -> tuple[LostStretch, ...]:
@@ -111,6 +115,7 @@ def localize(
     scans: Iterable[StampedScan],
     clock: Callable[[], float],
     progress: Callable[[], None],
+    headings: ScanHeadings | None = None,
 ) -> LocalizationResult | RequestRefused:
     """Localise a robot in a recording.
 
@@ -123,6 +128,7 @@ def localize(
         scans: the scans in the order of recording.
         clock: processor time, seconds.
         progress: called once for each scan.
+        headings: takes the scans while the robot is not lost, for the time offset; None: it is not estimated.
     """
     updates: list[FilterUpdate] = []
     skipped: Counter[SkipReason] = Counter()
@@ -155,13 +161,16 @@ def localize(
         # The tick is the scan's number, not its time: it is the key of the filter's random numbers.
         last = localizer.update(Odometry(tick, base_in_odom, STANDSTILL), Imu(tick, 0.0), scan)
         cpu_seconds += clock() - started
+        if headings is not None and not last.lost:
+            headings.add(read.stamp_ns, scan, last.base_in_map)
         if last.updated:
             agreement, pose = last.agreement or 0.0, last.base_in_map
             updates.append(FilterUpdate(read.stamp_ns, pose, last.covariance, agreement, last.lost))
     if last is None:
         reasons = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
         return RequestRefused("no-usable-scan", f"No scan could be used: {reasons or 'there are none'}.")
-    return LocalizationResult(tuple(updates), last, given, dict(skipped), cpu_seconds, _faults_of(stamps))
+    offset = headings.time_offset(odometry) if headings is not None else None
+    return LocalizationResult(tuple(updates), last, given, dict(skipped), cpu_seconds, _faults_of(stamps), offset)
 
 
 def _faults_of(stamps: Iterable[_ScanStamp]) -> tuple[RecordedFault, ...]:

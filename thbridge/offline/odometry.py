@@ -2,6 +2,8 @@
 
 from bisect import bisect_right
 from collections.abc import Iterable
+from copy import copy
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,6 +54,18 @@ class OdometryTrack:
         self.begin_ns = samples[0].received_ns if samples else 0
         self.faults = sound.faults
         self._runs, self._missed = sound.runs, sound.missed
+
+    def later(self, seconds: float) -> "OdometryTrack":
+        """Return the track with stamps that are later by some seconds, for odometry that leads the scans by as much."""
+        shift = round(seconds * 1e9)
+        moved = copy(self)
+        moved._runs = tuple(replace(run, stamps=run.stamps + shift) for run in self._runs)
+        return moved
+
+    @property
+    def longest_run(self) -> OdometryRun | None:
+        """The run with the most poses; None without any."""
+        return max(self._runs, key=lambda run: len(run.stamps), default=None)
 
     def __len__(self) -> int:
         """Number of poses."""

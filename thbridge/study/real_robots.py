@@ -106,6 +106,13 @@ class FleetSection:
     silence: float = param(
         5.0, "time without a word after which a robot or its move_base counts as silent", "s", 1, 600
     )
+    odom_time_offset: float = param(
+        0.0,
+        "time by which odometry leads the scans (`thbridge localize` finds it); its stamps are corrected",
+        "s",
+        -10,
+        10,
+    )
     each: Mapping[int, FleetNames] = dataclasses.field(
         default_factory=dict,
         metadata={"help": "robots that are called otherwise, by number: {2: {namespace: /kobuki}}", "like": "robot"},

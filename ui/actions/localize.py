@@ -1,6 +1,7 @@
 """Poses, the filter's run and its results for `thbridge localize`."""
 
 import dataclasses
+import math
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +21,8 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, localize, warm_up
 from thbridge.offline.odometry_faults import RecordedFault, fault_sentences
 from thbridge.offline.recording import LocalizationBag
+from thbridge.offline.scan_headings import ScanHeadings
+from thbridge.offline.time_offset import TimeOffset
 from thbridge.offline.tum import tum_line
 from ui.actions.pictures import write_picture
 from ui.terminal import BAD_INPUT, err, fail, show
@@ -27,6 +30,10 @@ from ui.terminal import BAD_INPUT, err, fail, show
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+LONGEST_GIVEN = 10.0
+"""Seconds: greatest time offset that can be given."""
+WARNED = 0.05
+"""Seconds: least time offset of which a warning is given."""
 MOST_STRETCHES = 10
 """Stretches that are printed of those in which the robot was lost."""
 ROBOT = "robot1"
@@ -52,6 +59,51 @@ def read_amcl_parameters(files: list[Path]) -> tuple[AmclParameters, tuple[str, 
     ros = of_ros.over(start)
     defaults = ros_defaults(ros.value, start, hunts, ros.written) if files else ()
     return ros.value.amcl, ros.notices, tuple(default for default in defaults if default.name.startswith("amcl."))
+
+
+AUTO = "auto"
+"""The time offset that a first run of the filter finds."""
+
+
+def time_offset_in(text: str) -> float | None:
+    """The time offset that an option names, seconds; None for `AUTO`."""
+    if text == AUTO:
+        return None
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.inf
+    if not abs(seconds) <= LONGEST_GIVEN:
+        problem = f"--time-offset: {text} is not a time offset."
+        fail(BAD_INPUT, f"{problem} Write {AUTO}, or seconds between -{LONGEST_GIVEN:g} and {LONGEST_GIVEN:g}.")
+    return seconds
+
+
+def corrected_localization(
+    recording: LocalizationBag,
+    grid: OccupancyGrid,
+    parameters: AmclParameters,
+    start: Pose2 | None,
+    seed: int,
+    offset: float | None,
+) -> tuple[LocalizationResult | RequestRefused, float]:
+    """Run the filter with odometry stamped later by an offset; return its result, and the offset.
+
+    Args:
+        recording: the bag.
+        grid: the map.
+        parameters: the filter's.
+        start: pose of the robot at the beginning; None: it may be anywhere.
+        seed: random seed.
+        offset: seconds; None finds it by a first run, 0 where that does not find any.
+    """
+    if offset is None:
+        first = run_localization(recording, grid, parameters, start, seed)
+        if isinstance(first, RequestRefused) or first.time_offset is None:
+            return first, 0.0
+        offset = first.time_offset.seconds
+    later = dataclasses.replace(recording, odometry=recording.odometry.later(offset)) if offset else recording
+    return run_localization(later, grid, parameters, start, seed), offset
 
 
 def run_localization(
@@ -86,6 +138,7 @@ def run_localization(
             recording.scans(),
             time.process_time,
             lambda: bar.advance(task),
+            ScanHeadings(grid, recording.laser.mount),
         )
 
 
@@ -111,10 +164,10 @@ def write_localization_picture(path: Path, result: LocalizationResult, grid: Occ
 
 
 def localized_as_json(
-    recording: LocalizationBag, result: LocalizationResult, notices: tuple[str, ...]
+    recording: LocalizationBag, result: LocalizationResult, applied: float, notices: tuple[str, ...]
 ) -> dict[str, object]:
-    """The result as the JSON object has it."""
-    pose = result.last.base_in_map
+    """The result, with the time offset that was corrected, as the JSON object has it."""
+    pose, offset = result.last.base_in_map, result.time_offset
     return {
         "updates": len(result.updates),
         "lost_updates": sum(update.lost for update in result.updates),
@@ -132,6 +185,10 @@ def localized_as_json(
         "scan_faults": [_fault_as_json(fault) for fault in result.scan_faults],
         "odometry": recording.odometry_source,
         "odometry_faults": [_fault_as_json(fault) for fault in recording.odometry.faults],
+        "time_offset": None
+        if offset is None
+        else {"seconds": offset.seconds + applied, "deviation": offset.deviation, "turns": offset.turns},
+        "time_offset_applied": applied,
         "laser_pose": recording.laser.mount.laser_in_base.array().tolist(),
         "upside_down": recording.laser.upside_down,
         "notices": list(notices),
@@ -149,8 +206,8 @@ def _fault_as_json(fault: RecordedFault) -> dict[str, object]:
     }
 
 
-def show_localized(recording: LocalizationBag, result: LocalizationResult) -> None:
-    """Print the result."""
+def show_localized(recording: LocalizationBag, result: LocalizationResult, applied: float) -> None:
+    """Print the result, with the time offset that was corrected."""
     last = result.last
     pose, deviations = last.base_in_map, np.sqrt(np.diag(last.covariance)).tolist()
     place = f"x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.3f} rad"
@@ -165,7 +222,37 @@ def show_localized(recording: LocalizationBag, result: LocalizationResult) -> No
         show(f"{count} scans were left out: {reason}.")
     for sentence in fault_sentences(recording.scan_topic, result.scan_faults, recording.odometry.begin_ns):
         show(sentence)
+    show(offset_sentence(result.time_offset, applied))
     show(f"Scans: {recording.scan_topic}. Odometry: {recording.odometry_source}.")
+
+
+def offset_sentence(offset: TimeOffset | None, applied: float) -> str:
+    """Return a sentence on the time offset of odometry to scans.
+
+    Args:
+        offset: what was found with the stamps of odometry later by `applied`; None: nothing.
+        applied: seconds.
+    """
+    corrected = f" {applied:.3f} s of it are corrected." if applied else ""
+    if offset is None:
+        return f"How far odometry leads or trails the scans cannot be found: the robot turned too little.{corrected}"
+    seconds = offset.seconds + applied
+    leads = "leads" if seconds >= 0.0 else "trails"
+    return (
+        f"The odometry {leads} the scans by {abs(seconds):.3f} s (standard deviation {offset.deviation:.3f} s); it "
+        f"reports {offset.turns:.2f} times each turn.{corrected}"
+    )
+
+
+def offset_warning(result: LocalizationResult) -> str | None:
+    """Return a warning about an offset that was not corrected; None where it is small or uncertain."""
+    offset = result.time_offset
+    if offset is None or abs(offset.seconds) < max(WARNED, 2.0 * offset.deviation):
+        return None
+    return (
+        f"The clocks of odometry and scans differ by {abs(offset.seconds):.3f} s. "
+        f"Correct it by --time-offset {AUTO}, or where the messages are stamped."
+    )
 
 
 def _show_lost(result: LocalizationResult) -> None:

@@ -37,12 +37,12 @@ def room(origin: Pose2 = IDENTITY) -> OccupancyGrid:
     return OccupancyGrid(cells, 0.05, origin)
 
 
-def drive(seconds: float) -> list[Pose2]:
-    """Poses in the room's own frame, RATE a second: a wide arc about the pillar."""
+def drive(seconds: float, weave: float = 0.0) -> list[Pose2]:
+    """Poses in the room's own frame, RATE a second: a wide arc about the pillar, with turns to and fro."""
     pose = FIRST
     poses = [pose]
-    for _ in range(int(seconds * RATE)):
-        pose = pose.compose(Pose2(0.05, 0.0, 0.005))
+    for number in range(int(seconds * RATE)):
+        pose = pose.compose(Pose2(0.05, 0.0, 0.005 + weave * math.sin(0.4 * number)))
         poses.append(pose)
     return poses
 
@@ -60,6 +60,8 @@ class Robot:
     Attributes:
         spikes: metres along x by which single odometry messages are wrong, by their numbers.
         reset_at: number of the odometry message from which on odometry counts from 0 again.
+        weave: radians a scan by which it turns to and fro at most.
+        odom_early_ns: nanoseconds by which odometry is stamped too early: it leads the scans by as much.
     """
 
     laser: Pose2 = LASER
@@ -85,6 +87,8 @@ class Robot:
     stamp_offsets: dict[int, int] = field(default_factory=dict)
     spikes: dict[int, float] = field(default_factory=dict)
     reset_at: int | None = None
+    weave: float = 0.0
+    odom_early_ns: int = 0
 
 
 def ranges_at(grid: OccupancyGrid, robot: Robot, base: Pose2, angles: FloatArray) -> FloatArray:
@@ -144,7 +148,7 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
     The odometry starts elsewhere, counts too far, and has its messages between the scans.
     """
     grid = room()
-    poses = drive(seconds)
+    poses = drive(seconds, robot.weave)
     angles = robot.angle_min + np.arange(robot.beams) * (math.pi / 180)
     in_odom = Pose2(3.0, -2.0, 1.0)
     writer = Writer(path)
@@ -183,7 +187,8 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
             pose = origin.compose(pose)
             pose = Pose2(pose.x + robot.spikes.get(number, 0.0), pose.y, pose.theta)
             if robot.odom_topic:
-                say(robot.odom_topic, ns, odometry(ns, robot.odom_frame, robot.base_frame, pose))
+                stamped = ns - robot.odom_early_ns
+                say(robot.odom_topic, ns, odometry(stamped, robot.odom_frame, robot.base_frame, pose))
             if robot.tf:
                 say(moving, ns, tf_message([transform(ns, robot.odom_frame, robot.base_frame, pose)]))
             if robot.stray_tf:  # of another robot that calls its frames the same, and stands

@@ -45,6 +45,7 @@ class RemotePose:
     Args:
         names: its frames.
         stale_ns: a part of the robot without messages for so long counts as dead.
+        odom_later_ns: added to the stamps of odometry, where it leads the scans by as much.
 
     Attributes:
         received_ns: time of the last odometry message; None before the first.
@@ -53,9 +54,10 @@ class RemotePose:
         notices: sentences about odometry that cannot be true; the reader empties the list.
     """
 
-    def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS) -> None:
+    def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS, odom_later_ns: int = 0) -> None:
         self._names = names
         self._stale_ns = stale_ns
+        self._odom_later_ns = odom_later_ns
         self.received_ns: int | None = None
         self.base_in_odom = Pose2(0.0, 0.0, 0.0)
         self.twist = STANDSTILL
@@ -151,7 +153,7 @@ class RemotePose:
         return self._from_topic_ns is None or now_ns - self._from_topic_ns > self._stale_ns
 
     def _twist_to(self, stamp_ns: int, base_in_odom: Pose2) -> Twist:
-        seconds = (stamp_ns - self._stamp_ns) / 1e9
+        seconds = (stamp_ns + self._odom_later_ns - self._stamp_ns) / 1e9
         if self.received_ns is None or not 0.0 < seconds < 1.0:
             return STANDSTILL
         moved = self.base_in_odom.between(base_in_odom)
@@ -160,6 +162,7 @@ class RemotePose:
     def _moved(self, stamp_ns: int, base_in_odom: Pose2, twist: Twist, now_ns: int) -> InvalidMessage | None:
         if not (_is_finite(base_in_odom) and math.isfinite(twist.linear + twist.angular)):
             return InvalidMessage("its pose or its speed is not finite")
+        stamp_ns += self._odom_later_ns
         late_ns = self._stamp_ns - stamp_ns
         if self.received_ns is not None:
             if 0 < late_ns < SET_BACK_NS:

@@ -63,6 +63,7 @@ class RemoteRobot:
         caller: name of our node, with which the ids of our goals begin.
         footprint: (n, 2) corners of its body in the base frame, metres.
         stale_ns: a part of it without messages for so long counts as dead.
+        odom_later_ns: see `RemotePose`.
 
     Attributes:
         names: names of its topics and frames.
@@ -72,13 +73,14 @@ class RemoteRobot:
     """
 
     def __init__(
-        self, robot: int, named: RemoteNames, caller: str, footprint: FloatArray, stale_ns: int = STALE_NS
-    ) -> None:
+        self, robot: int, named: RemoteNames, caller: str, footprint: FloatArray, stale_ns: int = STALE_NS,
+        odom_later_ns: int = 0,
+    ) -> None:  # fmt: skip
         self.outgoing: list[RosMessage] = []
         self._robot = robot
         self.names = named
         self._footprint = footprint
-        self._pose = RemotePose(named, stale_ns)
+        self._pose = RemotePose(named, stale_ns, odom_later_ns)
         self._goals = MoveBaseClient(f"{caller}-{namespace_of(robot)}-", stale_ns)
         self._set_goal = Topic(named.action("goal"), types.MOVE_BASE_GOAL)
         self._cancel = Topic(named.action("cancel"), types.GOAL_ID)

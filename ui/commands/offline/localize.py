@@ -40,6 +40,13 @@ def localize_command(
             min=0.01,
         ),
     ] = None,
+    time_offset: Annotated[
+        str,
+        typer.Option(
+            help="Seconds by which the odometry leads the scans, to correct it; `auto` finds them by a first run.",
+            metavar="auto|SECONDS",
+        ),
+    ] = "0",
     seed: Annotated[int, typer.Option(help="All chance is keyed by it.", min=0, max=2**31 - 1)] = 1,
     to: Annotated[
         Path | None,
@@ -61,11 +68,13 @@ def localize_command(
     from thbridge.offline.localization_updates import UpdatesFormat, updates_text
     from thbridge.offline.recording import open_recording
     from ui.actions.localize import (
+        corrected_localization,
         localized_as_json,
+        offset_warning,
         pose_in,
         read_amcl_parameters,
-        run_localization,
         show_localized,
+        time_offset_in,
         trajectory_text,
         write_localization_picture,
         write_text,
@@ -83,6 +92,7 @@ def localize_command(
         fail(BAD_INPUT, f"--updates: {updates} does not say the format. Name a file that ends in .csv or .jsonl.")
     if plot is not None and plot.suffix.lower() not in PICTURES:
         fail(BAD_INPUT, f"--plot: {plot} does not say the format. Name a file that ends in {' or '.join(PICTURES)}.")
+    offset = time_offset_in(time_offset)
     with bad_input():
         parameters, told, defaults = read_amcl_parameters(params or [])
         grid = read_grid(map_yaml)
@@ -94,9 +104,11 @@ def localize_command(
     announce_compiling()
     start = None if initial_pose is None else pose_in(initial_pose)
     with bad_input():
-        result = run_localization(recording, grid, parameters, start, seed)
+        result, applied = corrected_localization(recording, grid, parameters, start, seed, offset)
     if isinstance(result, RequestRefused):
         fail(FAILED, result.sentence)
+    if (warning := offset_warning(result)) is not None:
+        note(warning)
     if to is not None:
         with bad_input(), destination(to) as file:
             write_text(file, trajectory_text(result), "--out")
@@ -108,6 +120,6 @@ def localize_command(
             write_localization_picture(plot, result, grid, bag)
     if as_json:
         ros = {"ros_defaults": [default.as_json() for default in defaults]} if params else {}
-        print_json(localized_as_json(recording, result, notices) | ros)
+        print_json(localized_as_json(recording, result, applied, notices) | ros)
     elif to != STANDARD_OUTPUT:
-        show_localized(recording, result)
+        show_localized(recording, result, applied)

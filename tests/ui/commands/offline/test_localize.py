@@ -181,3 +181,36 @@ def test_a_wrong_parameter_is_told_with_its_place(folder: Path, tmp_path: Path) 
     done = run(folder, *start(), "--params", str(wrong))
     assert done.exit_code == 2
     assert "line 2, amcl.update_min_dd: unknown key. The nearest right name is update_min_d" in done.stderr
+
+
+def test_the_time_offset_of_odometry_is_reported_and_corrected(tmp_path: Path) -> None:
+    # All odometry of this robot is 25 ms early.
+    write(tmp_path / "a.bag", Robot(weave=0.06, odom_early_ns=125_000_000), seconds=9.0)
+    write_map(tmp_path, ORIGIN)
+    plain, *corrected = (
+        run(tmp_path, *start(), "--json", *more) for more in ([], ["--time-offset", "auto"], ["--time-offset", "0.15"])
+    )
+    assert "Correct it by --time-offset auto" in plain.stderr
+    told = json.loads(plain.stdout)
+    assert told["time_offset"]["seconds"] == pytest.approx(0.15, abs=0.02)
+    assert told["time_offset"]["deviation"] < 0.02
+    assert told["time_offset_applied"] == 0.0
+    for done in corrected:
+        assert "Correct it by" not in done.stderr
+        told = json.loads(done.stdout)
+        assert told["time_offset"]["seconds"] == pytest.approx(0.15, abs=0.02)
+        assert told["time_offset_applied"] == pytest.approx(0.15, abs=0.02)
+    lines = " ".join(run(tmp_path, *start(), "--time-offset", "0.15").stdout.split())
+    assert "The odometry leads the scans by 0.1" in lines
+    assert "0.150 s of it are corrected." in lines
+
+
+def test_a_drive_without_turns_says_nothing_about_the_clocks(folder: Path) -> None:
+    assert json.loads(run(folder, *start(), "--json").stdout)["time_offset"] is None
+
+
+@pytest.mark.parametrize("given", ["soon", "nan", "11"])
+def test_a_time_offset_that_is_none_is_refused(folder: Path, given: str) -> None:
+    done = run(folder, *start(), "--time-offset", given)
+    assert done.exit_code == 2
+    assert "--time-offset" in done.stderr
