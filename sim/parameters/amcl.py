@@ -11,6 +11,7 @@ from sim.parameters.declaration import live, param
 class AmclParameters:
     """Particle filter localisation, under amcl's names and with the defaults that amcl's node runs with."""
 
+    not_in_ros: ClassVar[frozenset[str]] = frozenset({"odom_noise_learning_rate"})
     ros_only: ClassVar[Mapping[str, str]] = {
         "use_map_topic": "whether the map comes from a topic or a service",
         "first_map_only": "whether later maps are ignored",
@@ -80,6 +81,9 @@ class AmclParameters:
     odom_alpha3: float = live(0.2, "believed error in distance per metre", "", 0, 10)
     odom_alpha4: float = live(0.2, "believed error in distance per turning", "", 0, 10)
     odom_alpha5: float = live(0.2, "believed error sideways per metre (omni)", "", 0, 10)
+    odom_noise_learning_rate: float = live(
+        0.2, "how fast scans teach that odometry is worse than odom_alpha1..5 say; 0: never", "", 0, 1
+    )
 
     @property
     def recovers(self) -> bool:

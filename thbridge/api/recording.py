@@ -17,14 +17,13 @@ from thbridge.analysis.report.gathering import read_games
 from thbridge.api.errors import HuntError, told
 from thbridge.api.session import with_strategy
 from thbridge.api.study import HuntStudy, Simulated, StudyValue, setting_of
-from thbridge.app.replay.replay import Difference, RecordingReplay, ReplayOptions, session_of
+from thbridge.app.replay.replay import Difference, RecordingReplay, ReplayOptions, recorded_study, session_of
 from thbridge.files.tables.table_files import Array, arrow_table
 from thbridge.recording.bag.damage import damage_as_bad_file
 from thbridge.recording.bag.reading.reader import info, messages, recorded
 from thbridge.recording.recordings import make_room, try_place
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.ros.messages.foreign_types import check_type_name, store_of, types_in
-from thbridge.study.study_file import read_study_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +76,7 @@ class HuntRecording:
     def study(self) -> HuntStudy:
         """The study, of a recording of ours."""
         with told():
-            text = session_of(self.path).study
-            return HuntStudy._of(read_study_text(self.path, text), self._beside)
+            return HuntStudy._of(recorded_study(self.path, session_of(self.path)), self._beside)
 
     @property
     def participant(self) -> str:

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.replay.mavlink_replay import FramesReplayed, HuntResult, has_session
-from thbridge.app.replay.replay import session_of
+from thbridge.app.replay.replay import recorded_study, session_of
 from thbridge.files.keys.signing_key import read_signing_key
 from thbridge.files.keys.signing_timestamps import TimestampFile
 from thbridge.protocols.mavlink import conventions
@@ -23,7 +23,6 @@ from thbridge.protocols.mavlink.vehicle_interface import Target
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.mavlink.client import StationSocket, Unreachable, open_station
 from thbridge.study.overrides import with_changes
-from thbridge.study.study_file import read_study_text
 from thbridge.timing.loop import stopping
 from ui.actions.replay import other_versions
 from ui.settings import changes_of, setting_of, study_of
@@ -54,7 +53,7 @@ def setting_of_recording(bag: Path, study_file: Path | None, changes: list[str],
         record = session_of(bag)
         for sentence in other_versions(record):
             note(sentence)
-        return read_setting(with_changes(read_study_text(bag, record.study), *changes_of(changes)), beside)
+        return read_setting(with_changes(recorded_study(bag, record), *changes_of(changes)), beside)
 
 
 def show_frames_replayed(done: FramesReplayed) -> None:

@@ -51,13 +51,12 @@ def replay_command(
     from thbridge.analysis.comparison import RunFigures, figures_of
     from thbridge.analysis.report.gathering import read_games
     from thbridge.app.compose.setting import read_setting
-    from thbridge.app.replay.replay import ReplayOptions, replay, session_of
+    from thbridge.app.replay.replay import ReplayOptions, recorded_study, replay, session_of
     from thbridge.app.session.session import TickRecord
     from thbridge.protocols.text import legacy
     from thbridge.recording.bag.reading.reader import info, messages
     from thbridge.ros.names import INPUTS
     from thbridge.study.overrides import with_changes
-    from thbridge.study.study_file import read_study_text
     from ui.actions.replay import other_versions, replayed_as_json, show_replayed
     from ui.event_loop import run
     from ui.first_start import compile_ahead
@@ -67,7 +66,7 @@ def replay_command(
     files, assignments = changes_of(changes or [])
     with bad_input():
         record = session_of(bag)
-        study = read_study_text(bag, record.study)
+        study = recorded_study(bag, record)
         setting = read_setting(with_strategy(with_changes(study, files, assignments), participant), beside)
     if participant is not None and not record.participant:
         fail(BAD_INPUT, f"--participant: nobody played inside the program that recorded {bag}. Leave the option out.")

@@ -25,7 +25,7 @@ from sim.robot.localization.clusters import CloudSummary, bin_particles, summari
 from sim.robot.localization.estimate import read_only
 from sim.robot.localization.free_space import FreeSpace
 from sim.robot.localization.likelihood_field import Beams, LikelihoodField
-from sim.robot.localization.motion import Alphas, MotionModel
+from sim.robot.localization.motion import AS_BELIEVED, MAX_NOISE_SCALE, Alphas, MotionModel, NoiseScales
 from sim.robot.localization.resampling import adaptive, systematic, tempered
 from sim.robot.localization.scan_agreement import ScanAgreement
 
@@ -49,6 +49,13 @@ NEARBY = (0.5, 0.5, 0.25)
 """Metres, metres, radians: standard deviations of the newcomers that are looked for around a place."""
 NEARBY_SHARE = 0.2
 """Share of a generation that is looked for around its own place when scans fit it badly."""
+
+MOST_NEAR = 500
+"""Particles at most that are looked for around a place and the last one."""
+CLEARLY_BETTER = 0.1
+"""Share of a scan that these must explain more: among other robots, chance finds places that are a little better."""
+MISLED = 1.5
+"""Factor on the errors of turns where odometry has misled the particles."""
 
 CONVERGED_DISTANCE = 0.5
 """Metres from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
@@ -88,6 +95,7 @@ class Hypothesis:
         updates: scans weighed since it began.
         agreement: share of them that the map explains.
         settled: scans in a row after which nearly all particles agreed on one place that the map explains.
+        noise_scales: by how much odometry has turned out to be worse than the parameters say.
     """
 
     particles: FloatArray
@@ -97,6 +105,7 @@ class Hypothesis:
     updates: int = 0
     agreement: ScanAgreement = INITIAL_AGREEMENT
     settled: int = 0
+    noise_scales: NoiseScales = AS_BELIEVED
 
 
 def widened(place: Hypothesis, spread: tuple[float, float, float], draws: FloatArray) -> Hypothesis:
@@ -206,19 +215,46 @@ class CloudFilter:
             noise: the cloud's own.
             searching: share of the next generation that is looked for all over the map.
         """
+        parameters = self._parameters
         draws = noise.motion.normals(view.tick, 3 * len(before.particles))
-        particles = self._motion.move(before.particles, left, reached, draws)
+        particles = self._motion.move(before.particles, left, reached, draws, before.noise_scales)
         weights = before.weights * tempered(self._log_likelihood(particles, view), EFFECTIVE_SHARE)
         total = weights.sum()
         weights = weights / total if total > 0.0 else before.weights
         now = self._weighed(before, particles, weights, view, searching > 0.0)
+        rate = parameters.odom_noise_learning_rate
+        if rate > 0.0 and searching == 0.0 and len(view.points):
+            usual = before.agreement.is_usual
+            misled = parameters.recovers and usual(before.agreement.last) and not usual(now.agreement.last)
+            if misled and (found := self._found_near(before, now, view, noise)) is not None:
+                return found
+            scales = self._motion.learned(before.noise_scales, rate, draws, before.weights, weights)
+            now = replace(now, noise_scales=scales)
         # With selective resampling, a cloud whose effective number (1 / sum of squares) is above half of its particles
         # is kept: drawing anew would only lose hypotheses (Grisetti, Stachniss, Burgard 2007).
-        parameters = self._parameters
         due = now.updates % parameters.resample_interval == 0 and not (
             parameters.selective_resampling and searching == 0.0 and 2.0 / (weights * weights).sum() > len(weights)
         )
         return self._drawn(now, view, noise, searching) if due else now
+
+    def _found_near(self, before: Hypothesis, now: Hypothesis, view: ScanView, noise: CloudNoise) -> Hypothesis | None:
+        """Look for the scan around the last place and around where odometry has carried it, in equal parts.
+
+        The last scan was explained as well as is usual, and this one is not, so that the odometry between them is in
+        doubt: it was reset, or is off by more than its particles are spread. None where no place explains the scan as
+        well as is usual, and clearly better: then the scan may be to blame, or the robot was carried off.
+        """
+        count = min(self._parameters.max_particles, MOST_NEAR)
+        candidates = noise.places.normals(view.tick, 3 * count * CANDIDATES_PER_PARTICLE).reshape(-1, 3) * NEARBY
+        candidates[::2] += before.mean.array()
+        candidates[1::2] += now.mean.array()
+        particles = self._fitting(count, candidates, FITTING_SHARE, view, noise)
+        found = self._weighed(before, particles, np.full(count, 1.0 / count), view, False)
+        better = found.agreement.last - now.agreement.last
+        if better < CLEARLY_BETTER or not before.agreement.is_usual(found.agreement.last):
+            return None
+        drive, turn = before.noise_scales
+        return replace(found, noise_scales=NoiseScales(drive, min(MISLED * turn, MAX_NOISE_SCALE)))
 
     def _weighed(
         self, before: Hypothesis | None, particles: FloatArray, weights: FloatArray, view: ScanView, searching: bool

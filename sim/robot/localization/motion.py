@@ -24,6 +24,12 @@ report 5 % too much then carry the cloud 1 cm a step ahead of the truth, faster 
 """
 
 
+_MOST_OF_ONE_SCAN = 6.0
+"""Greatest ratio of squared errors that one scan teaches, see `MotionModel.learned`."""
+MAX_NOISE_SCALE = 10.0
+"""Greatest factor on the errors of odometry."""
+
+
 class DiffIncrement(NamedTuple):
     """A movement measured by odometry: turn, drive straight, turn again. Radians, metres, radians."""
 
@@ -51,6 +57,16 @@ class Alphas(NamedTuple):
     alpha3: float
     alpha4: float
     alpha5: float = 0.0
+
+
+class NoiseScales(NamedTuple):
+    """Factors by which the errors of distances and turns have turned out to be greater than the alphas say."""
+
+    drive: float
+    turn: float
+
+
+AS_BELIEVED = NoiseScales(1.0, 1.0)
 
 
 class OmniIncrement(NamedTuple):
@@ -181,6 +197,19 @@ def _slide(particles: FloatArray, moved: OmniIncrement, spread: OmniSpread, nois
     return out
 
 
+@njit(cache=True)
+def _square_ratios(noise: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
+    """(3,) weighted mean squares of (3 n,) normals by the weights after a scan, over those by the weights before."""
+    squares = np.zeros((2, 3))
+    for i in range(before.size):
+        for k in range(3):
+            square = noise[3 * i + k] * noise[3 * i + k]
+            squares[0, k] += before[i] * square
+            squares[1, k] += after[i] * square
+    ratios: FloatArray = squares[1] / squares[0]
+    return ratios
+
+
 @dataclass(frozen=True, slots=True)
 class MotionModel:
     """Moves particles by the odometry.
@@ -193,7 +222,9 @@ class MotionModel:
     name: str
     alphas: Alphas
 
-    def move(self, particles: FloatArray, before: Pose2, after: Pose2, noise: FloatArray) -> FloatArray:
+    def move(
+        self, particles: FloatArray, before: Pose2, after: Pose2, noise: FloatArray, scales: NoiseScales = AS_BELIEVED
+    ) -> FloatArray:
         """(n, 3) particles after the robot went from one odometry pose to another; `noise` is (3 n,) normals.
 
         Differs: distances and turns are never believed to better than a tenth, see `_SYSTEMATIC`.
@@ -206,14 +237,45 @@ class MotionModel:
             moved = diff_increment(before, after)
             doubt = diff_spread(moved, self.alphas, corrected)
             doubt = DiffSpread(
-                max(doubt.rot1, turning * _turning(moved.rot1)),
-                max(doubt.trans, straight * moved.trans),
-                max(doubt.rot2, turning * _turning(moved.rot2)),
+                scales.turn * max(doubt.rot1, turning * _turning(moved.rot1)),
+                scales.drive * max(doubt.trans, straight * moved.trans),
+                scales.turn * max(doubt.rot2, turning * _turning(moved.rot2)),
             )
             return diff_move(particles, moved, doubt, noise)
         slid = omni_increment(before, after)
         slid_doubt = omni_spread(slid, self.alphas, corrected)
         slid_doubt = slid_doubt._replace(
-            trans=max(slid_doubt.trans, straight * slid.trans), rot=max(slid_doubt.rot, turning * abs(slid.rot))
+            trans=scales.drive * max(slid_doubt.trans, straight * slid.trans),
+            strafe=scales.drive * slid_doubt.strafe,
+            rot=scales.turn * max(slid_doubt.rot, turning * abs(slid.rot)),
         )
         return _slide(particles, slid, slid_doubt, noise)
+
+    def learned(
+        self, scales: NoiseScales, rate: float, noise: FloatArray, before: FloatArray, after: FloatArray
+    ) -> NoiseScales:
+        """The factors on the errors of odometry after one more scan.
+
+        If odometry errs as much as particles do, those that a scan confirms have errors as large as all have. If it
+        errs more, those with the greatest errors survive: their mean square, as a ratio to that of all, says by how
+        much. The factors never fall below 1, the alphas' own word.
+
+        Args:
+            scales: the factors before; the particles were moved with them.
+            rate: at which the logarithm of a squared factor follows the ratio.
+            noise: (3 n,) normals that moved the particles.
+            before: (n,) weights before the scan.
+            after: (n,) weights after it.
+
+        Source: Dempster, Laird and Rubin, Maximum likelihood from incomplete data via the EM algorithm (1977), for the
+            expected square of an error that is not seen; here as a running mean of its logarithm, as in `ekf`.
+        """
+        first, second, third = np.minimum(_square_ratios(noise, before, after), _MOST_OF_ONE_SCAN).tolist()
+        # Those of a differential drive move by turn, distance, turn; the others along, across, turn.
+        turns = (first + third) / 2.0 if self.name.startswith("diff") else third
+        drives = second if self.name.startswith("diff") else (first + second) / 2.0
+        drive, turn = (
+            min(max(scale * elementary.exp(0.5 * rate * (ratio - 1.0)), 1.0), MAX_NOISE_SCALE)
+            for scale, ratio in zip(scales, (drives, turns), strict=True)
+        )
+        return NoiseScales(drive, turn)

@@ -108,4 +108,8 @@ class ScanAgreement:
     @property
     def explained(self) -> bool:
         """True when the map has explained the last scans as well as it does at the robot's true place."""
-        return self.recent >= FOUND_RATIO * max(self.slow, DOUBT_RATIO)
+        return self.is_usual(self.recent)
+
+    def is_usual(self, agreement: float) -> bool:
+        """Return True for an agreement as good as at the robot's true place."""
+        return agreement >= FOUND_RATIO * max(self.slow, DOUBT_RATIO)

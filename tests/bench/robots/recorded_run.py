@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND, Imu, LaserMount, Odometry, Scan, Twist
 from sim.inputs import DriveManually, PutThing, SendGoal, TeamInput
 from sim.numerics.float_array import FloatArray
@@ -120,9 +121,9 @@ def kidnapped(run: Run, seed: int, before: int = 150, after: int = 600, least: f
     return Run(run.mount, (*head.observations, *moved), np.concatenate((head.truth, tail.truth)))
 
 
-def write_for_peer(run: Run, place: Map, folder: Path) -> tuple[Path, Path]:
+def write_for_peer(run: Run, grid: OccupancyGrid, folder: Path) -> tuple[Path, Path]:
     """The map and the run as amcl_peer.cpp reads them."""
-    grid, mount = place.grid, run.mount
+    mount = run.mount
     drawn, log = folder / "map", folder / "log"
     head = struct.pack("<ii3d", grid.rows, grid.cols, grid.resolution, grid.origin.x, grid.origin.y)
     drawn.write_bytes(head + grid.cells.tobytes())

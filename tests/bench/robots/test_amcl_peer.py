@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
 from sim.numerics.float_array import FloatArray
 from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
@@ -111,13 +112,14 @@ def theirs(
     """What ROS's filter makes of the runs; nothing without its source."""
     if peer is None:
         return []
-    return [run_peer(peer, run, place, folder, model, particles, seed, known) for seed, run in runs.items()]
+    return [run_peer(peer, run, place.grid, folder, model, particles, seed, known) for seed, run in runs.items()]
 
 
 def run_peer(
-    peer: Path, run: Run, place: Map, folder: Path, model: str, particles: tuple[int, int], seed: int, known: bool
-) -> Tracked:
-    drawn, log = write_for_peer(run, place, folder)
+    peer: Path, run: Run, grid: OccupancyGrid, folder: Path, model: str, particles: tuple[int, int],
+    seed: int, known: bool,
+) -> Tracked:  # fmt: skip
+    drawn, log = write_for_peer(run, grid, folder)
     start = [str(value) for value in run.truth[0]] if known else ["global"]
     words = [peer, drawn, log, model, *particles, seed, *start]
     done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=True)

@@ -173,6 +173,7 @@ IN_CFG_FILES = {
 
 
 ALSO = {
+    "amcl": "odom_noise_learning_rate",
     "TrajectoryPlannerROS": "xy_goal_tolerance yaw_goal_tolerance",
     "ekf": """
         update_min_d update_min_a laser_max_beams laser_max_range odom_alpha1 odom_alpha2 odom_alpha3 odom_alpha4

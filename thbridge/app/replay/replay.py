@@ -45,11 +45,14 @@ from thbridge.ros.messages.differences import FieldDifference, differences
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.topics import MessageFilter, RosMessage
+from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.robots_from import RobotsFrom
-from thbridge.study.study_file import load_study_tree, read_study_text
+from thbridge.study.study_file import Study, load_study_tree, read_study_text
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
+BEFORE_THERE_WERE = (StudyChange("robot.amcl.odom_noise_learning_rate", "0"),)
+"""Keys that the studies of older recordings lack, with the values for what robots did then."""
 NOT_IN_OLDER = frozenset({names.ROOMS, names.DIAGNOSTICS, names.ROSOUT})
 """Topics that are not compared with recordings of before the names of rooms were recorded: diagnostics and log say more
 since, for whom a robot makes way."""
@@ -149,6 +152,17 @@ def session_of(path: Path) -> SessionRecord:
         problem = "its robots were real, and nobody can run them again"
         raise BadFile(path, problem, "look at it by `thbridge report` or `thbridge bag plot`", key=names.SESSION)
     return record
+
+
+def recorded_study(path: Path, record: SessionRecord) -> Study:
+    """Return the study of a recording, by which robots do as they did; see `BEFORE_THERE_WERE`.
+
+    Raises:
+        BadFile: the recorded study is not valid.
+    """
+    loaded = load_study_tree(path, parse(path, record.study))
+    missing = [change for change in BEFORE_THERE_WERE if change.key not in loaded.lines]
+    return with_changes(loaded.value, (), missing) if missing else loaded.value
 
 
 def _recorded_by(path: Path, record: SessionRecord) -> MessageFilter:

@@ -43,6 +43,7 @@ _OWN: Mapping[str, str] = {
     "recovery_alpha_fast": "RECOV_FAST",
     "laser_model_type": "LASER_MODEL",
     "odom_model_type": "ODOM_MODEL",
+    "odom_noise_learning_rate": "NOISE_LEARN",
     "laser_likelihood_max_dist": "LIKELI_DIST",
     "footprint_clearing_enabled": "FOOT_CLR",
     "combination_method": "COMBINE",

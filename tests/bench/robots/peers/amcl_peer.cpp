@@ -105,7 +105,7 @@ int main(int argc, char **argv) {
 
   bool begun = false;
   int updates = 0;
-  pf_vector_t last = pf_vector_zero();
+  pf_vector_t last = pf_vector_zero(), corrected = last, corrected_at = last;
   std::vector<float> ranges(beams);
   for (int scan = 0;; ++scan) {
     double pose[3];
@@ -140,7 +140,10 @@ int main(int argc, char **argv) {
     }
     laser.UpdateSensor(pf, &data);
     last = here;
-    if (++updates % 2 == 0) pf_update_resample(pf);
+    // As amcl_node does: a pose is taken from the particles when they have been resampled, and carried by odometry until
+    // the next time.
+    const bool resampled = ++updates % 2 == 0;
+    if (resampled) pf_update_resample(pf);
     double weight, heaviest = 0.0;
     pf_vector_t mean, best = pf_vector_zero();
     pf_matrix_t covariance;
@@ -149,6 +152,11 @@ int main(int argc, char **argv) {
         heaviest = weight;
         best = mean;
       }
+    if (resampled || updates == 1) {
+      corrected = best;
+      corrected_at = here;
+    }
+    best = pf_vector_coord_add(pf_vector_coord_sub(here, corrected_at), corrected);
     printf("%d %.6f %.6f %.6f %d %.1f\n", scan, best.v[0], best.v[1], best.v[2], pf->sets[pf->current_set].sample_count,
            1e6 * (seconds() - began));
   }

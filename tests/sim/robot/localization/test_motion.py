@@ -8,10 +8,13 @@ from hypothesis import strategies as st
 from sim.common.geometry import Pose2
 from sim.numerics.noise_arrays import NoiseStream
 from sim.robot.localization.motion import (
+    AS_BELIEVED,
+    MAX_NOISE_SCALE,
     Alphas,
     DiffIncrement,
     DiffSpread,
     MotionModel,
+    NoiseScales,
     diff_increment,
     diff_move,
     diff_spread,
@@ -92,3 +95,30 @@ def test_a_slide_spreads_as_amcl_says():
     assert omni_spread(moved, alphas, corrected=False) == pytest.approx(first)
     variances = (0.3 * 0.25 + 0.4 * 0.04, 0.5 * 0.25 + 0.4 * 0.04, 0.1 * 0.04 + 0.2 * 0.25)
     assert omni_spread(moved, alphas, corrected=True) == pytest.approx(np.sqrt(variances))
+
+
+@pytest.mark.parametrize("name", ["diff", "omni"])
+def test_factors_follow_the_errors_of_the_particles_that_a_scan_confirms(name):
+    n = 5000
+    model, errors = MotionModel(name, ALPHAS), NoiseStream.named(4, "motion")
+    noise, equal = errors.normals(0, 3 * n), np.full(n, 1.0 / n)
+    turn, along = noise.reshape(-1, 3)[:, 2], noise.reshape(-1, 3)[:, 1 if name == "diff" else 0]
+    far = np.exp(-0.5 * ((np.abs(turn) - 2.5) / 0.2) ** 2)
+    learned = model.learned(AS_BELIEVED, 0.2, noise, equal, far / far.sum())
+    assert learned.turn > 1.2
+    assert learned.drive == pytest.approx(1.0, abs=0.02)
+    near = np.exp(-0.5 * (along / 0.1) ** 2)
+    assert model.learned(NoiseScales(3.0, 1.0), 0.2, noise, equal, near / near.sum()).drive < 2.97
+    assert model.learned(AS_BELIEVED, 0.2, noise, equal, near / near.sum()).drive == 1.0
+    assert model.learned(AS_BELIEVED, 0.2, noise, equal, equal) == AS_BELIEVED
+    for _ in range(100):
+        learned = model.learned(learned, 1.0, noise, equal, far / far.sum())
+    assert learned.turn == MAX_NOISE_SCALE
+
+
+@pytest.mark.parametrize("name", ["diff", "diff-corrected", "omni", "omni-corrected"])
+def test_factors_widen_the_cloud(name):
+    model, noise = MotionModel(name, ALPHAS), NoiseStream.named(3, "motion").normals(0, 3000)
+    here, there = Pose2(0.0, 0.0, 0.0), Pose2(1.0, 0.0, 0.2)
+    narrow, wide = (model.move(np.zeros((1000, 3)), here, there, noise, NoiseScales(k, k)) for k in (1.0, 3.0))
+    assert (wide.std(axis=0) > 2.5 * narrow.std(axis=0)).all()

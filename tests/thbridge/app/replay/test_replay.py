@@ -32,7 +32,15 @@ from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import PLAY, HuntUnfinished, PlayOptions, play
 from thbridge.app.programs import SIMR
-from thbridge.app.replay.replay import NOT_IN_OLDER, Replayed, ReplayOptions, replay, session_of, ticks_of
+from thbridge.app.replay.replay import (
+    NOT_IN_OLDER,
+    Replayed,
+    ReplayOptions,
+    recorded_study,
+    replay,
+    session_of,
+    ticks_of,
+)
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import (
     BytesReceived,
@@ -601,3 +609,13 @@ def test_ten_minutes_of_three_robots_are_the_same_again(tmp_path: Path) -> None:
     difference = again(tmp_path / "long.bag", StudyChange("seed", "8")).difference
     assert difference is not None
     assert difference.seconds < 1.0
+
+
+def test_robots_of_a_recording_from_before_a_key_do_as_they_did(hunt: Path) -> None:
+    record = session_of(hunt)
+    learning = recorded_study(hunt, record)
+    assert learning.robot.amcl.odom_noise_learning_rate > 0.0
+    kept = [line for line in record.study.splitlines() if "odom_noise_learning_rate" not in line]
+    older = recorded_study(hunt, dataclasses.replace(record, study="\n".join(kept)))
+    amcl = dataclasses.replace(learning.robot.amcl, odom_noise_learning_rate=0.0)
+    assert older == dataclasses.replace(learning, robot=dataclasses.replace(learning.robot, amcl=amcl))
