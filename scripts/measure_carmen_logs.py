@@ -4,8 +4,8 @@ Run it from the project's folder: `.venv/bin/python scripts/measure_carmen_logs.
 folder of `*-corrected.log.gz`. Such a log has the laser's poses as a mapper found them, and between two scans the way
 of the wheels from the former of them; put end to end, these ways are the wheels' odometry with all its drift. Every
 other scan draws the map, on which all are localised by `thbridge localize`, from the start and from anywhere, and its
-paths are drawn over the map. Writes a table in Markdown: how far the localiser is from the mapper's poses. Logs without
-odometry between scans are left out.
+paths are drawn over the map. Writes tables in Markdown: how far the localiser is from the mapper's poses, and how often
+it is wrong where it reports a probability of that. Logs without odometry between scans are left out.
 
 Source: CARMEN's log format (FLASER and ODOM).
 """
@@ -28,6 +28,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
+from tests.bench.robots.wrong_pose_runs import HEAD, UpdateRow, calibration, is_wrong
 
 RESOLUTION = 0.05
 LONGEST = 25.0
@@ -187,10 +188,12 @@ class Measured:
     Attributes:
         errors: (n,) metres at each update.
         lost: (n,) where it said to be lost.
+        updates: each with the probability that its pose is wrong, and whether it is.
     """
 
     errors: FloatArray
     lost: FloatArray
+    updates: list[UpdateRow]
 
     def text(self) -> str:
         """Return the cells of a row."""
@@ -217,13 +220,15 @@ def localized(bag: Path, place: Path, scans: list[LoggedScan], folder: Path, *, 
     if done.returncode:
         raise SystemExit(f"{bag}: {done.stderr}")
     at = {round(1e3 * (1.0 + scan.seconds)): scan.laser_in_map for scan in scans}
-    errors, lost = [], []
+    errors, lost, rows = [], [], []
     with updates.open() as file:
         for row in csv.DictReader(file):
             truth = at[round(1e3 * float(row["stamp"]))]
             errors.append(math.hypot(float(row["x"]) - truth.x, float(row["y"]) - truth.y))
             lost.append(row["lost"].lower() in ("true", "1"))
-    return Measured(np.array(errors), np.array(lost, dtype=np.float64))
+            wrong = is_wrong(Pose2(float(row["x"]), float(row["y"]), float(row["yaw"])), truth)
+            rows.append(UpdateRow("amcl", name, bag.parent.name, (), float(row["p_wrong"]), wrong, lost[-1]))
+    return Measured(np.array(errors), np.array(lost, dtype=np.float64), rows)
 
 
 def main() -> None:
@@ -235,6 +240,7 @@ def main() -> None:
     given = parser.parse_args()
     print("| log | way, m | begin | updates | found at | mean, cm | 95 %, cm | most, cm | lost | wrong and sure |")
     print("|---|---|---|---|---|---|---|---|---|---|")
+    runs = []
     for log in sorted(given.logs.glob("*.log.gz")):
         name = log.name.removesuffix(".log.gz").removesuffix("-corrected")
         if given.only not in name:
@@ -253,6 +259,8 @@ def main() -> None:
         for known in (True, False):
             measured = localized(bag, place, scans, folder, known=known)
             print(f"| {name} | {way:.0f} | {'start' if known else 'anywhere'} | {measured.text()} |", flush=True)
+            runs.append(measured.updates)
+    print("", HEAD, *calibration(runs), sep="\n")
 
 
 if __name__ == "__main__":

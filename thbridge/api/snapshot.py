@@ -86,6 +86,12 @@ class HuntSnapshot:
         return np.array([output.estimate.lost for output in self._robots])
 
     @cached_property
+    def p_wrong(self) -> Floats:
+        """(n,) probability that each believed pose is more than 1 m or 0.5 rad off; NaN before the first scan."""
+        known = [output.estimate.p_wrong for output in self._robots]
+        return np.array([np.nan if p_wrong is None else p_wrong for p_wrong in known])
+
+    @cached_property
     def odometry(self) -> Floats:
         """(n, 3) poses by the wheels alone, each in the robot's own frame `odom`."""
         return self._poses([output.observations.odometry.base_in_odom for output in self._robots])

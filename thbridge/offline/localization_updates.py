@@ -1,5 +1,5 @@
-"""Updates of a localisation as rows: pose, how sure it is, how well the map explained the scan, and whether the robot
-was lost."""
+"""Updates of a localisation as rows: pose, how sure it is, how well the map explained the scan, whether the robot was
+lost, and how likely the pose is wrong."""
 
 import csv
 import json
@@ -24,8 +24,10 @@ COLUMNS = (
     "cov_aa",
     "agreement",
     "lost",
+    "p_wrong",
 )
-"""Seconds; metres and radians in the map frame; m^2, m rad, rad^2; share 0..1; true or false."""
+"""Seconds; metres and radians in the map frame; m^2, m rad, rad^2; share 0..1; true or false; probability 0..1, or
+nothing where the filter does not know it."""
 
 
 class UpdatesFormat(StrEnum):
@@ -43,12 +45,13 @@ def updates_text(updates: Iterable[FilterUpdate], kind: UpdatesFormat) -> str:
     text = StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
-    writer.writerows({name: str(value).lower() for name, value in row.items()} for row in rows)
+    writer.writerows({name: "" if value is None else str(value).lower() for name, value in row.items()} for row in rows)
     return text.getvalue()
 
 
-def _row(update: FilterUpdate) -> dict[str, float | bool]:
+def _row(update: FilterUpdate) -> dict[str, float | bool | None]:
     pose, covariance = update.base_in_map, update.covariance
     upper = (float(covariance[i, j]) for i, j in zip(*np.triu_indices(3), strict=True))
-    values = (update.stamp_ns / 1e9, pose.x, pose.y, pose.theta, *upper, update.agreement, update.lost)
+    verdict = (update.agreement, update.lost, update.p_wrong)
+    values = (update.stamp_ns / 1e9, pose.x, pose.y, pose.theta, *upper, *verdict)
     return dict(zip(COLUMNS, values, strict=True))

@@ -42,6 +42,7 @@ class FilterUpdate:
         covariance: (3, 3) of x, y, theta.
         agreement: share of the scan that the map explains from there, 0..1.
         lost: True when the filter reported that the robot is lost.
+        p_wrong: probability that the pose is wrong, see `Estimate`; None where the filter does not know it.
     """
 
     stamp_ns: int
@@ -49,6 +50,7 @@ class FilterUpdate:
     covariance: FloatArray
     agreement: float
     lost: bool
+    p_wrong: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +167,7 @@ def localize(
             headings.add(read.stamp_ns, scan, last.base_in_map)
         if last.updated:
             agreement, pose = last.agreement or 0.0, last.base_in_map
-            updates.append(FilterUpdate(read.stamp_ns, pose, last.covariance, agreement, last.lost))
+            updates.append(FilterUpdate(read.stamp_ns, pose, last.covariance, agreement, last.lost, last.p_wrong))
     if last is None:
         reasons = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
         return RequestRefused("no-usable-scan", f"No scan could be used: {reasons or 'there are none'}.")

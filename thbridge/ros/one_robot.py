@@ -196,6 +196,8 @@ class RobotPublisher:
             yield topics.scan, pack.laser_scan(scan, self._base_laser, self._scan_period)
         if estimate.updated:
             yield topics.amcl_pose, believed + pack.covariance(estimate.covariance)
+            if estimate.p_wrong is not None:
+                yield topics.p_wrong, pack.float64(estimate.p_wrong)
             if len(estimate.particles):
                 yield topics.particlecloud, pack.pose_array(tick, MAP_FRAME, estimate.particles)
 

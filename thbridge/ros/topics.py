@@ -114,7 +114,9 @@ class VehicleTopics:
         return self.sent, self.received, self.state
 
 
-OF_ERRORS = frozenset({"believed_pose", "position_error", "heading_error", "lost"})
+P_WRONG = "p_wrong"
+"""Last word of the topic with the probability that a robot's pose is wrong."""
+OF_ERRORS = frozenset({"believed_pose", "position_error", "heading_error", "lost", P_WRONG})
 """Last words of the topics that tell how well a robot knows where it is."""
 
 
@@ -136,6 +138,7 @@ class RobotTopics:
         self.position_error = Topic(robot.topic("position_error"), types.FLOAT64)
         self.heading_error = Topic(robot.topic("heading_error"), types.FLOAT64)
         self.lost = Topic(robot.topic("lost"), types.BOOL, latched=True)
+        self.p_wrong = Topic(robot.topic(P_WRONG), types.FLOAT64)
         self.particlecloud = Topic(robot.topic("particlecloud"), types.POSE_ARRAY, latched=True)
         self.initialpose = Topic(robot.topic("initialpose"), types.POSE_WITH_COVARIANCE)
         self.cmd_vel = Topic(robot.topic("cmd_vel"), types.TWIST)

@@ -14,6 +14,7 @@ from sim.common.grid import OccupancyGrid
 from sim.numerics.elementary import wrap_angle
 from sim.parameters import AmclParameters, RobotParameters, with_ros_defaults
 from sim.robot.localization.amcl import Amcl
+from sim.robot.localization.wrong_pose import WRONG_DISTANCE, WRONG_TURN
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.ros.defaults import RosDefault, ros_defaults
 from thbridge.files.ros.parameters import parse_ros_files
@@ -179,6 +180,7 @@ def localized_as_json(
         "final_pose": [pose.x, pose.y, pose.theta],
         "covariance": result.last.covariance.tolist(),
         "lost": result.last.lost,
+        "p_wrong": result.last.p_wrong,
         "scans": result.scans,
         "skipped": {str(reason): count for reason, count in result.skipped.items()},
         "scan_topic": recording.scan_topic,
@@ -215,6 +217,9 @@ def show_localized(recording: LocalizationBag, result: LocalizationResult, appli
     show(f"At the end the robot is at {place} ({spread}).")
     if last.lost:
         show("The filter holds that this is wrong: it is lost.")
+    if last.p_wrong is not None:
+        wrong = f"more than {WRONG_DISTANCE:g} m or {WRONG_TURN:g} rad off"
+        show(f"The probability that this is {wrong} is {last.p_wrong:.3f}.")
     _show_lost(result)
     each = 1000 * result.cpu_seconds / max(1, len(result.updates))
     show(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")

@@ -28,6 +28,8 @@ from sim.parameters import AmclParameters, RobotParameters
 from sim.robot.localization.estimate import Estimate, PosePrior, read_only
 from sim.robot.localization.free_space import FreeSpace
 from sim.robot.localization.hypothesis import CloudFilter, CloudNoise, Hypothesis, widened
+from sim.robot.localization.wrong_pose import ParticleEvidence, probability
+from sim.robot.localization.wrong_pose_coefficients import PARTICLES
 
 SETTLED_SCANS = 5
 """Scans in a row that nearly all particles must agree on one place, and the map explain, for the robot to be found."""
@@ -68,6 +70,7 @@ class ParticleBelief:
         proven: True when the place was told, or has been tracked for long.
         lost: the verdict, see `Estimate`.
         requested: True when the next scan is weighed in any case.
+        p_wrong: probability that the place is wrong, see `Estimate`; None before the first scan.
     """
 
     tick: int
@@ -79,6 +82,7 @@ class ParticleBelief:
     proven: bool = True
     lost: bool = False
     requested: bool = False
+    p_wrong: float | None = None
 
     @property
     def unsure(self) -> bool:
@@ -209,6 +213,7 @@ class Amcl:
             updated=updated,
             lost=belief.lost,
             agreement=belief.place.agreement.last if belief.place.updates else None,
+            p_wrong=belief.p_wrong,
         )
 
     def _due(self, belief: ParticleBelief, odometry: Odometry) -> bool:
@@ -258,7 +263,15 @@ class Amcl:
         elif not belief.anywhere and len(view.points) and self._parameters.recovers and place.agreement.suspicious:
             rival = self._clouds.looked_for(view, self._rival_noise)
         now = replace(belief, tick=odometry.tick, base_in_odom=reached, place=place, rival=rival, requested=False)
-        return _found(now) if belief.anywhere else _compared(now)
+        now = _found(now) if belief.anywhere else _compared(now)
+        return replace(now, p_wrong=probability(PARTICLES, evidence_of(now)))
+
+
+def evidence_of(now: ParticleBelief) -> ParticleEvidence:
+    """Collect what the filter knows after an update that tells right places from wrong ones."""
+    return ParticleEvidence.of(
+        now.place, now.lead, lost=now.lost, anywhere=now.anywhere, proven=now.proven, rival=now.rival is not None
+    )
 
 
 def _found(now: ParticleBelief) -> ParticleBelief:

@@ -23,6 +23,8 @@ from sim.robot.localization.estimate import Estimate, read_only
 from sim.robot.localization.likelihood_field import Beams
 from sim.robot.localization.pose_filters import ExtendedPoseFilter, MeasuredMotion, UnscentedPoseFilter, residual
 from sim.robot.localization.scan_matching import GOOD, SPACING, ScanMatch, ScanMatcher
+from sim.robot.localization.wrong_pose import GaussianEvidence, probability
+from sim.robot.localization.wrong_pose_coefficients import GAUSSIANS
 
 PREDICTION_INTERVAL = 5
 """Ticks between predictions where no scan asks for one; in between, odometry alone carries the estimate on."""
@@ -73,6 +75,8 @@ class TrackingState:
         walls_off: sums over scans of what `ScanMatch.walls_off` says; the older a scan, the less it counts.
         refused: scans that could not be believed since the last one that was.
         poor: scans in a row that fitted badly, believed or not.
+        unmatched: share of the points of the last scan that do not lie on walls.
+        matches: matches believed since the pose was told or found.
     """
 
     tick: int
@@ -83,6 +87,8 @@ class TrackingState:
     walls_off: tuple[float, float] = (0.0, 0.0)
     refused: int = 0
     poor: int = 0
+    unmatched: float = 1.0
+    matches: int = 0
 
     @property
     def lost(self) -> bool:
@@ -128,6 +134,9 @@ class KalmanLocalizer:
     stays lost, since one Gaussian cannot hold two hypotheses as particles do.
 
     Before the first `start` it believes to be at the map's origin.
+
+    Attributes:
+        looked: what it knew after the last scan that it looked at; None before the first.
     """
 
     def __init__(self, software: RobotParameters, grid: OccupancyGrid, mount: LaserMount) -> None:
@@ -150,6 +159,8 @@ class KalmanLocalizer:
         self._odom_in_map = base_in_map  # until odometry comes
         self._turned = 0.0  # radians that the gyroscope has counted since the last prediction
         self._forgotten = False  # told to forget where it is, and has neither found nor been told it since
+        self.looked: GaussianEvidence | None = None
+        self._p_wrong: float | None = None
 
     def globalize(self) -> None:
         """Forget where the robot was: lost, with a covariance as wide as the map, until it is found or told a pose."""
@@ -191,6 +202,8 @@ class KalmanLocalizer:
                 state, updated = self._correct(state, scan)
             if self._forgotten or (state.lost and state.refused % _LOST_AFTER == 0) or state.poor >= _LOST_AFTER:
                 state = self._search(state, scan)
+            self.looked = self._evidence(state)
+            self._p_wrong = probability(GAUSSIANS, self.looked)
         if state is not self._state:
             self._odom_in_map = self._filter.mean.compose(odometry.base_in_odom.inverse())
             self._state = state
@@ -202,6 +215,20 @@ class KalmanLocalizer:
             particles=self._particles,
             updated=updated,
             lost=self._forgotten or state.lost,
+            p_wrong=self._p_wrong,
+        )
+
+    def _evidence(self, state: TrackingState) -> GaussianEvidence:
+        """Collect what the filter knows after a scan that tells right poses from wrong ones."""
+        return GaussianEvidence.of(
+            self._filter.covariance + state.shared,
+            state.motion_noise_scales,
+            forgotten=self._forgotten,
+            lost=state.lost,
+            refused=state.refused / _LOST_AFTER,
+            poor=state.poor / _LOST_AFTER,
+            unmatched=state.unmatched,
+            matches=state.matches,
         )
 
     def _due(self, state: TrackingState) -> bool:
@@ -253,7 +280,8 @@ class KalmanLocalizer:
         match = self._matcher.match(self._filter.mean, points, error)
         if match is None:
             return state, False
-        state = replace(state, poor=state.poor + 1 if match.share < GOOD else 0)
+        poor = state.poor + 1 if match.share < GOOD else 0
+        state = replace(state, poor=poor, unmatched=1.0 - match.share)
         if match.share < _LEAST_SHARE:
             return replace(state, refused=state.refused + 1), False
         squares, degrees = (_MEMORY * old + new for old, new in zip(state.walls_off, match.walls_off, strict=True))
@@ -275,6 +303,7 @@ class KalmanLocalizer:
                 matched=state.base_in_odom,
                 walls_off=(squares, degrees),
                 refused=0,
+                matches=state.matches + 1,
             ),
             True,
         )
@@ -290,4 +319,5 @@ class KalmanLocalizer:
             return state
         self._forgotten = False
         self._filter.reset(found.base_in_map, _covariance(found))
-        return replace(state, matched=state.base_in_odom, motion_noise_scales=(1.0, 1.0), refused=_LOST_AFTER)
+        at, scales = state.base_in_odom, (1.0, 1.0)
+        return replace(state, matched=at, motion_noise_scales=scales, refused=_LOST_AFTER, matches=0)

@@ -29,6 +29,7 @@ class Estimate:
         lost: True when the localiser itself holds that the pose cannot be relied on.
         agreement: share of the last scan weighed that the map explains from this place, 0..1; None where the localiser
             weighs none, or has not yet.
+        p_wrong: probability that the pose is wrong (`wrong_pose`) by the last scan weighed, 0..1; None likewise.
     """
 
     tick: int
@@ -39,6 +40,7 @@ class Estimate:
     updated: bool
     lost: bool = False
     agreement: float | None = None
+    p_wrong: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -56,4 +56,6 @@ class FakeLocalization:
         """Return the true pose now, and with it the `odom_in_map` that makes the odometry agree."""
         base_in_map = self._world_in_map.compose(self._base_in_world())
         odom_in_map = base_in_map.compose(odometry.base_in_odom.inverse())
-        return Estimate(odometry.tick, base_in_map, odom_in_map, self._covariance, self._particles, updated=True)
+        return Estimate(
+            odometry.tick, base_in_map, odom_in_map, self._covariance, self._particles, updated=True, p_wrong=0.0
+        )

@@ -96,6 +96,7 @@ class Hypothesis:
         agreement: share of them that the map explains.
         settled: scans in a row after which nearly all particles agreed on one place that the map explains.
         noise_scales: by how much odometry has turned out to be worse than the parameters say.
+        share: the heaviest cluster's share of the weight at the last update.
     """
 
     particles: FloatArray
@@ -106,6 +107,7 @@ class Hypothesis:
     agreement: ScanAgreement = INITIAL_AGREEMENT
     settled: int = 0
     noise_scales: NoiseScales = AS_BELIEVED
+    share: float = 1.0
 
 
 def widened(place: Hypothesis, spread: tuple[float, float, float], draws: FloatArray) -> Hypothesis:
@@ -277,6 +279,7 @@ class CloudFilter:
             updates=before.updates + 1 if before else 1,
             agreement=agreement,
             settled=settled,
+            share=summary.weight,
         )
 
     def _sure(self, summary: CloudSummary) -> bool:

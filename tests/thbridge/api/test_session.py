@@ -95,6 +95,7 @@ def test_a_snapshot_has_a_row_for_each_robot() -> None:
         now = session.run(1.0)
         assert now.poses.shape == now.true_poses.shape == now.odometry.shape == now.goals.shape == (2, 3)
         assert now.covariances.shape == (2, 3, 3)
+        assert ((now.p_wrong > 0.0) & (now.p_wrong < 0.1)).all()
         assert now.scans.shape == (2, 181) and np.isfinite(now.scans).any()
         assert now.costs.shape == (2, 8)
         assert np.abs(now.poses - now.true_poses).max() < 0.3

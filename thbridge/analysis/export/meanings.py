@@ -246,6 +246,7 @@ TOPICS: Mapping[str, str] = {
     "position_error": "distance of the believed from the true pose, at each scan, m",
     "heading_error": "angle from the true to the believed heading, at each scan, rad",
     "lost": "whether the localiser holds itself to be lost",
+    "p_wrong": "probability that the localizer's pose is more than 1 m or 0.5 rad off, at each update",
     "particlecloud": "the localiser's particles, at each update",
     "initialpose": "where people said the robot is",
     "cmd_vel": "speeds that the robot was told to drive",

@@ -6,7 +6,7 @@ holds the versions of the programs, which may be others today.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
@@ -44,7 +44,7 @@ from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.differences import FieldDifference, differences
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
-from thbridge.ros.topics import MessageFilter, RosMessage
+from thbridge.ros.topics import P_WRONG, MessageFilter, RosMessage
 from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, load_study_tree, read_study_text
@@ -176,6 +176,13 @@ def _recorded_by(path: Path, record: SessionRecord) -> MessageFilter:
     return lambda messages: keep(message for message in messages if not _is_advice(message))
 
 
+def _not_in(topics: Collection[str], robots: int) -> frozenset[str]:
+    """Return the topics that are not compared, since the release that recorded these topics did not have them all."""
+    older = NOT_IN_OLDER if names.ROOMS not in topics else frozenset()
+    p_wrong = frozenset(names.RobotNames.of(robot).topic(P_WRONG) for robot in range(robots))
+    return older if p_wrong & set(topics) else older | p_wrong
+
+
 def _is_advice(message: RosMessage) -> bool:
     """Return True for the event of an advice."""
     return message.topic.name == names.GAME_EVENTS and unpack.game_event(message.data).kind == kind_of(RoomAdvised)
@@ -214,9 +221,9 @@ class RecordingReplay:
     ) -> None:
         record = session_of(path)
         fresh = build_record(setting, record.program, record.roles, options.participant or record.participant)
-        older = names.ROOMS not in {topic.name for topic in bag_reader.info(path).topics}
+        topics = {topic.name for topic in bag_reader.info(path).topics}
         self._to_the_end = options.to_the_end
-        self._comparison = Comparison(NOT_IN_OLDER if older else frozenset())
+        self._comparison = Comparison(_not_in(topics, setting.study.robots))
         self._recorded = ticks_of(path)
         self._over = False
         self._buffer = _MessageBuffer(_recorded_by(path, record))

@@ -54,7 +54,9 @@ def localize_command(
     ] = None,
     updates: Annotated[
         Path | None,
-        typer.Option(help="Write each update with covariance, agreement and lost flag: .csv or .jsonl (JSON lines)."),
+        typer.Option(
+            help="Write each update with covariance, agreement, lost flag and p_wrong: .csv or .jsonl (JSON lines)."
+        ),
     ] = None,
     plot: Annotated[
         Path | None, typer.Option(help="Draw the path over the map, lost stretches marked: .png, .svg or .pdf.")

@@ -364,3 +364,18 @@ def test_a_widened_cloud_is_wider_around_the_same_place_and_finds_the_way_back(d
     assert all(map(same, estimates, run(again, after)))
     assert errors_of(replace(tour, moments=after), estimates)[250:].max() < 0.2
     assert not any(estimate.lost for estimate in estimates)
+
+
+def test_a_pose_is_likely_wrong_where_the_robot_is_elsewhere_and_unlikely_where_it_is_followed(drive):
+    tour = drive(seconds=20)
+    followed = [each.p_wrong for each in run(amcl_of(tour), tour.moments) if each.updated]
+    misled = Amcl(PARAMETERS, tour.grid, tour.mount, 1, "robot1")
+    misled.start(Pose2(tour.start.x + 3.0, tour.start.y, tour.start.theta + 2.0), SURE)
+    begun = misled.update(tour.moments[0].odometry, tour.moments[0].imu, None)
+    assert begun.p_wrong is None, "no scan has been weighed"
+    estimates = run(misled, tour.moments[1:])
+    there = errors_of(replace(tour, moments=tour.moments[1:]), estimates) > 1.0
+    astray = [each.p_wrong for each, wrong in zip(estimates, there, strict=True) if each.updated and wrong]
+    assert max(followed[5:]) < 0.05
+    assert len(astray) >= 4
+    assert np.mean(astray) > 0.5

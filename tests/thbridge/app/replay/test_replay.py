@@ -215,6 +215,19 @@ class TestSame:
         assert (done.difference, done.cut_off, done.ticks) == (None, False, 16 * 50)
         assert done.messages == sum(message.topic not in NOT_IN_OLDER | {names.SESSION} for message in whole)
 
+    def test_a_recording_of_before_robots_knew_how_likely_they_are_wrong_is_the_same_again(
+        self, hunt: Path, tmp_path: Path
+    ) -> None:
+        whole = list(messages(hunt))
+        known = [message for message in whole if message.topic.endswith("/p_wrong")]
+        assert {message.topic for message in known} == {"/robot1/p_wrong", "/robot2/p_wrong"}
+        with BagWriter(tmp_path / "older.bag") as writer:
+            for message in whole:
+                if message not in known:
+                    writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, message.data))
+        done = again(tmp_path / "older.bag")
+        assert (done.difference, done.cut_off, done.ticks) == (None, False, 16 * 50)
+
     def test_a_recording_of_before_advice_was_recorded_is_the_same_again(self, hunt: Path, tmp_path: Path) -> None:
         first, *rest = messages(hunt)
         opening = unpack.session(first.data)

@@ -90,6 +90,8 @@ def test_each_update_is_written_with_its_covariance_agreement_and_lost_flag(fold
     assert covariance == pytest.approx(np.array(told["covariance"][:2]))
     assert rows["agreement"].between(0.0, 1.0).all()
     assert last.agreement > 0.8
+    assert rows["p_wrong"].between(0.0, 1.0).all()
+    assert last.p_wrong == told["p_wrong"]
     parsed = [json.loads(line) for line in lines.read_text().splitlines()]
     pd.testing.assert_frame_equal(pd.DataFrame(parsed), rows)
 
@@ -108,6 +110,7 @@ def test_odometry_that_cannot_be_true_is_reported_and_moves_nothing(tmp_path: Pa
         stamp, x, y, *_ = map(float, line.split())
         true = ORIGIN.compose(truth[round((stamp - START_NS / 1e9) * 10)])
         assert true.distance(Pose2(x, y, 0.0)) < 0.3
+    assert told["p_wrong"] < 0.1
 
 
 def test_the_fastest_speed_of_odometry_can_be_given(tmp_path: Path) -> None:

@@ -1,0 +1,166 @@
+"""Probability that a localizer's pose is wrong: a logistic model of what the filter knows of itself.
+
+The coefficients (`wrong_pose_coefficients`) are fitted to simulated runs by `scripts/fit_wrong_pose.py`, which also
+checks them on other runs: among all updates that report p, a share of about p is wrong.
+"""
+
+import math
+from collections.abc import Sequence
+from operator import mul
+from typing import NamedTuple
+
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.robot.localization.hypothesis import Hypothesis
+
+WRONG_DISTANCE = 1.0
+"""Metres from the true place beyond which a pose is wrong."""
+WRONG_TURN = 0.5
+"""Radians from the true heading beyond which a pose is wrong."""
+
+_LEAST_EXPLAINED = 0.9
+"""Share of a scan that the map explains from most right places; only what is missing to it counts against a pose."""
+_MANY_UPDATES = 100
+"""Updates after which more of them say nothing more."""
+_SETTLED = 5
+"""Settled scans after which more of them say nothing more."""
+_USUAL_DEVIATIONS = (0.1, 0.05)
+"""Metres and radians: usual standard deviations of a pose."""
+_WIDEST = 4.0
+"""Greatest logarithm of a deviation's ratio to the usual one."""
+
+
+class ParticleEvidence(NamedTuple):
+    """What a particle filter knows that tells right poses from wrong ones; also the coefficients of each.
+
+    Attributes:
+        always: 1.
+        lost: 1 where the filter reports that the robot is lost.
+        anywhere: 1 while the place is looked for all over the map.
+        unproven: 1 where the place was found by searching, not long ago.
+        unproven_updates: logarithm of the number of updates since an unproven place was found, from 0.
+        updates: the same of any place.
+        unexplained: share of the last scan that the map does not explain.
+        lately_unexplained: share of the last scans that the map lacks to what it explains from most right places.
+        below_usual: share by which the map explains less than usual.
+        misfit: see `ScanAgreement`.
+        lead: see `ParticleBelief`.
+        rival: 1 while there is a rival.
+        unsettled: 1 to 0, as the last scans were settled.
+        outside: share of the weight outside the heaviest cluster.
+        deviation: logarithm of the place's standard deviation, by the usual one.
+        turn_deviation: the same of the heading.
+    """
+
+    always: float
+    lost: float
+    anywhere: float
+    unproven: float
+    unproven_updates: float
+    updates: float
+    unexplained: float
+    lately_unexplained: float
+    below_usual: float
+    misfit: float
+    lead: float
+    rival: float
+    unsettled: float
+    outside: float
+    deviation: float
+    turn_deviation: float
+
+    @classmethod
+    def of(
+        cls, place: Hypothesis, lead: float, *, lost: bool, anywhere: bool, proven: bool, rival: bool
+    ) -> "ParticleEvidence":
+        """Collect the evidence after an update; see `ParticleBelief` for the arguments."""
+        agreement, covariance = place.agreement, place.covariance
+        updates = elementary.log(1.0 + min(place.updates, _MANY_UPDATES))
+        return cls(
+            always=1.0,
+            lost=float(lost),
+            anywhere=float(anywhere),
+            unproven=float(not proven),
+            unproven_updates=0.0 if proven else updates,
+            updates=updates,
+            unexplained=1.0 - agreement.last,
+            lately_unexplained=max(0.0, _LEAST_EXPLAINED - agreement.recent),
+            below_usual=max(0.0, 1.0 - agreement.fast / agreement.slow) if agreement.slow > 0.0 else 0.0,
+            misfit=agreement.misfit,
+            lead=lead,
+            rival=float(rival),
+            unsettled=1.0 - min(place.settled, _SETTLED) / _SETTLED,
+            outside=1.0 - place.share,
+            deviation=log_deviation(max(covariance[0, 0], covariance[1, 1]), _USUAL_DEVIATIONS[0]),
+            turn_deviation=log_deviation(covariance[2, 2], _USUAL_DEVIATIONS[1]),
+        )
+
+
+class GaussianEvidence(NamedTuple):
+    """What a Kalman filter knows that tells right poses from wrong ones; also the coefficients of each.
+
+    Attributes:
+        always: 1.
+        forgotten: 1 while it has no pose at all.
+        lost: 1 where the filter reports that the robot is lost.
+        refused: scans that could not be believed since the last one that was, as a share of those that make it lost.
+        poor: scans in a row that fitted badly, likewise.
+        unmatched: share of the points of the last scan that do not lie on walls.
+        matches: logarithm of the number of matches since the pose was told or found, from 0.
+        deviation: see `ParticleEvidence`.
+        turn_deviation: likewise.
+        drive_noise: logarithm of the factor by which the odometry's distances are worse than the parameters say.
+        turn_noise: the same of its turns.
+    """
+
+    always: float
+    forgotten: float
+    lost: float
+    refused: float
+    poor: float
+    unmatched: float
+    matches: float
+    deviation: float
+    turn_deviation: float
+    drive_noise: float
+    turn_noise: float
+
+    @classmethod
+    def of(
+        cls,
+        covariance: FloatArray,
+        noise_scales: tuple[float, float],
+        *,
+        forgotten: bool,
+        lost: bool,
+        refused: float,
+        poor: float,
+        unmatched: float,
+        matches: int,
+    ) -> "GaussianEvidence":
+        """Collect the evidence after a scan; `covariance` is (3, 3) of the pose."""
+        return cls(
+            always=1.0,
+            forgotten=float(forgotten),
+            lost=float(lost),
+            refused=min(refused, 1.0),
+            poor=min(poor, 1.0),
+            unmatched=unmatched,
+            matches=elementary.log(1.0 + min(matches, _MANY_UPDATES)),
+            deviation=log_deviation(max(covariance[0, 0], covariance[1, 1]), _USUAL_DEVIATIONS[0]),
+            turn_deviation=log_deviation(covariance[2, 2], _USUAL_DEVIATIONS[1]),
+            drive_noise=elementary.log(noise_scales[0]),
+            turn_noise=elementary.log(noise_scales[1]),
+        )
+
+
+def log_deviation(variance: float, usual: float) -> float:
+    """Return the logarithm of a standard deviation's ratio to the usual one, bounded on both sides."""
+    if variance <= 0.0:
+        return -_WIDEST
+    return max(-_WIDEST, min(0.5 * elementary.log(variance / (usual * usual)), _WIDEST))
+
+
+def probability(coefficients: Sequence[float], evidence: Sequence[float]) -> float:
+    """Return the probability, 0..1, by a logistic model with one coefficient for each piece of evidence."""
+    return 1.0 / (1.0 + elementary.exp(-math.fsum(map(mul, coefficients, evidence))))
