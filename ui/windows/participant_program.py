@@ -63,7 +63,7 @@ FRAME = 15
 
 
 class GamePage(QWidget):
-    """A game at a server: the participant's window, its model and link, and a strip with advice or a way back.
+    """A game at a server: the participant's window, its model and link, and in practice a strip with advice.
 
     Its language is the game's, once the server has told it.
 
@@ -72,7 +72,7 @@ class GamePage(QWidget):
         texts: until then.
         preferences: of the participant.
         practice: it is the practice game, whose strip says what to do next.
-        back: goes back to the start page; None where there is none.
+        back: goes back to the start page from practice, or from the end of the game; None where there is none.
         clock: monotonic seconds.
         way_back: label of that button; its language does not change.
         once: True where one game is played and something else follows: its end is shown as it was when it came.
@@ -121,8 +121,15 @@ class GamePage(QWidget):
         self._strip, self._advice, self._to_do = QWidget(), look.label(), look.label(size="small", muted=True)
         self._way_back: tuple[ActionButton, str] | None = None
         self._must_do: tuple[str, ...] = ()
-        self._build_strip(back, way_back)
-        self._rows.addWidget(self._strip)
+        self._back, self._back_label = back if practice or not once else None, way_back
+        self._shows_end = False
+        if self._back is not None:
+            key = QShortcut(QKeySequence("F10"), self)
+            key.setAutoRepeat(False)
+            key.activated.connect(self._go_back)
+        if practice:
+            self._build_strip()
+            self._rows.addWidget(self._strip)
         self._open_window()
         link.start()
 
@@ -130,7 +137,7 @@ class GamePage(QWidget):
         """Open the game's window in the language of the model."""
         texts = self._preferences.texts = self._texts
         self.setWindowTitle(texts.text("window.title"))
-        self._strip.setAccessibleName(texts.text("pages.practice_game" if self._practice else "pages.this_game"))
+        self._strip.setAccessibleName(texts.text("pages.practice_game"))
         self.window_of_game = window = ParticipantWindow(
             self._model, self._clock, look.colours(), can_cancel=self._cancel is not None
         )
@@ -141,6 +148,8 @@ class GamePage(QWidget):
         window.went_on.connect(self.went_on)
         window.help_shown.connect(self.help_shown)
         window.settings_wanted.connect(lambda: self._preferences.open(self))
+        if self._back is not None and not self._practice:
+            window.ending.add_way_back(self._make_way_back())
         self._rows.addWidget(window, 1)
         self.setFocusProxy(window)
 
@@ -167,31 +176,34 @@ class GamePage(QWidget):
     def _set_palette(self, palette: Palette) -> None:
         self.window_of_game.set_palette(palette)
 
-    def _build_strip(self, back: Callable[[], None] | None, way_back: str) -> None:
+    def _build_strip(self) -> None:
         row = QHBoxLayout(self._strip)
         row.setContentsMargins(2 * GAP, GAP, 2 * GAP, GAP)
-        if self._practice:
-            title = look.label(self._texts.text("pages.practice"), bold=True)
-            title.setWordWrap(False)
-            row.addWidget(title)
-            row.addSpacing(2 * GAP)
-            # Advice of one line and of two take the same height, so that the map below stays where it is.
-            look.follow_text(self._advice, lambda it: it.setMinimumHeight(2 * it.fontMetrics().lineSpacing()))
+        title = look.label(self._texts.text("pages.practice"), bold=True)
+        title.setWordWrap(False)
+        row.addWidget(title)
+        row.addSpacing(2 * GAP)
+        # Advice of one line and of two take the same height, so that the map below stays where it is.
+        look.follow_text(self._advice, lambda it: it.setMinimumHeight(2 * it.fontMetrics().lineSpacing()))
         said = spaced(QVBoxLayout(), 0, 0)
         said.addWidget(self._advice)
         said.addWidget(self._to_do)
         self._to_do.hide()
         row.addLayout(said, 1)
-        if back is not None:
-            button = ActionButton(self._texts)
-            button.show_face(ButtonFace(way_back, "F10"), way_back)
-            button.clicked.connect(lambda: None if self._must_do else back())
-            key = QShortcut(QKeySequence("F10"), self)
-            key.setAutoRepeat(False)
-            key.activated.connect(button.click)
+        if self._back is not None:
+            button = self._make_way_back()
+            self._way_back = button, self._back_label
             row.addWidget(button)
-            self._way_back = button, way_back
-        self._strip.setVisible(self._practice)
+
+    def _make_way_back(self) -> ActionButton:
+        button = ActionButton(self._texts)
+        button.show_face(ButtonFace(self._back_label, "F10"), self._back_label)
+        button.clicked.connect(self._go_back)
+        return button
+
+    def _go_back(self) -> None:
+        if self._back is not None and not self._must_do and (self._practice or self._shows_end):
+            self._back()
 
     def require(self, to_do: tuple[str, ...]) -> None:
         """Offer the way back only after all of this is done, each in words."""
@@ -246,9 +258,8 @@ class GamePage(QWidget):
         screen = self._model.screen(now)
         if self._practice:
             set_text(self._advice, advice(self._texts, screen))
-        elif not self._once:
-            self._strip.setVisible(screen.phase is Phase.OVER)
-        if screen.phase is Phase.OVER and not self._is_over:
+        self._shows_end = screen.phase is Phase.OVER
+        if self._shows_end and not self._is_over:
             self._is_over = True
             self.seen_over.emit()
 

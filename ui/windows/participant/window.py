@@ -349,7 +349,7 @@ class ParticipantWindow(QWidget):
         if before is None or offered != self._popped or _subject(screen) != _subject(before):
             self._popped, self._popped_at = offered, now
             self.map.hover(None)
-            for shown in self._panels:
+            for shown in (*self._panels, self.column.tiles):
                 for button in shown.findChildren(ParticipantButton):
                     button.let_go()
         if before is not None and _selected(screen) != _selected(before) and not self._acting:

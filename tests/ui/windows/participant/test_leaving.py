@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QEvent
+from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtWidgets import QApplication, QDialog, QLabel
 from pytestqt.qtbot import QtBot
 
@@ -15,10 +15,11 @@ from tests.ui.windows import samples
 from tests.ui.windows.participant.test_window import press
 from tests.ui.windows.preferred import preferred
 from thbridge.files.language_texts import shipped_texts
-from ui.model.lobby import FromWindow, WindowClosed
+from ui.model.lobby import Back, FromWindow, WindowClosed
 from ui.model.theme import LIGHT
 from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
 from ui.windows.participant import ParticipantWindow
+from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.participant_program import ParticipantMainWindow
 
 
@@ -97,6 +98,27 @@ def test_closing_in_the_middle_of_a_game_asks_in_the_window(
     press(qtbot, game, "Y")
     qtbot.waitUntil(lambda: not window.isVisible())
     assert table.told == ([WindowClosed()] if hosted else [])
+
+
+def test_the_start_page_is_offered_at_the_end_alone_and_the_map_stays(
+    qtbot: QtBot, at_table: Callable[[bool], Table]
+) -> None:
+    table = at_table(True)
+    window = table.window
+    assert window is not None and window.game is not None
+    game, link = window.game.window_of_game, window.game._link
+    assert isinstance(link, ArrivedLink)
+    before = game.map.rect().translated(game.map.mapTo(window, QPoint()))
+    qtbot.keyClick(window, Qt.Key.Key_F10)
+    assert table.told == []
+    link._arrived.append(ReceivedEvent(1.0, view(over="given-up")))
+    table.now += 1.0
+    qtbot.waitUntil(game.ending.isVisible)
+    assert game.map.rect().translated(game.map.mapTo(window, QPoint())) == before
+    button = next(one for one in game.ending.findChildren(ActionButton) if one.face and one.face.key == "F10")
+    assert button.isVisible() and game.ending.rect().contains(button.geometry())
+    qtbot.keyClick(window, Qt.Key.Key_F10)
+    assert table.told == [Back()]
 
 
 def test_a_window_that_has_gone_leaves_nothing_behind(qapp: QApplication) -> None:

@@ -193,6 +193,15 @@ def test_a_pop_up_that_comes_below_the_resting_pointer_is_not_pointed_at(qtbot: 
         assert leave.pointed_at(), "what changes elsewhere changes nothing here"
 
 
+def test_a_room_under_the_resting_pointer_is_not_looked_at_once_a_pop_up_comes(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    tile = that_asks(shown.window, ChooseRoom(5))
+    point(qtbot, tile)
+    shown.show(STATES["dialogue"])
+    assert shown.done == [ConsiderRoom(5), ConsiderRoom(None)]
+    assert not tile.pointed_at()
+
+
 def test_the_map_below_a_pop_up_that_has_gone_is_not_pointed_at(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["dialogue"])
     under = covered(shown, shown.window.dialogue)

@@ -218,6 +218,12 @@ class EndingPanel(TitledPanel):
         self.again.requested.connect(self.requested)
         self.rows.addWidget(self._area, 1)
         self.rows.addWidget(self.again)
+        self._ways = [self.again]
+
+    def add_way_back(self, button: ActionButton) -> None:
+        """Offer another way to go on, below the next game."""
+        self._ways.append(button)
+        self.rows.addWidget(button)
 
     def show_ending(self, ending: GameOverPage) -> None:
         """Show this."""
@@ -228,7 +234,8 @@ class EndingPanel(TitledPanel):
     def wanted(self, width: int, height: int) -> QSize:
         """Return a size as high as its lines, if there is space; else they scroll."""
         lines = self._lines.heightForWidth(width - 8 * GAP)
-        around = self.top.sizeHint().height() + self.again.sizeHint().height() + 8 * GAP
+        ways = sum(way.sizeHint().height() + GAP for way in self._ways)
+        around = self.top.sizeHint().height() + ways + 7 * GAP
         return QSize(width, min(height, lines + around))
 
 
