@@ -168,6 +168,10 @@ class Desktop:
         # Not --sync, which waits for a pointer that is there already to move.
         self.do("mousemove", str(round(x)), str(round(y)), "click", "1")
 
+    def turn_wheel(self, x: float, y: float, *, down: bool) -> None:
+        """Turn the wheel of the mouse by one step over a point."""
+        self.do("mousemove", str(round(x)), str(round(y)), "click", "5" if down else "4")
+
     def drag(self, *points: tuple[float, float]) -> None:
         """Press the left button at the first point, go through the others, let go at the last."""
         moves = [["mousemove", str(round(x)), str(round(y))] for x, y in points]

@@ -228,7 +228,17 @@ class Mouse(Player):
         else:
             others = [card for card in sight.robots if card != selected and ", ready" in card.name]
             if others:
-                self.screen.click(others[0])
+                self.select(others[0], sight)
+
+    def select(self, card: Seen, sight: Sight) -> None:
+        """Click on a robot's card, or scroll towards it where it is out of sight."""
+        above, below = sight.named("Score and tools"), sight.named("Rooms")
+        assert above is not None
+        assert below is not None
+        if above.y + above.height <= card.middle[1] < below.y:
+            self.screen.click(card)
+        else:
+            self.screen.turn_wheel(below.middle[0], below.y - 20.0, down=card.middle[1] >= below.y)
 
 
 class Keys(Player):

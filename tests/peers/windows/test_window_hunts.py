@@ -192,7 +192,7 @@ def test_six_robots_arrive_while_somebody_is_asked(screen: Desktop, tmp_path: Pa
             elif later is not None:
                 screen.click(later)
             elif ", selected" not in home[0].name:
-                screen.click(home[0])
+                player.select(home[0], seen)
             elif seen.free:
                 screen.click(seen.rooms[seen.free[0]])
 
