@@ -31,7 +31,7 @@ _WIDEST = 4.0
 
 
 class ParticleEvidence(NamedTuple):
-    """What a particle filter knows that tells right poses from wrong ones; also the coefficients of each.
+    """Features of a particle filter that distinguish right poses from wrong ones; also the coefficients of each.
 
     Attributes:
         always: 1.
@@ -97,7 +97,7 @@ class ParticleEvidence(NamedTuple):
 
 
 class GaussianEvidence(NamedTuple):
-    """What a Kalman filter knows that tells right poses from wrong ones; also the coefficients of each.
+    """Features of a Kalman filter that distinguish right poses from wrong ones; also the coefficients of each.
 
     Attributes:
         always: 1.
