@@ -283,7 +283,7 @@ class TestNoise:
         text = commented_study().replace("  preset: none\n", "  preset: bad wheels\n")
         short = f"templates: {STANDARD.templates}\nnoise: {{preset: bad wheels}}"
         assert read_study_text(STUDY, text) == read_study_text(STUDY, short)
-        assert text.count("odom_alpha1") == 2
+        assert text.count("odom_alpha1:") == 2
 
     @pytest.mark.parametrize("text", ["noise:\n", "noise: {preset: [1]}", "noise: 3", "noise: {preset: worse wheels}"])
     def test_any_section_is_read_or_refused(self, text: str) -> None:
