@@ -108,6 +108,7 @@ def test_the_start_page_is_offered_at_the_end_alone_and_the_map_stays(
     assert window is not None and window.game is not None
     game, link = window.game.window_of_game, window.game._link
     assert isinstance(link, ArrivedLink)
+    qtbot.waitUntil(lambda: game.map.mapTo(window, QPoint()) != QPoint())
     before = game.map.rect().translated(game.map.mapTo(window, QPoint()))
     qtbot.keyClick(window, Qt.Key.Key_F10)
     assert table.told == []
@@ -116,7 +117,7 @@ def test_the_start_page_is_offered_at_the_end_alone_and_the_map_stays(
     qtbot.waitUntil(game.ending.isVisible)
     assert game.map.rect().translated(game.map.mapTo(window, QPoint())) == before
     button = next(one for one in game.ending.findChildren(ActionButton) if one.face and one.face.key == "F10")
-    assert button.isVisible() and game.ending.rect().contains(button.geometry())
+    qtbot.waitUntil(lambda: button.visibleRegion().boundingRect() == button.rect())
     qtbot.keyClick(window, Qt.Key.Key_F10)
     assert table.told == [Back()]
 
