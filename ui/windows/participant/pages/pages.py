@@ -233,7 +233,7 @@ class EndingPanel(TitledPanel):
 
     def wanted(self, width: int, height: int) -> QSize:
         """Return a size as high as its lines, if there is space; else they scroll."""
-        lines = self._lines.heightForWidth(width - 8 * GAP)
+        lines = max(self._lines.heightForWidth(width - 8 * GAP), self._area.minimumSizeHint().height())
         ways = sum(way.sizeHint().height() + self.rows.spacing() for way in self._ways)
         around = self.top.sizeHint().height() + ways + 8 * GAP
         return QSize(width, min(height, lines + around))
