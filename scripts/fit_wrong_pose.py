@@ -2,9 +2,9 @@
 
 Run it from the project's folder, after any change of a filter: `.venv/bin/python scripts/fit_wrong_pose.py`.
 It simulates robots in two maps for some seeds, with all troubles of `tests/bench/robots/troubled_runs.py`, kidnapped,
-told a wrong place, or told nothing; follows them with both filters; fits a logistic regression to each one's evidence
-at its updates; writes `sim/robot/localization/wrong_pose_coefficients.py`; and prints how often updates of further
-seeds are wrong that report p. Simulated runs do not depend on the filter, and are kept in --runs for the next time.
+with a wrong first pose, or with none. Both filters follow them. A logistic regression is fitted to the evidence of each
+filter, and written to `sim/robot/localization/wrong_pose_coefficients.py`. For further seeds it prints the share of
+wrong poses among the updates that report p. Simulated runs do not depend on the filter, and are kept in --runs.
 """
 
 import argparse

@@ -230,5 +230,5 @@ def _conversation(rulebook: Rulebook, robot: Agent, person: Agent) -> Conversati
 
 
 def people_see_shapes(side: Side, proposition: Proposition) -> bool:
-    """Return True for what a side is thought able to tell: the person, which things pictures show."""
+    """Return True for what a side is thought to know: the person knows which things pictures show."""
     return side is Side.HUMAN and isinstance(proposition, InImage)

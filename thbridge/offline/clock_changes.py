@@ -1,4 +1,4 @@
-"""Stamps of a recording that jump because somebody set a clock, and single stamps that are wrong."""
+"""Stamps of a recording that jump because a clock was set, and single stamps that are wrong."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field

@@ -268,7 +268,7 @@ class Amcl:
 
 
 def evidence_of(now: ParticleBelief) -> ParticleEvidence:
-    """Collect what the filter knows after an update that tells right places from wrong ones."""
+    """Collect the features after an update that distinguish right places from wrong ones."""
     return ParticleEvidence.of(
         now.place, now.lead, lost=now.lost, anywhere=now.anywhere, proven=now.proven, rival=now.rival is not None
     )

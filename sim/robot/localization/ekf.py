@@ -76,7 +76,7 @@ class TrackingState:
         refused: scans that could not be believed since the last one that was.
         poor: scans in a row that fitted badly, believed or not.
         unmatched: share of the points of the last scan that do not lie on walls.
-        matches: matches believed since the pose was told or found.
+        matches: matches believed since the pose was set or found.
     """
 
     tick: int
@@ -158,7 +158,7 @@ class KalmanLocalizer:
         self._state: TrackingState | None = None
         self._odom_in_map = base_in_map  # until odometry comes
         self._turned = 0.0  # radians that the gyroscope has counted since the last prediction
-        self._forgotten = False  # told to forget where it is, and has neither found nor been told it since
+        self._forgotten = False  # asked to forget where it is, and has neither found nor been given it since
         self.looked: GaussianEvidence | None = None
         self._p_wrong: float | None = None
 
@@ -219,7 +219,7 @@ class KalmanLocalizer:
         )
 
     def _evidence(self, state: TrackingState) -> GaussianEvidence:
-        """Collect what the filter knows after a scan that tells right poses from wrong ones."""
+        """Collect the features after a scan that distinguish right poses from wrong ones."""
         return GaussianEvidence.of(
             self._filter.covariance + state.shared,
             state.motion_noise_scales,

@@ -106,7 +106,7 @@ class GaussianEvidence(NamedTuple):
         refused: scans that could not be believed since the last one that was, as a share of those that make it lost.
         poor: scans in a row that fitted badly, likewise.
         unmatched: share of the points of the last scan that do not lie on walls.
-        matches: logarithm of the number of matches since the pose was told or found, from 0.
+        matches: logarithm of the number of matches since the pose was set or found, from 0.
         deviation: see `ParticleEvidence`.
         turn_deviation: likewise.
         drive_noise: logarithm of the factor by which the odometry's distances are worse than the parameters say.

@@ -37,7 +37,7 @@ class StartedRun:
         name: of the run within its group.
         run: with the truth.
         believed: the map that the filter is given.
-        start: pose that the filter is told; None where it may be anywhere.
+        start: pose that the filter starts with; None where it may be anywhere.
         particles: greatest number.
     """
 
