@@ -10,6 +10,7 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF, QTransform
 
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
+from sim.robot.costmap.footprint import radii
 from thbridge.roles.notices import Ellipse
 from ui.model.scene import RobotMark
 from ui.windows.map.badges import Anchor, Badge, Badges, BadgeText, place_labels
@@ -56,16 +57,18 @@ class _Body:
         outline: its corners.
         nose: the arrowhead that shows its front.
         reach: from its middle to its farthest corner.
+        inside: from its middle to its nearest edge.
     """
 
     outline: QPolygonF
     nose: QPolygonF
     reach: float
+    inside: float
 
     @classmethod
     def of(cls, footprint: FloatArray) -> "_Body":
-        reach = float(np.max(np.hypot(footprint[:, 0], footprint[:, 1]), initial=0.05))
-        return cls(polygon(footprint), polygon(_NOSE * reach), reach)
+        inside, reach = radii(footprint)
+        return cls(polygon(footprint), polygon(_NOSE * reach), reach, inside)
 
     def scale(self, to_pixels: QTransform) -> float:
         """Scale at which it is drawn, pixels a metre: never too small to be seen."""
@@ -94,6 +97,8 @@ class Robots(MapItem):
         self._badges = Badges()
         self._places: dict[int, int] = {}
         self._bodies: dict[bytes, _Body] = {}
+        self._trails: dict[int, tuple[FloatArray, FloatArray]] = {}
+        self._pens: dict[str, list[QPen]] = {}
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
         """Show the robots as they are now. After a jump labels are placed as if they were new."""
@@ -150,15 +155,18 @@ class Robots(MapItem):
     def _paint_trail(self, painter: QPainter, to_pixels: QTransform, mark: RobotMark) -> None:
         if not len(mark.trail):
             return
-        trail = np.concatenate((mark.trail, [[mark.pose.x, mark.pose.y]]))
-        lines = steps(mapped(to_pixels, trail))
-        colour = QColor(self._colour(mark))
-        for step in range(TRAIL_STEPS):
-            colour.setAlphaF(TRAIL_ALPHA * (step + 1) / TRAIL_STEPS)
-            pen = QPen(colour, 2.5)
-            pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+        known, lines = self._trails.get(mark.robot, (None, None))
+        if lines is None or known is not mark.trail:
+            # Its last line leads to the robot, and is another in each frame.
+            lines = steps(np.concatenate((mark.trail, mark.trail[-1:])))
+            self._trails[mark.robot] = mark.trail, lines
+        lines[-1, 2:] = mark.pose.x, mark.pose.y
+        pixels = mapped(to_pixels, lines.reshape(-1, 2)).reshape(-1, 4)
+        colour = self._colour(mark)
+        pens = self._pens.get(colour) or self._pens.setdefault(colour, _fading(colour))
+        for step, pen in enumerate(pens):
             painter.setPen(pen)
-            draw_lines(painter, lines[len(lines) * step // TRAIL_STEPS : len(lines) * (step + 1) // TRAIL_STEPS])
+            draw_lines(painter, pixels[len(lines) * step // TRAIL_STEPS : len(lines) * (step + 1) // TRAIL_STEPS])
 
     def _paint_path(self, painter: QPainter, to_pixels: QTransform, mark: RobotMark) -> None:
         if len(mark.path) < 2:
@@ -183,6 +191,9 @@ class Robots(MapItem):
             self._paint_truth(painter, to_pixels, mark, mark.truth)
 
     def _paint_ellipse(self, painter: QPainter, to_pixels: QTransform, mark: RobotMark, ellipse: Ellipse) -> None:
+        body = self._body(mark.footprint)
+        if ellipse.major * to_pixels.m11() < body.inside * body.scale(to_pixels):
+            return  # the body will cover it
         c, s = to_pixels.m11() * math.cos(ellipse.angle), to_pixels.m11() * math.sin(ellipse.angle)
         centre = pixel(to_pixels, mark.pose.x, mark.pose.y)
         transform = QTransform(
@@ -236,6 +247,16 @@ class Robots(MapItem):
         radius = body.reach * body.scale(to_pixels) + ring
         at = pixel(to_pixels, mark.pose.x, mark.pose.y)
         return Anchor(at.x(), at.y(), radius, badge.width, badge.height)
+
+
+def _fading(colour: str) -> list[QPen]:
+    """Return the pens of a trail, for its oldest part first."""
+    pens = []
+    for step in range(TRAIL_STEPS):
+        faded = QColor(colour)
+        faded.setAlphaF(TRAIL_ALPHA * (step + 1) / TRAIL_STEPS)
+        pens.append(QPen(faded, 2.5, c=Qt.PenCapStyle.FlatCap))
+    return pens
 
 
 def _dashes(pixels: FloatArray) -> FloatArray:

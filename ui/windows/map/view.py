@@ -204,6 +204,19 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         at = self.box.to_pixels().inverted()[0].map(self.box.mapFromScene(position))
         return at.x(), at.y()
 
+    def robot_place(self, robot: int) -> QPointF | None:
+        """Return the pixel of this widget at the middle of a robot, if it is shown."""
+        pose = next((mark.pose for mark in self._robots.marks if mark.robot == robot), None)
+        return None if pose is None else self.pixel(pose.x, pose.y)
+
+    def room_place(self, room: int) -> QRectF | None:
+        """Return the box around a room, pixels of this widget, if it is shown."""
+        region = next((mark.region for mark in self._rooms if mark.room == room), None)
+        if region is None:
+            return None
+        (left, bottom), (right, top) = region.min(axis=0), region.max(axis=0)
+        return QRectF(self.pixel(left, top), self.pixel(right, bottom))
+
     def metres(self, pixels: float) -> float:
         """Return a length on the screen in meters on the map."""
         return pixels / self.box.to_pixels().m11()

@@ -9,7 +9,6 @@ from PySide6.QtGui import (
     QHideEvent,
     QKeyEvent,
     QKeySequence,
-    QPolygonF,
     QResizeEvent,
     QShortcut,
     QShowEvent,
@@ -286,7 +285,10 @@ class ParticipantWindow(QWidget):
                 self.map_area.place_anew()
                 return  # Rooms and robots come with the next frame: both together would hold the window up.
         self.map.show_rooms(self._model.rooms(now))
+        first = self.map.robot_place(0) is None
         self.map.show_robots(self._model.robots(now))
+        if first:
+            self.map_area.place_anew()
         if self._model.followed != self.map.followed:
             self.map.follow(self._model.followed)
         self.map_area.keep_in_sight()
@@ -364,18 +366,16 @@ class ParticipantWindow(QWidget):
         pop = None if self._screen is None else self._screen.popup
         if pop is None:
             return []
-        now = self._clock()
-        robot = next((mark for mark in self._model.robots(now) if mark.robot == pop.robot), None)
-        room = next((mark for mark in self._model.rooms(now) if mark.room == pop.room), None)
         places = []
+        robot = self.map.robot_place(pop.robot)
         if robot is not None:
             around = QRect(0, 0, ROBOT_SIZE, ROBOT_SIZE)
-            around.moveCenter(self.map.pixel(robot.pose.x, robot.pose.y).toPoint())
+            around.moveCenter(robot.toPoint())
             places.append(around)
+        room = None if pop.room is None else self.map.room_place(pop.room)
         if room is not None:
-            whole = QPolygonF([self.map.pixel(x, y) for x, y in room.region.tolist()]).boundingRect()
-            wide, high = whole.width() / 4.0, whole.height() / 4.0
-            places.append(whole.adjusted(wide, high, -wide, -high).toRect())
+            wide, high = room.width() / 4.0, room.height() / 4.0
+            places.append(room.adjusted(wide, high, -wide, -high).toRect())
         return places
 
     # Keys and focus ---------------------------------------------------------------------------------------------------
