@@ -39,6 +39,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
     robot = memory.selected
     mover = hunt.view.robots[robot]
     refused = why_not_go(hunt.texts, hunt.known, robot, room.room)
+    warning = "" if refused else energy_warning(hunt.texts, hunt.known, robot, room.room)
     found, *shorter = _found(hunt.texts, hunt.view, room)
     costs = hunt.view.costs_from(mover) if mover.moving_to is None else hunt.view.costs_when_stopped()
     return RoomTile(
@@ -50,13 +51,13 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
         considered=room.room == (memory.considered() or hunt.destination_considered(robot)),
         found=found,
         found_shorter=tuple(shorter),
-        choose=_choose(hunt, robot, room.room, refused),
-        warning="" if refused else energy_warning(hunt.texts, hunt.known, robot, room.room),
+        choose=_choose(hunt, robot, room.room, refused, warning),
+        warning=warning,
         reachable=costs is None or costs[room.room] is not None,
     )
 
 
-def _choose(hunt: HuntMemory, robot: int, room: int, refused: str | None) -> Action:
+def _choose(hunt: HuntMemory, robot: int, room: int, refused: str | None, warning: str) -> Action:
     busy = SelectRoom(robot, room) in hunt.pending or hunt.reroutes.get(robot) == room
     discussed = hunt.destination_considered(robot) == room
     if refused is not None:
@@ -66,20 +67,20 @@ def _choose(hunt: HuntMemory, robot: int, room: int, refused: str | None) -> Act
     elif discussed:
         hint = hunt.texts.text("tiles.discussed", robot=robot)
     else:
-        hint = _price(hunt, robot, room)
+        hint = _price(hunt, robot, room, warning)
     key = str(room).zfill(len(str(len(hunt.view.rooms))))
     return Action(
         ChooseRoom(room), hunt.texts.text("window.room", room=room), key, refused is None and not busy, hint, busy
     )
 
 
-def _price(hunt: HuntMemory, robot: int, room: int) -> str:
+def _price(hunt: HuntMemory, robot: int, room: int, warning: str) -> str:
     texts, mover = hunt.texts, hunt.view.robots[robot]
     if mover.moving_to is not None:
         return texts.text("tiles.called_back_first", robot=robot, room=mover.moving_to)
     cost = hunt.view.costs_from(mover)[room] or 0.0
     hint = texts.text("tiles.price", robot=robot, cost=cost, energy=mover.energy - cost)
-    return f"{hint} {energy_warning(texts, hunt.known, robot, room)}".rstrip()
+    return f"{hint} {warning}".rstrip()
 
 
 def _found(texts: Texts, view: View, room: RoomView) -> tuple[str, ...]:
