@@ -56,6 +56,7 @@ def offer_of(setting: StudySetting, given: bool, languages: Mapping[str, str] | 
         identify_cost=game.identify_cost,
         energy=game.energy,
         wrong_share=game.wrong_share if study.participant.shows.points else None,
+        by_position=setting.by_position,
         properties=setting.set_words.properties,
     )
     if study.participant.robots is None or given:

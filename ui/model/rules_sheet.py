@@ -46,7 +46,7 @@ def rules_lines(
         energy: of each robot at the start; None where it is not known.
         wrong_share: share of a treasure's points that a wrong name costs; None where it is not told.
         moves: least and most energy of a move between two places; None where it is not known.
-        by_position: those are moves between rooms; others cost by where the robot stands.
+        by_position: moves are priced by length and turns from where the robot stands; `moves` are those between rooms.
         properties: of treasures.
         has_last_word: decides in the end where robots argue; None where they do not.
     """
@@ -66,7 +66,7 @@ def rules_lines(
 
 def _costs(texts: Texts, picture: float, naming: float, moves: tuple[float, float] | None, *, by_position: bool) -> str:
     if moves is None:
-        return texts.text("rules.costs", picture=picture, naming=naming)
+        return texts.text("rules.costs_by_position" if by_position else "rules.costs", picture=picture, naming=naming)
     return texts.text(
         "rules.costs_from_room_to_room" if by_position else "rules.costs_between",
         least=moves[0],

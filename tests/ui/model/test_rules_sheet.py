@@ -5,7 +5,7 @@ import pytest
 
 from tests.ui.model.views import view
 from thbridge.files.language_texts import shipped_texts
-from ui.model.rules_sheet import rules_of
+from ui.model.rules_sheet import rules_lines, rules_of
 
 
 def sheet(**fields: object) -> str:
@@ -35,7 +35,12 @@ def test_moves_are_those_to_rooms() -> None:
 def test_moves_priced_by_position_are_told_from_room_to_room() -> None:
     costs = ((None, None, None), (None, None, 20.0), (None, 30.0, None))
     told = sheet(costs=costs, rooms=view().rooms[:2], by_position=True)
-    assert "A move costs energy, from room to room between 20 and 30, a picture" in told
+    assert "A move costs energy for its length and its turns: from room to room between 20 and 30, a picture" in told
+
+
+def test_before_a_game_it_is_told_what_moves_priced_by_position_cost_energy_for() -> None:
+    told = rules_lines(shipped_texts(), picture_cost=3.0, identify_cost=2.0, by_position=True)
+    assert "A move costs energy for its length and its turns, a picture 3" in " ".join(told)
 
 
 def test_what_is_left_for_good_is_what_the_participant_sends_a_robot_on_from() -> None:
