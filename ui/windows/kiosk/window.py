@@ -388,9 +388,11 @@ class KioskWindow(QMainWindow):
             page.setFocus()
 
     def _offer_instructions(self) -> None:
-        """Offer to read the instructions again, where somebody has read some; a game has a key of its own for that."""
+        """Offer to read the instructions again, where somebody has read some, and settings; not beside a game's own."""
         offered = bool(self._instructions) and self._has_run and self.game is None
         self.progress.again.setVisible(offered)
+        # A game has a button of its own for them.
+        self.progress.settings.setVisible(self.game is None)
         self._reading_again.setEnabled(offered)
 
     def _read_again(self) -> None:

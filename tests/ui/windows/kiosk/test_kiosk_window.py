@@ -428,6 +428,7 @@ def test_games_too_show_the_step_the_time_left_and_how_to_stop(
     assert (shown[61][1], shown[60][1]) == ("2 minutes left in this game", "60 seconds left in this game")
     assert (shown[1][1], shown[0][1]) == ("1 second left in this game", "0 seconds left in this game")
     assert said == ["60 seconds left in this game", "10 seconds left in this game"]
+    assert not opened.window.progress.settings.isVisible(), "the game has a button of its own"
     assert opened.window.progress.stop.isVisible()
     qtbot.mouseClick(opened.window.progress.stop, Qt.MouseButton.LeftButton)
     assert opened.window.leaving_panel.isVisible()
@@ -437,6 +438,7 @@ def test_games_too_show_the_step_the_time_left_and_how_to_stop(
     assert labels(opened.window.progress) == shown[0], "news of another page is void"
     opened.window.receive(TextToRead(8, "A pause", "Rest.", progress=WAY))
     assert labels(opened.window.progress) == ["Step 3 of 8"]
+    assert opened.window.progress.settings.isVisible()
 
 
 QUICK = FormItem("quick", "What is 7 times 8?", "text", one_line=True, seconds=20.0)
