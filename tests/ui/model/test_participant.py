@@ -345,6 +345,7 @@ def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
     screen = seat.do(ChooseRoom(6))
     assert screen.confirmation.title == "Send robot 1 to room 6 instead?"
     assert "is on its way to room 3" in screen.confirmation.text
+    assert screen.tiles[5].choose.hint == "Robot 1 is on its way to room 3 and would be called back first."
     assert seat.do(Cancel()).confirmation is None
     assert seat.view.robots[0].moving_to == 3
     # A second press of the same key is no answer to a question.

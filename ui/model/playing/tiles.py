@@ -59,7 +59,8 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
 
 def _choose(hunt: HuntMemory, robot: int, room: int, refused: str | None, warning: str) -> Action:
     busy = SelectRoom(robot, room) in hunt.pending or hunt.reroutes.get(robot) == room
-    discussed = hunt.destination_considered(robot) == room
+    # While a question is to be confirmed, the robot has not been asked yet.
+    discussed = hunt.pending_step is None and hunt.destination_considered(robot) == room
     if refused is not None:
         hint = refused
     elif busy:
