@@ -55,6 +55,7 @@ from ui.model.screen import (
     PickName,
     ShowHelp,
     ShowNext,
+    ShowWaiting,
     StopRobot,
     SubmitName,
     TypeDigit,
@@ -494,6 +495,27 @@ def test_another_game_begins_with_nothing_of_the_last_one(other):
     screen = model.screen(1.0)
     assert (screen.popup, screen.waiting, model.requests()) == (None, (), ())
     assert len(screen.history) == 1
+
+
+@pytest.mark.parametrize("act", [ShowWaiting(1), ChooseRobot(1)])
+def test_a_verdict_that_was_left_for_what_waits_has_been_read(act):
+    beside = with_room(with_robot(FOUND, 1, place=2), 2, state="visited", robot=1, sensed={"colour": "Blue"})
+    model = model_of(beside)
+    model.do(ShowWaiting(0), 0.1)
+    model.screen(0.1)
+    model.receive(with_room(beside, 3, verdict=IdentificationVerdict("can", 5)), 0.5)
+    assert model.screen(0.5).popup.points == 5
+    model.do(act, 1.0)
+    screen = model.screen(1.0)
+    assert (screen.popup.room, screen.waiting) == (2, ())
+
+
+def test_a_verdict_that_comes_while_another_find_is_shown_waits_to_be_read():
+    beside = with_room(with_robot(FOUND, 1, place=2), 2, state="visited", robot=1, sensed={"colour": "Blue"})
+    model = model_of(beside)
+    assert model.screen(0.0).popup.room == 2
+    model.receive(with_room(beside, 3, verdict=IdentificationVerdict("can", 5)), 0.5)
+    assert [waiting.robot for waiting in model.screen(0.5).waiting] == [0]
 
 
 def test_the_end_says_why_and_what_came_of_it():

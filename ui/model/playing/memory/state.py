@@ -82,6 +82,7 @@ class HuntMemory:
         pending_step: the step that waits for confirmation.
         read: numbers of ended dialogues whose last words the participant has read.
         reading: number of the ended dialogue in the pop-up shown; None where it is another one.
+        verdict_read: room of the verdict in the pop-up shown; None where it is another one.
     """
 
     texts: Texts
@@ -102,6 +103,7 @@ class HuntMemory:
     pending_step: PendingStep | None = None
     read: set[int] = field(default_factory=set)
     reading: int | None = None
+    verdict_read: int | None = None
 
     def __post_init__(self) -> None:
         self.receive(self.view)
@@ -164,13 +166,19 @@ class HuntMemory:
         return None if is_open else words
 
     def note_reading(self) -> None:
-        """Note the ended dialogue in the pop-up shown; the one shown before has been read."""
+        """Note the ended dialogue or the verdict in the pop-up shown; the one shown before has been read."""
         shown = self.popups.shown
         words = self.unread_words(shown.robot) if isinstance(shown, DestinationItem) else None
         number = None if words is None else words.dialogue
         if self.reading not in (None, number):
             self.read.add(self.reading)
         self.reading = number
+        room = None
+        if isinstance(shown, TreasureItem) and self.verdicts.get(shown.room) == shown.robot:
+            room = shown.room
+        if self.verdict_read not in (None, room):
+            self.verdicts.pop(self.verdict_read, None)
+        self.verdict_read = room
 
     def destination_considered(self, robot: int) -> int | None:
         """The room that a robot is asked to go to, or that its dialogue is about."""
