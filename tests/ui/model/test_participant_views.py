@@ -518,6 +518,16 @@ def test_a_verdict_that_comes_while_another_find_is_shown_waits_to_be_read():
     assert [waiting.robot for waiting in model.screen(0.5).waiting] == [0]
 
 
+def test_that_the_game_is_over_is_not_noted_above_the_card_that_says_it():
+    model = model_of(FOUND)
+    model.do(EndGame(), 0.1)
+    assert model.screen(0.1).confirmation is not None
+    model.receive(structs.replace(FOUND, over="no-move-left"), 0.2)
+    screen = model.screen(0.2)
+    assert screen.ending is not None and screen.banner is None
+    assert "The game is over." in screen.announcement
+
+
 def test_the_end_says_why_and_what_came_of_it():
     played = with_room(with_room(FOUND, 3, verdict=IdentificationVerdict("can", 20)), 1, state="visited", left=True)
     model = model_of(structs.replace(played, score=20, over="no-move-left"))

@@ -154,7 +154,9 @@ def _banner(memory: ParticipantMemory, now: float) -> Banner | None:
     if trouble is not None and view is not None and view.over is None:
         return Banner(trouble, "bad")
     if memory.note is not None and now < memory.note[1]:
-        return Banner(memory.note[0], "note")
+        # The card of the end says already that the game is over.
+        twice = view is not None and view.over is not None and memory.note[0] == texts.text("hints.refused_game_over")
+        return None if twice else Banner(memory.note[0], "note")
     if view is not None and view.over is None and all(robot.condition is Condition.SILENT for robot in view.robots):
         return Banner(texts.text("game.all_silent"), "bad")
     if view is not None and view.over is None and all(robot.has_other_commander for robot in view.robots):
