@@ -152,8 +152,26 @@ def test_a_set_without_costs_is_played_by_those_of_the_map_that_its_set_yaml_nam
 def test_moves_without_any_costs_are_told_with_the_folder_and_the_remedy(tmp_path: Path) -> None:
     shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "map")
     (tmp_path / "map" / "mapTimes").unlink()
-    with pytest.raises(BadFile, match=r"sklar-azhar-2015/mapTimes: neither .*`thbridge maps measure`"):
+    with pytest.raises(BadFile, match=r"sklar-azhar-2015/mapTimes: neither .*`thbridge maps measure .*/map --out "):
         read_setting(Study(map="./map", templates="sklar-azhar-2015"), tmp_path)
+
+
+def test_moves_on_a_map_are_not_priced_by_a_set_for_another_map(tmp_path: Path) -> None:
+    shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "mine")
+    (tmp_path / "mine" / "mapTimes").unlink()
+    study = Study(map="./mine", templates="original-2016")
+    with pytest.raises(BadFile, match=r"original-2016/mapTimes: its moves are those of the map arena8, and the map mine "):
+        read_setting(study, tmp_path)
+    asked_for = dataclasses.replace(study, game=GameSection(costs=Path("original-2016")))
+    assert read_setting(asked_for, tmp_path).costs.rows[0][1:4] == OF_2016
+
+
+def test_a_set_that_names_no_map_has_prices_for_any(tmp_path: Path) -> None:
+    shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "mine")
+    (tmp_path / "mine" / "mapTimes").unlink()
+    shutil.copytree(shipped().root / "templates" / "original-2016", tmp_path / "set")
+    (tmp_path / "set" / "set.yaml").write_text("language: en\n")
+    assert read_setting(Study(map="./mine", templates="./set"), tmp_path).costs.rows[0][1:4] == OF_2016
 
 
 def test_dialogue_games_of_a_study_are_checked_before_anything_starts(tmp_path: Path) -> None:

@@ -344,18 +344,26 @@ def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[tuple[str, 
 def _costs_file(
     study: Study, beside: Path, place: Map, folder: Path, templates: TemplateSet, resources: Resources
 ) -> Path:
-    """Return the study's own cost file, or the one that the templates have for this map, or the map's, or any."""
+    """Return the study's own cost file, or the one that the templates have for this map, or the map's.
+
+    Templates that do not say which map theirs is for have it for any.
+    """
     if study.game.costs is not None:
         of_a_set = str(study.game.costs) in resources.names("templates")
         return resources.root / "templates" / study.game.costs / MAP_TIMES if of_a_set else beside / study.game.costs
     of_templates = templates.map == place.name and study.game.cost_model is not CostModel.POSITION
     if place.costs is not None and not (of_templates and templates.costs is not None):
         return place.costs
+    if templates.costs is not None and templates.map in {None, place.name}:
+        return folder / MAP_TIMES
     if templates.costs is None:
         problem = f"neither this folder nor that of the map {place.name} has a {MAP_TIMES}, so moves have no costs"
-        remedy = "let `thbridge maps measure` write one into the map's folder, or name one in the study's game.costs"
-        raise BadFile(folder / MAP_TIMES, problem, remedy)
-    return folder / MAP_TIMES
+    else:
+        problem = f"its moves are those of the map {templates.map}, and the map {place.name} has no {MAP_TIMES}"
+    of_map = resources.find("maps", study.map, beside)
+    measure = f"thbridge maps measure {of_map} --out {of_map / MAP_TIMES}"
+    remedy = f"have the trips measured by `{measure}`, or name another file by `game: costs:` in the study"
+    raise BadFile(folder / MAP_TIMES, problem, remedy)
 
 
 def _costs(path: Path, place: Map) -> CostMatrix:
