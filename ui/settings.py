@@ -93,6 +93,12 @@ def setting_of(study: Study, file: Path | None) -> StudySetting:
         return read_setting(study, Path() if file is None else file.parent, written=_written(file))
 
 
+def note_doubts(setting: StudySetting) -> None:
+    """Tell of what is allowed in a setting's map, but looks like a slip."""
+    for warning in setting.map.warnings:
+        note(str(warning))
+
+
 def map_of(study: Study, file: Path | None) -> Map:
     """The study's map without travel costs, for what plays no game; paths start from the folder of its file."""
     with bad_input():

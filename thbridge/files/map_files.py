@@ -9,7 +9,7 @@ room, and turn there.
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Literal, TypeVar
@@ -84,6 +84,7 @@ class Map:
         costs: the map's own cost file `mapTimes`, which replaces that of a template folder; None when it has none.
         language: of the rooms' names; None: that of the study, whatever it is.
         words: names of the rooms in further languages, by the language and the name in `rooms.yaml`.
+        warnings: of the check, for people; a game can be played.
     """
 
     name: str
@@ -93,6 +94,7 @@ class Map:
     costs: Path | None
     language: str | None = None
     words: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    warnings: tuple[BadFile, ...] = ()
 
     @property
     def room_names(self) -> RoomNames:
@@ -150,17 +152,21 @@ def read_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool =
     check = check_map(folder, footprint, with_costs=with_costs)
     if check.map is None or check.errors:
         raise BadFiles(check.errors)
-    return check.map
+    return replace(check.map, warnings=tuple(finding.fault for finding in check.findings))
 
 
 # The files ------------------------------------------------------------------------------------------------------------
+
+
+POSE = {"unit": "m, m, rad"}
+"""Declaration of a field of x, y, yaw."""
 
 
 @dataclass(frozen=True, slots=True)
 class _MapYaml:
     image: str
     resolution: float = field(metadata={"unit": "m", "minimum": 0.001, "maximum": 10})
-    origin: tuple[float, float, float]
+    origin: tuple[float, float, float] = field(metadata=POSE)
     negate: int = field(metadata={"minimum": 0, "maximum": 1})
     occupied_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
     free_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
@@ -172,15 +178,15 @@ class _RoomEntry:
     number: int = field(metadata={"minimum": 1, "maximum": 999})
     name: str
     region: tuple[tuple[float, float], ...]
-    goal: tuple[float, float, float]
+    goal: tuple[float, float, float] = field(metadata=POSE)
 
 
 @dataclass(frozen=True, slots=True)
 class _StartsEntry:
-    poses: tuple[tuple[float, float, float], ...]
+    poses: tuple[tuple[float, float, float], ...] = field(metadata=POSE)
     rows: tuple[tuple[tuple[float, float], tuple[float, float]], ...] = ()
     spacing: float = field(default=1.0, metadata={"unit": "m", "minimum": 0.1, "maximum": 100})
-    yaw: float = 0.0
+    yaw: float = field(default=0.0, metadata={"unit": "rad"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -318,6 +324,8 @@ def check_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool 
     if loaded is None:
         return MapCheck(None, tuple(findings))
     findings.extend(MapFinding("error", fault) for fault in _faults_of_rooms(loaded))
+    doubts = (*loaded.doubts, *(() if drawing is None else drawing[0].doubts))
+    findings.extend(MapFinding("warning", doubt) for doubt in doubts)
     if drawing is None:
         return MapCheck(None, tuple(findings))
     image, grid = drawing

@@ -8,7 +8,8 @@ from typer._click.exceptions import BadParameter
 from typer._coercion import RuntimeParam, build_runtime_param
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
-from ui.terminal import faults_of_files
+from thbridge.files.yaml.angles import doubt_about, radians_of
+from ui.terminal import faults_of_files, note
 
 if TYPE_CHECKING:
     from typer._click.core import Command, Context
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
 
 _COMMA = re.compile(r"[-+]?\d*,\d+")
 """Decimal number with a comma."""
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,4})?")
+_OF_ANGLES = re.compile(r"yaw|angle")
+"""Names of options for an angle."""
 
 
 class ConversionIfGiven(RuntimeParam):
@@ -28,6 +32,7 @@ class ConversionIfGiven(RuntimeParam):
     def _coerce_value(self, value: object, param: "_TyperParameter", ctx: "Context") -> object:
         if ctx.resilient_parsing or ctx.get_parameter_source(param.name) is ParameterSource.DEFAULT:
             return value
+        value = _in_radians(value, param)
         try:
             return build_runtime_param(param.type_descriptor).coerce(value, param, ctx)
         except BadParameter:
@@ -36,6 +41,24 @@ class ConversionIfGiven(RuntimeParam):
                 raise
             remedy = f"Write a point: {word.replace(',', '.')}."
             raise BadParameter(f"{word!r} is not a number. {remedy}", ctx, param) from None
+
+
+def _in_radians(value: object, param: "_TyperParameter") -> object:
+    """Return what is given to an option with its angle, the last of three numbers or the only one, in radians."""
+    if param.type_descriptor.annotation == tuple[float, float, float] and isinstance(value, list | tuple):
+        return [*value[:-1], _radians_in(str(value[-1]), param)]
+    return _radians_in(value, param) if isinstance(value, str) and _OF_ANGLES.search(param.name or "") else value
+
+
+def _radians_in(word: str, param: "_TyperParameter") -> str:
+    radians = radians_of(word)
+    if radians is not None:
+        return repr(radians)
+    doubt = doubt_about(word, float(word)) if _NUMBER.fullmatch(word) else None
+    if doubt is not None:
+        problem, remedy = doubt
+        note(f"{param.opts[0]}: {problem}. {remedy}.")
+    return word
 
 
 class CommandGroup(TyperGroup):

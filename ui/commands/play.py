@@ -138,6 +138,7 @@ def play(
     from ui.report import write_report
     from ui.settings import (
         changes_of,
+        note_doubts,
         setting_of,
         study_of,
         with_language,
@@ -165,6 +166,7 @@ def play(
         problem = "external_nodes: others drive these robots, and `play` drives its own"
         fail(BAD_INPUT, f"{problem}. Start `simr --ros` with this study, and play by `simr --robots-from ros`.")
     setting = setting_of(study, study_file)
+    note_doubts(setting)
     others = _roles(outside)
     graph = graph_of(ros, ros_master, ros_host, study.open_to)
     who = participant or ParticipantKind(study.participant.strategy)

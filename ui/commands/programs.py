@@ -58,12 +58,13 @@ def server(
     from ui.door_keys import keys_of
     from ui.event_loop import run
     from ui.open_doors import check_doors, with_open_to
-    from ui.settings import setting_of, study_of, with_server
+    from ui.settings import note_doubts, setting_of, study_of, with_server
 
     study = with_open_to(with_server(study_of(study_file, {}), host, port), open_to)
     ring = keys_of(study, study_file, keys)
     check_doors(study, ring)
     setting = setting_of(study, study_file)
+    note_doubts(setting)
 
     with bad_input():
         ledger = JournalStore(journal)
@@ -110,7 +111,7 @@ def simr(
     from ui.first_start import compile_ahead
     from ui.listening import check_foxglove, graph_of, hosts_of, watch_of
     from ui.open_doors import check_doors, with_open_to
-    from ui.settings import setting_of, study_of
+    from ui.settings import note_doubts, setting_of, study_of
 
     study_file = the_study(study_file, study_option)
     changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
@@ -121,6 +122,7 @@ def simr(
         note("mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`.")
         study = dataclasses.replace(study, mavlink=dataclasses.replace(study.mavlink, on=False))
     setting = setting_of(study, study_file)
+    note_doubts(setting)
     real = setting.study.robots_from is RobotsFrom.ROS
     if study.external_nodes is not ExternalNodes.NONE and not (real or ros):
         fail(

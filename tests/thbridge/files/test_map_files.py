@@ -50,6 +50,15 @@ def folder(tmp_path: Path) -> Path:
     return folder
 
 
+def test_headings_that_look_like_degrees_are_warned_of_and_those_with_a_unit_are_not(folder: Path) -> None:
+    rooms = ROOMS.replace("[1.5, 2, 0]", "[1.5, 2, 90]").replace("[6.5, 2, 1.57]", "[6.5, 2, 90deg]")
+    (folder / "rooms.yaml").write_text(rooms.replace("[4, 1, 0]", "[4, 1, 180]"), encoding="utf-8")
+    read = read_map(folder)
+    assert [fault.key for fault in read.warnings] == ["rooms[0].goal[2]", "starts.poses[0][2]"]
+    assert "Write 90deg if degrees are meant" in str(read.warnings[0])
+    assert read.rooms[1].goal.theta == pytest.approx(np.pi / 2)
+
+
 class TestShippedMaps:
     @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
     def test_nothing_is_odd_about_them(self, name: str) -> None:

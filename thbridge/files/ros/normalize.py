@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
+from thbridge.files.yaml.angles import product
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
 
 Entry = tuple[Scalar, Node]
@@ -16,8 +17,6 @@ _TRUE = {"yes", "Yes", "YES", "on", "On", "ON", "True", "TRUE"}
 _FALSE = {"no", "No", "NO", "off", "Off", "OFF", "False", "FALSE"}
 _WHOLE_REAL = re.compile(r"([-+]?\d+)\.0*")
 _ANGLE = re.compile(r"(deg|rad)\((.*)\)")
-_FACTOR = r"(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+|pi)"
-_PRODUCT = re.compile(rf"\s*([-+]?)\s*({_FACTOR}(?:\s*[*/]\s*{_FACTOR})*)\s*")
 
 
 @dataclass(slots=True)
@@ -103,13 +102,7 @@ class RosYamlNormalizer:
 
     def angle(self, text: str, line: int, degrees: bool) -> float:
         """The value in radians of a product of numbers and pi."""
-        product = _PRODUCT.fullmatch(text)
-        if product is None:
+        value = product(text)
+        if value is None:
             raise BadFile(self.path, f"{text!r} is no angle", "Write a number, or such as pi/2", line=line)
-        value = -1.0 if product[1] == "-" else 1.0
-        for sign, factor in re.findall(rf"([*/]?)\s*({_FACTOR})", product[2]):
-            number = math.pi if factor == "pi" else float(factor)
-            if sign == "/" and number == 0.0:
-                raise BadFile(self.path, f"{text!r} is no angle", "Write a number, or such as pi/2", line=line)
-            value = value / number if sign == "/" else value * number
         return math.radians(value) if degrees else value

@@ -5,7 +5,7 @@ The fields are declared with `sim.parameters.param`, or plain.
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Literal, cast, get_args, get_origin, get_type_hints
@@ -43,6 +43,12 @@ def bounds(metadata: Metadata) -> tuple[float, float]:
     minimum = cast("float | None", metadata.get("minimum"))
     maximum = cast("float | None", metadata.get("maximum"))
     return (-math.inf if minimum is None else minimum), (math.inf if maximum is None else maximum)
+
+
+def metadata_of_items(metadata: Metadata, count: int) -> Sequence[Metadata]:
+    """The metadata of each item of a list: a unit such as "m, m, rad" names that of each, any other is that of all."""
+    units = str(metadata.get("unit", "")).split(", ")
+    return [{**metadata, "unit": unit} for unit in units] if len(units) == count > 1 else [metadata] * count
 
 
 def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:

@@ -19,11 +19,13 @@ from typing import TYPE_CHECKING, Generic, Literal, TypeVar, Union, cast, get_ar
 from thbridge.files.disk.inside import fault_of_path
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.yaml.angles import doubt_about, radians_of
 from thbridge.files.yaml.declarations import (
     Metadata,
     bounds,
     choices_of,
     keys_of,
+    metadata_of_items,
     model_of,
     paths,
     renamed_of,
@@ -48,13 +50,15 @@ class Loaded(Generic[T]):
         path: the file.
         value: the dataclass.
         lines: line of each key and item in the file, by its path (`robot.amcl.kld_err`, `rooms[2].goal`).
-        notices: sentences about keys that are correct but have no effect here.
+        notices: sentences about keys that are correct but have no effect here, and about doubts.
+        doubts: values that are allowed, but look like slips.
     """
 
     path: Path
     value: T
     lines: Mapping[str, int]
     notices: tuple[str, ...] = ()
+    doubts: tuple[BadFile, ...] = ()
 
     def fault(self, key: str, problem: str, remedy: str) -> BadFile:
         """A fault of the value at a key path that was found after loading, with the nearest line in the file."""
@@ -92,7 +96,8 @@ def load_tree(path: Path, tree: Node, into: type[T], defaults: T | None = None) 
     value = reader.section(tree, into, "", cast("DataclassInstance | None", defaults))
     if reader.faults:
         raise BadFiles(tuple(sorted(reader.faults, key=lambda fault: fault.line or 0)))
-    return Loaded(path, cast(T, value), reader.lines, tuple(reader.notices))
+    notices = (*reader.notices, *map(str, reader.doubts))
+    return Loaded(path, cast(T, value), reader.lines, notices, tuple(reader.doubts))
 
 
 class _Wrong:
@@ -121,6 +126,7 @@ class _Reader:
     faults: list[BadFile] = dataclasses.field(default_factory=list)
     lines: dict[str, int] = dataclasses.field(default_factory=dict)
     notices: list[str] = dataclasses.field(default_factory=list)
+    doubts: list[BadFile] = dataclasses.field(default_factory=list)
 
     def wrong(self, line: int, key: str, problem: str, remedy: str) -> _Wrong:
         self.faults.append(BadFile(self.path, problem, remedy, line=line, key=key or None))
@@ -169,7 +175,9 @@ class _Reader:
 
     def number(self, node: Scalar, kind: object, metadata: Metadata, key: str) -> float | _Wrong:
         text, remedy = node.text, wanted(kind, metadata)
-        if not node.plain:
+        is_angle = kind is float and metadata.get("unit") == "rad"
+        angle = radians_of(text) if is_angle else None
+        if angle is None and not node.plain:
             return self.wrong(node.line, key, f"{text!r} in quotes is text, not a number", "Take the quotes away")
         if _NOT_FINITE.fullmatch(text):
             return self.wrong(node.line, key, f"{text} is not a finite number", remedy)
@@ -183,12 +191,14 @@ class _Reader:
         if kind is int and not _WHOLE.fullmatch(text):
             what = "not a whole number" if _NUMBER.fullmatch(text) else "not a number"
             return self.wrong(node.line, key, f"{text!r} is {what}", remedy)
-        if not _NUMBER.fullmatch(text):
+        if angle is None and not _NUMBER.fullmatch(text):
             return self.wrong(node.line, key, f"{text!r} is not a number", remedy)
-        number = int(text) if kind is int else float(text)
+        number = angle if angle is not None else int(text) if kind is int else float(text)
         minimum, maximum = bounds(metadata)
         if not minimum <= number <= maximum or not math.isfinite(number):
             return self.wrong(node.line, key, f"{text} is out of range", remedy)
+        if is_angle and angle is None and (doubt := doubt_about(text, number)) is not None:
+            self.doubts.append(BadFile(self.path, *doubt, line=node.line, key=key or None))
         return number
 
     def listing(self, node: Node, arguments: tuple[object, ...], metadata: Metadata, key: str) -> object:
@@ -209,10 +219,11 @@ class _Reader:
                 f"Write {len(arguments)} values between [ and ]",
             )
         values = []
+        each = metadata_of_items(metadata, len(hints))
         for index, (item, hint) in enumerate(zip(node.items, hints, strict=True)):
             place = f"{key}[{index}]"
             self.lines[place] = item.line
-            values.append(self.value(item, hint, metadata, place))
+            values.append(self.value(item, hint, each[index], place))
         return _WRONG if _WRONG in values else tuple(values)
 
     def listing_in_text(self, node: Scalar) -> Node:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer.core import TyperCommand
 
+from thbridge.files.yaml.angles import radians_of
 from ui.options import AsJson
 from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
 
@@ -29,7 +30,7 @@ class GoalWithYaw(TyperCommand):
 
 def _is_number(words: list[str]) -> bool:
     try:
-        return [float(word) for word in words] != []
+        return [float(word) if radians_of(word) is None else word for word in words] != []
     except ValueError:
         return False
 

@@ -42,7 +42,7 @@ def study_check(
     """Check a study file, or a study with people, and everything it names."""
     from thbridge.app.compose.setting import advice_on_language, missing_in
     from thbridge.study.study_file import check_manners, load_study
-    from ui.settings import setting_of, study_of
+    from ui.settings import note_doubts, setting_of, study_of
 
     if file.is_dir():
         from thbridge.app.compose.machine import versions
@@ -69,6 +69,7 @@ def study_check(
         note(f"Rehearse it with simulated people: `{command('study', 'rehearse', file, '--to', 'rehearsal')}`.")
         return
     setting = setting_of(study_of(file, {}), file)
+    note_doubts(setting)
     with bad_input():
         check_manners(load_study(file))
         lacking, missing = advice_on_language(setting.study, file.parent), missing_in(setting.study, file.parent)

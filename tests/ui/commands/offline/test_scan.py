@@ -77,3 +77,18 @@ def test_a_map_that_is_not_there_is_told(tmp_path):
     done = scan("--map", tmp_path / "map.yaml", "--pose", 0, 0, 0)
     assert done.exit_code == 2
     assert "there is no such file" in done.stderr
+
+
+def test_a_heading_in_degrees(room):
+    told = scan("--map", room, "--pose", -0.5, 1.0, "90deg", "--angle-min", "-90deg", "--angle-max", "deg(90)")
+    assert told.exit_code == 0
+    same = scan(
+        "--map", room, "--pose", -0.5, 1.0, "rad(pi/2)", "--angle-min", -math.pi / 2, "--angle-max", math.pi / 2
+    )
+    assert told.stdout == same.stdout
+    assert told.stderr == ""
+
+
+def test_degrees_without_their_unit_are_told(room):
+    told = scan("--map", room, "--pose", -0.5, 1.0, 90)
+    assert told.stderr.startswith("--pose: 90 rad is more than a turn, and counts as 2.035 rad")
