@@ -11,6 +11,7 @@ import pytest
 
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import pad, radii
+from tests.thbridge.offline.foreign import Robot, write, write_map
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.topics import RosMessage, Topic
 from ui.commands.offline.plan import INFLATION, RADIUS
@@ -65,6 +66,15 @@ def test_a_game_without_a_report_loads_nothing_of_analysis_and_of_other_filters(
     assert "thbridge.app.play" in modules
     assert not {name for name in modules if name.startswith(("thbridge.analysis", "matplotlib", "PySide6"))}
     assert not {name for name in modules if name.startswith(("filterpy", "scipy.stats", "sim.robot.localization.ekf"))}
+
+
+def test_the_particle_filter_loads_nothing_of_other_filters(tmp_path: Path) -> None:
+    write(tmp_path / "a.bag", Robot(), seconds=1.0)
+    command = ("localize", "a.bag", "--map", str(write_map(tmp_path)), "--global")
+    for kind, is_loaded in (("amcl", False), ("ekf", True)):
+        modules = loaded(tmp_path, *command, "--localization", kind)
+        assert "thbridge.offline.localize" in modules
+        assert ("filterpy" in modules) is is_loaded
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Localisation by amcl's particle filter in a recording."""
+"""Localisation in a recording."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -7,10 +7,8 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from sim.common.geometry import Pose2
-from sim.common.observations import STANDSTILL, Imu, Odometry, Scan
+from sim.common.observations import STANDSTILL, Imu, Odometry
 from sim.numerics.float_array import FloatArray
-from sim.parameters import AmclParameters
-from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Estimate, Localizer
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.clock_changes import CLOCK_STEP_NS, split_by_clock
@@ -40,7 +38,7 @@ class FilterUpdate:
         stamp_ns: stamp of the scan.
         base_in_map: the estimated pose.
         covariance: (3, 3) of x, y, theta.
-        agreement: share of the scan that the map explains from there, 0..1.
+        agreement: share of the scan that the map explains from there, 0..1; None where the filter does not weigh it.
         lost: True when the filter reported that the robot is lost.
         p_wrong: probability that the pose is wrong, see `Estimate`; None where the filter does not know it.
     """
@@ -48,7 +46,7 @@ class FilterUpdate:
     stamp_ns: int
     base_in_map: Pose2
     covariance: FloatArray
-    agreement: float
+    agreement: float | None
     lost: bool
     p_wrong: float | None
 
@@ -166,8 +164,8 @@ def localize(
         if headings is not None and not last.lost:
             headings.add(read.stamp_ns, scan, last.base_in_map)
         if last.updated:
-            agreement, pose = last.agreement or 0.0, last.base_in_map
-            updates.append(FilterUpdate(read.stamp_ns, pose, last.covariance, agreement, last.lost, last.p_wrong))
+            told = (last.base_in_map, last.covariance, last.agreement, last.lost, last.p_wrong)
+            updates.append(FilterUpdate(read.stamp_ns, *told))
     if last is None:
         reasons = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
         return RequestRefused("no-usable-scan", f"No scan could be used: {reasons or 'there are none'}.")
@@ -180,16 +178,3 @@ def _faults_of(stamps: Iterable[_ScanStamp]) -> tuple[RecordedFault, ...]:
     runs, odd = split_by_clock(stamps)
     faults = [*clock_faults(runs), *(RecordedFault(FaultKind.WRONG_STAMP, *each) for each in odd)]
     return tuple(sorted(faults, key=lambda fault: fault.received_ns))
-
-
-def warm_up(localizer: Amcl, parameters: AmclParameters, scan: Scan) -> None:
-    """Compile all code of updates, by running a filter that is not used further.
-
-    Args:
-        localizer: a filter made and initialised like the one to measure.
-        parameters: its parameters.
-        scan: any scan of its laser.
-    """
-    stride = 1.01 * parameters.update_min_d + 0.01
-    for tick in range(2 * parameters.resample_interval + 1):
-        localizer.update(Odometry(tick, Pose2(tick * stride, 0.0, 0.0), STANDSTILL), Imu(tick, 0.0), scan)

@@ -12,14 +12,15 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.numerics.elementary import wrap_angle
-from sim.parameters import AmclParameters, RobotParameters, with_ros_defaults
-from sim.robot.localization.amcl import Amcl
+from sim.parameters import RobotParameters, with_ros_defaults
+from sim.robot.localization.estimate import Localizer
 from sim.robot.localization.wrong_pose import WRONG_DISTANCE, WRONG_TURN
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.ros.defaults import RosDefault, ros_defaults
 from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.offline.localize import LocalizationResult, localize, warm_up
+from thbridge.offline.localize import LocalizationResult, localize
+from thbridge.offline.localizers import recorded_localizer, warm_up
 from thbridge.offline.odometry_faults import RecordedFault, fault_sentences
 from thbridge.offline.recording import LocalizationBag
 from thbridge.offline.scan_headings import ScanHeadings
@@ -37,8 +38,6 @@ WARNED = 0.05
 """Seconds: least time offset of which a warning is given."""
 MOST_STRETCHES = 10
 """Stretches that are printed of those in which the robot was lost."""
-ROBOT = "robot1"
-"""Key of the filter's random stream; a bag holds one robot's scans on a topic."""
 
 
 def pose_in(triple: tuple[float, float, float]) -> Pose2:
@@ -49,17 +48,20 @@ def pose_in(triple: tuple[float, float, float]) -> Pose2:
     return Pose2(x, y, wrap_angle(yaw))
 
 
-def read_amcl_parameters(files: list[Path]) -> tuple[AmclParameters, tuple[str, ...], tuple[RosDefault, ...]]:
-    """amcl's parameters in files of ROS, notices about all of them, and the defaults of ROS that hunts do not have.
+def read_localization_parameters(
+    files: list[Path], localization: str
+) -> tuple[RobotParameters, tuple[str, ...], tuple[RosDefault, ...]]:
+    """Parameters of a localizer in files of ROS, notices about all of them, and amcl's defaults that hunts do not have.
 
-    What no file says is as in ROS, also without files.
+    What no file says of amcl is as in ROS, also without files.
     """
     hunts = RobotParameters()
     of_ros = parse_ros_files(files)
     start = dataclasses.replace(of_ros.start(hunts), amcl=with_ros_defaults(hunts.amcl))
     ros = of_ros.over(start)
-    defaults = ros_defaults(ros.value, start, hunts, ros.written) if files else ()
-    return ros.value.amcl, ros.notices, tuple(default for default in defaults if default.name.startswith("amcl."))
+    defaults = ros_defaults(ros.value, start, hunts, ros.written) if files and localization == "amcl" else ()
+    software = dataclasses.replace(ros.value, localization=localization)
+    return software, ros.notices, tuple(default for default in defaults if default.name.startswith("amcl."))
 
 
 AUTO = "auto"
@@ -83,7 +85,7 @@ def time_offset_in(text: str) -> float | None:
 def corrected_localization(
     recording: LocalizationBag,
     grid: OccupancyGrid,
-    parameters: AmclParameters,
+    software: RobotParameters,
     start: Pose2 | None,
     seed: int,
     offset: float | None,
@@ -93,35 +95,29 @@ def corrected_localization(
     Args:
         recording: the bag.
         grid: the map.
-        parameters: the filter's.
+        software: parameters of the filter, and which it is.
         start: pose of the robot at the beginning; None: it may be anywhere.
         seed: random seed.
         offset: seconds; None finds it by a first run, 0 where that does not find any.
     """
     if offset is None:
-        first = run_localization(recording, grid, parameters, start, seed)
+        first = run_localization(recording, grid, software, start, seed)
         if isinstance(first, RequestRefused) or first.time_offset is None:
             return first, 0.0
         offset = first.time_offset.seconds
     later = dataclasses.replace(recording, odometry=recording.odometry.later(offset)) if offset else recording
-    return run_localization(later, grid, parameters, start, seed), offset
+    return run_localization(later, grid, software, start, seed), offset
 
 
 def run_localization(
-    recording: LocalizationBag, grid: OccupancyGrid, parameters: AmclParameters, start: Pose2 | None, seed: int
+    recording: LocalizationBag, grid: OccupancyGrid, software: RobotParameters, start: Pose2 | None, seed: int
 ) -> LocalizationResult | RequestRefused:
     """Run the filter over a recording, with a bar of progress."""
 
-    def begin() -> Amcl:
-        localizer = Amcl(parameters, grid, recording.laser.mount, seed, ROBOT)
-        if start is None:
-            localizer.globalize()
-        else:
-            variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
-            localizer.start(start, np.diag(variances))
-        return localizer
+    def begin() -> Localizer:
+        return recorded_localizer(software, grid, recording.laser.mount, start, seed)
 
-    warm_up(begin(), parameters, recording.laser.scan(0, recording.laser.first))
+    warm_up(begin(), software, recording.laser.scan(0, recording.laser.first))
     bar = Progress(
         TextColumn("{task.completed} of {task.total} scans"),
         BarColumn(),

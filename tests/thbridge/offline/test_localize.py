@@ -12,12 +12,13 @@ from hypothesis import strategies as st
 from rosbags.rosbag1 import Writer
 
 from sim.common.geometry import IDENTITY, Pose2
-from sim.parameters import AmclParameters
+from sim.parameters import AmclParameters, RobotParameters
 from sim.robot.localization.amcl import Amcl
 from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, room, write
 from thbridge.files.errors import BadFile
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.offline.localize import LocalizationResult, SkipReason, localize, warm_up
+from thbridge.offline.localize import LocalizationResult, SkipReason, localize
+from thbridge.offline.localizers import recorded_localizer, warm_up
 from thbridge.offline.odometry_faults import FaultKind
 from thbridge.offline.recording import LocalizationBag, open_recording
 
@@ -71,6 +72,33 @@ def test_a_robot_is_followed(tmp_path: Path, robot: Robot) -> None:
     assert np.mean(list(errors(done, truth))) < 0.08
     assert done.last.base_in_map.distance(truth[-1]) < 0.15
     assert not done.skipped
+
+
+@pytest.mark.parametrize("kind", ["ekf", "ukf"])
+def test_a_kalman_filter_follows_a_robot_too(tmp_path: Path, kind: str) -> None:
+    truth = write(tmp_path / "a.bag", BAGS["odometry spikes"])
+    recording = open_recording(tmp_path / "a.bag", "/scan", "/odom", None)
+    for start in (FIRST, None):
+        localizer = recorded_localizer(RobotParameters(localization=kind), room(), recording.laser.mount, start, 1)
+        done = localize(localizer, recording.laser, recording.odometry, recording.scans(), float, lambda: None)
+        assert isinstance(done, LocalizationResult)
+        assert len(done.updates) > 10
+        assert (
+            max(error for error, update in zip(errors(done, truth), done.updates, strict=True) if not update.lost) < 0.1
+        )
+        assert [stretch.start_ns for stretch in done.lost_stretches] == ([] if start else [done.updates[0].stamp_ns])
+        assert {update.agreement for update in done.updates} == {None}
+        assert all(update.p_wrong is not None for update in done.updates)
+
+
+def test_a_kalman_filter_that_is_lost_reports_the_scans_it_refuses(tmp_path: Path) -> None:
+    write(tmp_path / "a.bag", Robot(laser=Pose2(0.0, 0.0, 0.0)))
+    elsewhere = open_recording(tmp_path / "a.bag", "/scan", "/odom", Pose2(0.0, 0.0, 2.0))
+    software = RobotParameters(localization="ekf")
+    localizer = recorded_localizer(software, room(), elsewhere.laser.mount, FIRST, 1)
+    done = localize(localizer, elsewhere.laser, elsewhere.odometry, elsewhere.scans(), float, lambda: None)
+    assert isinstance(done, LocalizationResult)
+    assert done.lost_stretches
 
 
 def test_the_filter_doubts_its_pose_more_after_a_reset(tmp_path: Path) -> None:
@@ -180,7 +208,8 @@ def test_the_filter_that_warms_up_is_another_one(tmp_path: Path) -> None:
     recording = open_recording(tmp_path / "a.bag", "/scan", "/odom", None)
     alone = follow(recording)
     scan = recording.laser.scan(0, recording.laser.first)
-    warm_up(Amcl(PARAMETERS, room(), recording.laser.mount, 1, "robot1"), PARAMETERS, scan)
+    software = RobotParameters(amcl=PARAMETERS)
+    warm_up(recorded_localizer(software, room(), recording.laser.mount, FIRST, 1), software, scan)
     assert follow(recording).last.base_in_map == alone.last.base_in_map
 
 

@@ -1,5 +1,6 @@
 """`thbridge localize`: where was the robot, by any bag with scans and odometry."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -13,11 +14,22 @@ from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 Triple = tuple[float, float, float]
 
 
+class RecordedFilter(StrEnum):
+    """Filters for recordings, under the names that `localization` has in a study."""
+
+    AMCL = "amcl"
+    EKF = "ekf"
+    UKF = "ukf"
+
+
 def localize_command(
     bag: Recording,
     map_yaml: Annotated[Path, typer.Option("--map", help="The map, a map_server YAML file.")],
+    localization: Annotated[
+        RecordedFilter, typer.Option(help="Particle filter, extended or unscented Kalman filter.")
+    ] = RecordedFilter.AMCL,
     params: Annotated[
-        list[Path] | None, typer.Option(help="ROS YAML file with amcl's parameters; may be repeated.")
+        list[Path] | None, typer.Option(help="ROS YAML file with the filter's parameters; may be repeated.")
     ] = None,
     scan_topic: Annotated[
         str | None, typer.Option(help="Topic of the scans (sensor_msgs/LaserScan); by default the only robot's.")
@@ -63,7 +75,7 @@ def localize_command(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Localise a robot after the fact (AMCL): where was it in a map, by the scans and the odometry of a bag."""
+    """Localise a robot after the fact: where was it in a map, by the scans and the odometry of a bag."""
     from thbridge.files.map_files import read_grid
     from thbridge.files.ros.defaults import sentences_of
     from thbridge.hunt.refusals import RequestRefused
@@ -74,7 +86,7 @@ def localize_command(
         localized_as_json,
         offset_warning,
         pose_in,
-        read_amcl_parameters,
+        read_localization_parameters,
         show_localized,
         time_offset_in,
         trajectory_text,
@@ -96,7 +108,7 @@ def localize_command(
         fail(BAD_INPUT, f"--plot: {plot} does not say the format. Name a file that ends in {' or '.join(PICTURES)}.")
     offset = time_offset_in(time_offset)
     with bad_input():
-        parameters, told, defaults = read_amcl_parameters(params or [])
+        software, told, defaults = read_localization_parameters(params or [], localization)
         grid = read_grid(map_yaml)
         seat = None if laser_pose is None else pose_in(laser_pose)
         recording = open_recording(bag, scan_topic, odom_topic, seat, max_odom_speed)
@@ -106,7 +118,7 @@ def localize_command(
     announce_compiling()
     start = None if initial_pose is None else pose_in(initial_pose)
     with bad_input():
-        result, applied = corrected_localization(recording, grid, parameters, start, seed, offset)
+        result, applied = corrected_localization(recording, grid, software, start, seed, offset)
     if isinstance(result, RequestRefused):
         fail(FAILED, result.sentence)
     if (warning := offset_warning(result)) is not None:

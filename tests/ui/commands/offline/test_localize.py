@@ -178,6 +178,24 @@ def test_parameters_of_a_real_robot(folder: Path, tmp_path: Path) -> None:
     assert 1 < seldom < 0.7 * often
 
 
+@pytest.mark.parametrize("kind", ["ekf", "ukf"])
+def test_a_kalman_filter_with_its_parameters(folder: Path, tmp_path: Path, kind: str) -> None:
+    sparse, table = tmp_path / "filter.yaml", tmp_path / "updates.csv"
+    sparse.write_text("ekf: {update_min_d: 0.5}\n")
+    chosen = ("--localization", kind, "--json")
+    often = json.loads(run(folder, *start(), *chosen, "--updates", str(table)).stdout)
+    seldom = json.loads(run(folder, *start(), *chosen, "--params", str(sparse)).stdout)
+    assert 1 < seldom["updates"] < 0.7 * often["updates"]
+    assert seldom["ros_defaults"] == []
+    rows = pd.read_csv(table)
+    assert len(rows) == often["updates"]
+    assert rows["agreement"].isna().all()
+    assert rows["p_wrong"].between(0.0, 1.0).all()
+    amcl = json.loads(run(folder, *start(), "--json").stdout)
+    assert often["final_pose"] == pytest.approx(amcl["final_pose"], abs=0.1)
+    assert often["final_pose"] != amcl["final_pose"]
+
+
 def test_a_wrong_parameter_is_told_with_its_place(folder: Path, tmp_path: Path) -> None:
     wrong = tmp_path / "amcl.yaml"
     wrong.write_text("max_particles: 900\nupdate_min_dd: 0.5\n")

@@ -1,0 +1,56 @@
+"""Localizers for recordings: the particle filter, or a Kalman filter without a gyroscope."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import STANDSTILL, Imu, LaserMount, Odometry, Scan
+from sim.parameters import AmclParameters, EkfParameters, RobotParameters
+from sim.robot.localization.amcl import Amcl
+from sim.robot.localization.estimate import Localizer
+
+ROBOT = "robot1"
+"""Key of the filter's random stream; a bag holds one robot's scans on a topic."""
+
+
+def recorded_localizer(
+    software: RobotParameters, grid: OccupancyGrid, mount: LaserMount, start: Pose2 | None, seed: int
+) -> Localizer:
+    """Make the localizer that `software.localization` names: `amcl`, `ekf` or `ukf`.
+
+    Args:
+        software: the parameters.
+        grid: the map.
+        mount: the laser.
+        start: pose of the robot at the beginning; None: it may be anywhere.
+        seed: random seed of the particle filter.
+    """
+    localizer: Localizer
+    first: AmclParameters | EkfParameters
+    if software.localization == "amcl":
+        localizer, first = Amcl(software.amcl, grid, mount, seed, ROBOT), software.amcl
+    else:
+        from thbridge.offline.kalman import RecordedKalman  # noqa: PLC0415 - loads filterpy
+
+        first = replace(software.ekf, imu_used=False)
+        localizer = RecordedKalman(replace(software, ekf=first), grid, mount)
+    if start is None:
+        localizer.globalize()
+    else:
+        localizer.start(start, np.diag((first.initial_cov_xx, first.initial_cov_yy, first.initial_cov_aa)))
+    return localizer
+
+
+def warm_up(localizer: Localizer, software: RobotParameters, scan: Scan) -> None:
+    """Compile all code of updates, by running a filter that is not used further.
+
+    Args:
+        localizer: a filter made and initialised like the one to measure.
+        software: its parameters.
+        scan: any scan of its laser.
+    """
+    stride = 1.01 * max(software.amcl.update_min_d, software.ekf.update_min_d) + 0.01
+    for tick in range(2 * software.amcl.resample_interval + 1):
+        localizer.update(Odometry(tick, Pose2(tick * stride, 0.0, 0.0), STANDSTILL), Imu(tick, 0.0), scan)
