@@ -94,8 +94,8 @@ def setting_of(study: Study, file: Path | None) -> StudySetting:
 
 
 def note_doubts(setting: StudySetting) -> None:
-    """Tell of what is allowed in a setting's map, but looks like a slip."""
-    for warning in setting.map.warnings:
+    """Tell of what is allowed in a setting's map and templates, but looks like a slip."""
+    for warning in (*setting.map.warnings, *setting.templates.warnings):
         note(str(warning))
 
 

@@ -1,5 +1,6 @@
 """The design of a sweep: a study, what changes in it from condition to condition, and how many games of each."""
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -14,7 +15,7 @@ from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse
-from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread, written
+from thbridge.study.factors import Level, check_keys_set_once, entries_of, factorial, levels_of, spread, written
 from thbridge.study.overrides import merged, nested, over, resolved_tree
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, load_study
@@ -129,6 +130,10 @@ def read_design(path: Path) -> SweepDesign:
     if (base := entries.get("base")) is not None:
         study = merged(resolved_tree(study), path, spread(path, base)).value
     factors = {key.text: _levels(path, key, node) for key, node in entries_of(entries.get("factors"))}
+    check_keys_set_once(path, base, factors)
+    games = math.prod(map(len, factors.values())) * len(file.seeds or range(file.replicates))
+    if games > MOST_GAMES:
+        raise loaded.fault("replicates", f"{games} games, and a sweep has {MOST_GAMES} at most", "Write fewer")
     conditions: list[SweepCondition] = []
     start, settings = resolved_tree(study), SettingCache(beside)
     explicit = list(_explicit(path, entries.get("conditions")))
@@ -155,6 +160,8 @@ def read_design(path: Path) -> SweepDesign:
     )
 
 
+MOST_GAMES = 10_000_000
+"""Games of a sweep: a year on some twenty cores."""
 MOST_FAULTS = 10
 """Faults of conditions after which no more are looked for."""
 

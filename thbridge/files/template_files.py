@@ -74,6 +74,7 @@ class TemplateSet:
         pictures: the treasures' image files, by name.
         language: of its names and questions; None: that of the study, whatever it is.
         words: in further languages, by their names.
+        warnings: what is allowed, but looks like a slip.
     """
 
     rooms: int
@@ -85,6 +86,7 @@ class TemplateSet:
     pictures: Mapping[str, bytes]
     language: str | None = None
     words: Mapping[str, SetWords] = field(default_factory=dict)
+    warnings: tuple[BadFile, ...] = ()
 
     def in_language(self, language: str) -> SetWords:
         """Return what participants read in a language; what is not there in it stays as it is."""
@@ -166,7 +168,19 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
         pictures,
         own.language,
         words,
+        tuple(_alike(path, treasures.kinds)),
     )
+
+
+def _alike(path: Path, kinds: Sequence[TreasureKind]) -> Iterator[BadFile]:
+    """Yield treasures that none of their properties tells apart."""
+    for index, kind in enumerate(kinds):
+        same = next((other.name for other in kinds[:index] if other.properties == kind.properties), None)
+        if same is not None:
+            problem = (
+                f"{same!r} and {kind.name!r} have the same properties, so that only their pictures tell them apart"
+            )
+            yield BadFile(path, problem, "change a property of one of the two, if that is not meant")
 
 
 def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterator[BadFile]:

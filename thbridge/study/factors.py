@@ -11,7 +11,7 @@ from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, quoted
-from thbridge.study.overrides import nested, over
+from thbridge.study.overrides import nested, over, set_by_both
 from thbridge.study.text import is_plain_word
 
 
@@ -94,8 +94,27 @@ def spread(path: Path, node: Node) -> Node:
         raise BadFile(path, "a section is needed", "Write {KEY: VALUE, ...}", line=node.line)
     tree: Node = Section(node.line, [])
     for key, child in node.entries:
-        tree = over(tree, nested(key.text, child, key.line))
+        further = nested(key.text, child, key.line)
+        if (twice := set_by_both(tree, further)) is not None:
+            raise BadFile(path, "stands twice", "Keep one of the two", line=key.line, key=twice)
+        tree = over(tree, further)
     return tree
+
+
+def check_keys_set_once(path: Path, base: Node | None, factors: Mapping[str, Sequence[Level]]) -> None:
+    """Check that no factor sets what `base` or another factor sets.
+
+    Raises:
+        BadFile: one does.
+    """
+    setters = [] if base is None else [("base", spread(path, base))]
+    for name, levels in factors.items():
+        for level in levels:
+            for setter, tree in setters:
+                if (twice := set_by_both(tree, level.tree)) is not None:
+                    problem = f"{setter} and {name} both set it"
+                    raise BadFile(path, problem, "Leave it out of one of the two", line=level.line, key=twice)
+        setters += [(name, level.tree) for level in levels]
 
 
 def entries_of(node: Node | None) -> Sequence[tuple[Scalar, Node]]:

@@ -39,7 +39,10 @@ def with_changes(
         study = merged(resolved_tree(study), path, parse(path, read_text(path))).value
     tree: Node = Section(1, [])
     for number, change in enumerate(changes, 1):
-        tree = over(tree, at_line(_tree(change, source), number))
+        further = at_line(_tree(change, source), number)
+        if (twice := set_by_both(tree, further)) is not None:
+            raise BadFile(source, f"{twice} is given twice", "keep one of the two", key=twice)
+        tree = over(tree, further)
     return merged(resolved_tree(study), source, tree).value if changes else study
 
 
@@ -88,6 +91,17 @@ def over(base: Node, top: Node) -> Node:
         for key, child in base.entries
     ]
     return Section(top.line, entries + [entry for name, entry in above.items() if name not in below])
+
+
+def set_by_both(one: Node, other: Node) -> str | None:
+    """Return the path of a key that two trees set, or None: a section in both is none."""
+    if not (isinstance(one, Section) and isinstance(other, Section)):
+        return ""
+    known = {key.text: child for key, child in one.entries}
+    for key, child in other.entries:
+        if key.text in known and (inner := set_by_both(known[key.text], child)) is not None:
+            return f"{key.text}.{inner}".rstrip(".")
+    return None
 
 
 def _at(tree: Node, *names: str) -> Node | None:

@@ -133,7 +133,7 @@ def mavlink_replay(
         ),
     ] = None,
     rate: Annotated[
-        float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01)
+        float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01, max=1000)
     ] = None,
     to: Annotated[Path | None, typer.Option(help="Keep the new recording in this bag.")] = None,
     longer: Annotated[float, typer.Option(help="Seconds to go on after the end of the recording.", min=0)] = 0.0,

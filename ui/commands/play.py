@@ -61,7 +61,9 @@ def play(
     rate: Annotated[
         float | None,
         typer.Option(
-            help="Simulated seconds per second; 0: full speed, the default unless people or other programs play.", min=0
+            help="Simulated seconds per second; 0: full speed, the default unless people or other programs play.",
+            min=0,
+            max=1000,
         ),
     ] = None,
     bag: BagFile = None,

@@ -89,7 +89,8 @@ def simr(
         typer.Option(help="Simulate the robots, or command real ones on a ROS graph; see docs/real-robots.md."),
     ] = None,
     rate: Annotated[
-        float | None, typer.Option(help="Simulated seconds per second; by default the study's, or else 1.", min=0.01)
+        float | None,
+        typer.Option(help="Simulated seconds per second; by default the study's, or else 1.", min=0.01, max=1000),
     ] = None,
     seed: Seed = None,
     bag: BagFile = None,

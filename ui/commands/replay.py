@@ -14,7 +14,7 @@ from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 def replay_command(
     bag: Annotated[Path, typer.Argument(help="A recording of `thbridge play` or `thbridge simr`.")],
     rate: Annotated[
-        float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01)
+        float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01, max=1000)
     ] = None,
     start: Annotated[
         float,

@@ -31,7 +31,7 @@ def templates_check(name: SetName, as_json: AsJson = False) -> None:
         return
     end = f"{len(templates.kinds)} treasures, {len(templates.properties)} properties: no faults"
     told = (*contents(templates), *sentences(templates, NOWHERE), *translations(templates, folder, NOWHERE))
-    for line in (*told, end):
+    for line in (*told, *(f"warning: {warning}" for warning in templates.warnings), end):
         say(line)
 
 

@@ -111,6 +111,19 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
         ("seeds: [1, 2, 1]\n", "design.yaml, line 1, seeds: a seed stands twice. "),
         ("seeds: [1]\nreplicates: 4\n", "design.yaml, line 2, replicates: there are seeds already. "),
         ("base: {robots_from: ros}\n", "robots_from: a sweep simulates its robots. Write sim."),
+        (
+            "base: {game.energy: 20, game: {energy: 30}}\n",
+            "design.yaml, line 1, game.energy: stands twice. Keep one of the two.",
+        ),
+        (
+            "base: {robots: 3}\nfactors: {robots: [1, 2]}\n",
+            "design.yaml, line 2, robots: base and robots both set it. Leave it out of one of the two.",
+        ),
+        (
+            "factors:\n  energy: {low: {game.energy: 9}, high: {game.energy: 99}}\n  game: {a: {game: {energy: 5}}}\n",
+            "design.yaml, line 3, game.energy: energy and game both set it.",
+        ),
+        ("replicates: 100000000\n", "replicates: 100000000 games, and a sweep has 10000000 at most. Write fewer."),
         ("study: none.yaml\n", "none.yaml: there is no such file. Check the name and the folder."),
     ],
 )

@@ -242,6 +242,15 @@ def test_rooms_must_be_the_same_in_all_files(folder):
     assert re.search(r"treasures, line 1.*7 rooms.*9 nodes", message), message
 
 
+def test_treasures_that_no_property_tells_apart_are_warned_of(folder):
+    assert read_template_set(folder).warnings == ()
+    for name in ("treasures", "treasures.participant"):
+        written = (folder / name).read_text()
+        (folder / name).write_text(written.replace("Yellow,Square and Small", "Pink,Square and Small"))
+    (warning,) = read_template_set(folder).warnings
+    assert str(warning).startswith(f"{folder}/treasures: 'Yellow can' and 'Pink can' have the same properties")
+
+
 def test_every_picture_must_be_there(folder):
     (folder / "pictures" / "rsz_t3.jpg").unlink()
     message = set_refusal(folder)

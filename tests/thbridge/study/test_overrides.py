@@ -97,3 +97,15 @@ def test_a_study_that_is_no_section_is_refused(tmp_path: Path) -> None:
 
 def test_the_software_of_the_defaults_is_kept() -> None:
     assert with_changes(Study(), [], [StudyChange("seed", "3")]).robot == RobotParameters()
+
+
+@pytest.mark.parametrize("second", [StudyChange("game.energy", "3"), StudyChange("game", "{energy: 3}")])
+def test_a_key_is_given_once(second: StudyChange) -> None:
+    with pytest.raises(BadFile, match=r"--with, game\.energy: game\.energy is given twice\. Keep one of the two"):
+        with_changes(Study(), [], [StudyChange("game.energy", "2"), StudyChange("robots", "2"), second])
+
+
+def test_two_keys_of_a_section_are_no_clash() -> None:
+    changes = [StudyChange("game.energy", "2"), StudyChange("game", "{picture_cost: 3}")]
+    changed = with_changes(Study(), [], changes)
+    assert (changed.game.energy, changed.game.picture_cost) == (2.0, 3.0)

@@ -20,7 +20,7 @@ from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection, visible
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Section, at_line, parse
-from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread
+from thbridge.study.factors import Level, check_keys_set_once, entries_of, factorial, levels_of, spread
 from thbridge.study.overrides import merged, over, resolved_tree
 from thbridge.study.study_file import Study, load_study
 
@@ -227,6 +227,7 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
     between = _factors(path, "between", entries)
     with faults.kept():
         _check_factors(loaded, within, between)
+        check_keys_set_once(path, base, {**between, **within})
     conditions = tuple(ExperimentCondition(_named(levels), _labels(levels)) for levels in factorial(within))
     if len(conditions) > MOST_CONDITIONS:
         raise loaded.fault("within", f"{len(conditions)} conditions for each person", "Write fewer factors or levels")
