@@ -5,7 +5,7 @@ and drawn anew (`hypothesis`). Where the map explains the scans badly from there
 map by a second cloud, the rival. What is reported stays the place that was tracked until the rival has explained scans
 better for long: one bad scan, a person in the way or a door that was closed move nothing. The robot is lost when the
 place has explained several scans so badly that it cannot be right, or when the rival is better; it is found when
-particles and map agree for some scans in a row.
+particles and map agree for some scans in a row, and scans have spoken against the best other place of the map.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003); amcl_node.cpp
 and pf.c of ros-planning/navigation for when and in which order. Where this differs from amcl the docstrings say so.
@@ -26,7 +26,7 @@ from sim.numerics.matrices import covariance_of, product, root
 from sim.numerics.noise_arrays import NoiseStream
 from sim.parameters import AmclParameters, RobotParameters
 from sim.robot.localization.estimate import Estimate, PosePrior, read_only
-from sim.robot.localization.free_space import FreeSpace
+from sim.robot.localization.free_space import FreeSpace, elsewhere
 from sim.robot.localization.hypothesis import CloudFilter, CloudNoise, Hypothesis, widened
 from sim.robot.localization.wrong_pose import ParticleEvidence, probability
 from sim.robot.localization.wrong_pose_coefficients import PARTICLES
@@ -40,8 +40,6 @@ SEARCH_SHARE = 0.2
 RETRY_TICKS = 25
 """Ticks until a robot that is lost, or whose scans are badly explained, weighs the next one even if it stands."""
 
-ELSEWHERE = (1.0, 0.5)
-"""Metres or radians by which a rival is another place."""
 MARGINS = (0.03, 0.1)
 """Share of a scan that a rival must explain more to be any better than a place that was found by searching not long
 ago, and than one that was told or has been tracked for long."""
@@ -51,6 +49,9 @@ CHALLENGED = 0.15
 """Lead of a rival from which on the place can no longer be relied on."""
 WON = 1.0
 """Lead with which a rival takes the place: four scans at least."""
+DOUBT = 0.5
+"""Lead of the best other place when a search ends. The robot is lost until scans have used it up: two scans that
+explain the other place much worse, or seventeen that explain it as well because it is a twin."""
 PROVEN_SCANS = 100
 """Scans for which a place that was found by searching must be tracked to be as sure as one that was told. Until then it
 may be a twin of the right one, and the robot is lost as soon as the place explains less than usual."""
@@ -258,13 +259,21 @@ class Amcl:
             searching = SEARCH_SHARE if belief.anywhere else 0.0
             place = self._clouds.followed(belief.place, left, reached, view, self._noise, searching)
         rival = belief.rival
+        # A place that a search found is compared with the best other one.
+        besides = None if belief.proven else place.mean
         if rival is not None:
-            rival = self._clouds.followed(rival, left, reached, view, self._rival_noise, SEARCH_SHARE)
-        elif not belief.anywhere and len(view.points) and self._parameters.recovers and place.agreement.suspicious:
-            rival = self._clouds.looked_for(view, self._rival_noise)
+            rival = self._clouds.followed(rival, left, reached, view, self._rival_noise, SEARCH_SHARE, besides)
+        elif len(view.points) and self._seeks_rival(belief.anywhere, place):
+            rival = self._clouds.looked_for(view, self._rival_noise, besides)
         now = replace(belief, tick=odometry.tick, base_in_odom=reached, place=place, rival=rival, requested=False)
         now = _found(now) if belief.anywhere else _compared(now)
         return replace(now, p_wrong=probability(PARTICLES, evidence_of(now)))
+
+    def _seeks_rival(self, anywhere: bool, place: Hypothesis) -> bool:
+        """Return True when a search has a result, which may be a twin of the right place, or scans are suspicious."""
+        if anywhere:
+            return place.settled >= SETTLED_SCANS
+        return self._parameters.recovers and place.agreement.suspicious
 
 
 def evidence_of(now: ParticleBelief) -> ParticleEvidence:
@@ -275,8 +284,8 @@ def evidence_of(now: ParticleBelief) -> ParticleEvidence:
 
 
 def _found(now: ParticleBelief) -> ParticleBelief:
-    """Tell whether a robot that might be anywhere has been found."""
-    return now if now.place.settled < SETTLED_SCANS else replace(now, anywhere=False, lost=False)
+    """End the search for a robot that might be anywhere when it has a result; that is compared from then on."""
+    return now if now.rival is None else replace(now, anywhere=False, lead=DOUBT)
 
 
 def _compared(now: ParticleBelief) -> ParticleBelief:
@@ -286,7 +295,8 @@ def _compared(now: ParticleBelief) -> ParticleBelief:
         # The scan that it was looked for with says nothing for it.
         better = rival.agreement.last - place.agreement.last - MARGINS[now.proven]
         better = max(-MOST_OF_ONE_SCAN, min(better, MOST_OF_ONE_SCAN))
-        lead = max(0.0, lead + (better if _elsewhere(rival.mean, place.mean) else -MOST_OF_ONE_SCAN))
+        apart = elsewhere(rival.mean.array()[np.newaxis], place.mean.x, place.mean.y, place.mean.theta)[0]
+        lead = max(0.0, lead + (better if apart else -MOST_OF_ONE_SCAN))
     if rival is not None and now.lost and lead >= WON and rival.settled >= SETTLED_SCANS:
         # The robot stays lost until one more scan has spoken for the new place: no jump is told as certain.
         place = replace(rival, settled=SETTLED_SCANS - 1)
@@ -300,7 +310,3 @@ def _compared(now: ParticleBelief) -> ParticleBelief:
     if lost or lead > 0.0 or place.agreement.suspicious:
         return replace(now, lead=lead, proven=proven, lost=lost)
     return replace(now, rival=None, lead=0.0, proven=proven, lost=False)
-
-
-def _elsewhere(one: Pose2, other: Pose2) -> bool:
-    return one.distance(other) > ELSEWHERE[0] or abs(wrap_angle(one.theta - other.theta)) > ELSEWHERE[1]

@@ -8,9 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.common.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid
+from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 from sim.numerics.noise_arrays import NoiseStream
+
+ELSEWHERE = (1.0, 0.5)
+"""Metres or radians by which a pose must differ from another to be another place."""
 
 
 @lru_cache(maxsize=8)
@@ -37,6 +41,17 @@ def _poses(free: NDArray[np.uint32], cols: int, frame: GridFrame, drawn: FloatAr
         out[i, 0] = frame.x + frame.cos * x - frame.sin * y
         out[i, 1] = frame.y + frame.sin * x + frame.cos * y
         out[i, 2] = drawn[n + i] * 2.0 * math.pi - math.pi
+    return out
+
+
+@njit(cache=True)
+def elsewhere(poses: FloatArray, x: float, y: float, theta: float) -> NDArray[np.bool_]:
+    """(n,) True where (n, 3) poses are at another place than this one, see `ELSEWHERE`."""
+    out = np.empty(poses.shape[0], dtype=np.bool_)
+    for i in range(poses.shape[0]):
+        dx, dy = poses[i, 0] - x, poses[i, 1] - y
+        turned = abs(wrap_angle(poses[i, 2] - theta)) > ELSEWHERE[1]
+        out[i] = turned or dx * dx + dy * dy > ELSEWHERE[0] * ELSEWHERE[0]
     return out
 
 

@@ -23,7 +23,7 @@ from sim.parameters import AmclParameters
 from sim.robot.localization.beam import BeamModel
 from sim.robot.localization.clusters import CloudSummary, bin_particles, summarise
 from sim.robot.localization.estimate import read_only
-from sim.robot.localization.free_space import FreeSpace
+from sim.robot.localization.free_space import FreeSpace, elsewhere
 from sim.robot.localization.likelihood_field import Beams, LikelihoodField
 from sim.robot.localization.motion import AS_BELIEVED, MAX_NOISE_SCALE, Alphas, MotionModel, NoiseScales
 from sim.robot.localization.resampling import adaptive, systematic, tempered
@@ -39,6 +39,11 @@ ROUGH_BEAMS = 15
 """Beams at most by which candidates are compared at first; most of them fit so badly that these show it."""
 ROUGH_SHARE = 0.1
 """Share of the candidates, those that these beams fit best, that all beams weigh: ten times `FITTING_SHARE`."""
+
+MOST_BESIDES = 2000
+"""Particles at most with which other places than one are looked for: only the best of them matters."""
+CANDIDATES_BESIDES = 10_000
+"""Places at most that are looked at for them anew, after the first time."""
 
 FITTING_SHARE = 0.01
 """Share of the candidates that must remain effective when newcomers are drawn by how well a scan fits."""
@@ -195,18 +200,21 @@ class CloudFilter:
             raise ValueError(f"a scan of {len(scan.ranges)} beams from a laser of {self._beams.mount.beams}")
         return ScanView(tick, self._beams.end_points(scan), self._beams.ranges(scan))
 
-    def looked_for(self, view: ScanView, noise: CloudNoise) -> Hypothesis:
+    def looked_for(self, view: ScanView, noise: CloudNoise, besides: Pose2 | None = None) -> Hypothesis:
         """Return a hypothesis of as many particles as allowed, at places of the whole map that a scan fits.
 
         A uniform cloud of this size would hold no particle near the truth; so the scan is looked for in a sample that
         is many times larger.
         """
-        particles = self._anywhere(self._parameters.max_particles, view, noise)
+        count = self._parameters.max_particles
+        count = count if besides is None else min(count, MOST_BESIDES)
+        particles = self._anywhere(count, view, noise, besides)
         return self._weighed(None, particles, np.full(len(particles), 1.0 / len(particles)), view, True)
 
     def followed(
-        self, before: Hypothesis, left: Pose2, reached: Pose2, view: ScanView, noise: CloudNoise, searching: float = 0.0
-    ) -> Hypothesis:
+        self, before: Hypothesis, left: Pose2, reached: Pose2, view: ScanView, noise: CloudNoise,
+        searching: float = 0.0, besides: Pose2 | None = None,
+    ) -> Hypothesis:  # fmt: skip
         """Return a hypothesis after a movement and a scan, drawn anew where that is due.
 
         Args:
@@ -216,6 +224,7 @@ class CloudFilter:
             view: the scan.
             noise: the cloud's own.
             searching: share of the next generation that is looked for all over the map.
+            besides: a place around which nothing is looked for.
         """
         parameters = self._parameters
         draws = noise.motion.normals(view.tick, 3 * len(before.particles))
@@ -237,7 +246,7 @@ class CloudFilter:
         due = now.updates % parameters.resample_interval == 0 and not (
             parameters.selective_resampling and searching == 0.0 and 2.0 / (weights * weights).sum() > len(weights)
         )
-        return self._drawn(now, view, noise, searching) if due else now
+        return self._drawn(now, view, noise, searching, besides) if due else now
 
     def _found_near(self, before: Hypothesis, now: Hypothesis, view: ScanView, noise: CloudNoise) -> Hypothesis | None:
         """Look for the scan around the last place and around where odometry has carried it, in equal parts.
@@ -305,15 +314,19 @@ class CloudFilter:
             )
         return self._field.log_likelihood(particles, points)
 
-    def _drawn(self, now: Hypothesis, view: ScanView, noise: CloudNoise, searching: float) -> Hypothesis:
+    def _drawn(
+        self, now: Hypothesis, view: ScanView, noise: CloudNoise, searching: float, besides: Pose2 | None
+    ) -> Hypothesis:
         """Draw the next generation: heirs of the present one, and newcomers where scans fit badly."""
         parameters = self._parameters
         heirs_offset, newcomers_offset = noise.resampling.uniforms(view.tick, 2)
         if searching and len(view.points):
             # Newcomers lie in so many bins that KLD sampling would ask for the greatest number of particles anyway.
-            count = int(searching * parameters.max_particles + newcomers_offset)
-            heirs = systematic(now.weights, parameters.max_particles - count, heirs_offset)
-            newcomers = self._anywhere(count, view, noise)
+            size = min(len(now.particles), parameters.max_particles)
+            count = int(searching * size + newcomers_offset)
+            heirs = systematic(now.weights, size - count, heirs_offset)
+            most = MAX_CANDIDATES if besides is None else CANDIDATES_BESIDES
+            newcomers = self._anywhere(count, view, noise, besides, most)
         else:
             heirs = adaptive(
                 now.weights,
@@ -339,21 +352,25 @@ class CloudFilter:
         """(n, 3) particles, each a little off, so that no two are the same."""
         return particles + noise.jitter.normals(tick, 3 * len(particles)).reshape(-1, 3) * spread
 
-    def _anywhere(self, count: int, view: ScanView, noise: CloudNoise) -> FloatArray:
+    def _anywhere(
+        self, count: int, view: ScanView, noise: CloudNoise, besides: Pose2 | None, most: int = MAX_CANDIDATES
+    ) -> FloatArray:
         """(count, 3) places from all over the map where a scan fits, drawn in proportion to how well.
 
         Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Differs:
             amcl draws blindly; such places hardly ever lie near enough to the truth to survive.
         """
-        places = max(MIN_CANDIDATES, min(count * CANDIDATES_PER_PARTICLE, MAX_CANDIDATES))
+        places = min(max(MIN_CANDIDATES, count * CANDIDATES_PER_PARTICLE), most)
         candidates = self._free_space.draw(places, noise.places, view.tick)
+        if besides is not None:
+            candidates = candidates[elsewhere(candidates, besides.x, besides.y, besides.theta)]
         step = math.ceil(len(view.points) / ROUGH_BEAMS)
         if step == 1:
             return self._fitting(count, candidates, FITTING_SHARE, view, noise)
         rough = self._field.log_likelihood(candidates, np.ascontiguousarray(view.points[::step]))
-        last = int((1.0 - ROUGH_SHARE) * places)
+        last = int((1.0 - ROUGH_SHARE) * len(rough))
         likely = candidates[rough >= np.partition(rough, last)[last]]
-        return self._fitting(count, likely, FITTING_SHARE * places / len(likely), view, noise)
+        return self._fitting(count, likely, FITTING_SHARE * len(rough) / len(likely), view, noise)
 
     def _nearby(self, place: Pose2, count: int, view: ScanView, noise: CloudNoise) -> FloatArray:
         """(count, 3) places around one where a scan fits, drawn in proportion to how well.

@@ -9,7 +9,7 @@ from scipy.stats import chi2
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Imu, Odometry, Scan
 from sim.parameters import AmclParameters, RobotParameters
-from sim.robot.localization.amcl import Amcl, ParticleBelief, saved
+from sim.robot.localization.amcl import SETTLED_SCANS, Amcl, ParticleBelief, saved
 
 PARAMETERS = RobotParameters().amcl
 VAGUE = np.diag((0.25, 0.25, 0.07))
@@ -310,6 +310,19 @@ def test_a_robot_that_may_be_anywhere_is_lost_until_it_is_sure_and_can_be_found(
         assert estimates[0].lost
         found += not estimates[-1].lost and tour.moments[-1].truth.distance(estimates[-1].base_in_map) < 0.5
     assert found >= 5
+
+
+def test_a_search_with_two_equal_results_leaves_the_robot_lost_for_a_dozen_scans_more(drive):
+    # Without furniture the arena turned by half a circle is the same.
+    tour = drive(seconds=20)
+    amcl = Amcl(replace(PARAMETERS, max_particles=2000), tour.grid, tour.mount, 1, "robot1")
+    amcl.globalize()
+    lost = [estimate.lost for estimate in run(amcl, tour) if estimate.updated]
+    state = amcl.state
+    assert isinstance(state, ParticleBelief)
+    assert not state.anywhere
+    assert len(lost) > 40
+    assert all(lost[: SETTLED_SCANS + 12])
 
 
 def test_a_standing_robot_looks_when_asked(drive):

@@ -39,3 +39,11 @@ def test_a_search_looks_up_a_third_of_the_beams_and_finds_the_same_places(search
     assert sum(looked_up) < 0.4 * MIN_CANDIDATES * len(view.points)
     monkeypatch.setattr(hypothesis, "ROUGH_BEAMS", len(view.points))
     assert found > 0.9 * near(clouds.looked_for(view, noise).particles, truth).mean() > 0.03
+
+
+def test_besides_a_place_nothing_is_looked_for_there(search):
+    clouds, view, noise, truth = search
+    besides = clouds.looked_for(view, noise, truth)
+    # They are spread by some centimeters after the draw.
+    assert near(besides.particles, truth, 0.8, 0.3).sum() == 0
+    assert len(besides.particles) == 1000
