@@ -11,14 +11,14 @@ from sim.common.observations import STANDSTILL, Imu, Odometry
 from sim.numerics.float_array import FloatArray
 from sim.robot.localization.estimate import Estimate, Localizer
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.offline.clock_changes import CLOCK_STEP_NS, split_by_clock
 from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import OdometryTrack
-from thbridge.offline.odometry_faults import FaultKind, RecordedFault, clock_faults
 from thbridge.offline.recording import StampedScan
 from thbridge.offline.scan_headings import ScanHeadings
 from thbridge.offline.time_offset import TimeOffset
+from thbridge.ros.clock_changes import CLOCK_STEP_NS, split_by_clock
 from thbridge.ros.names import frame_name
+from thbridge.ros.odometry_faults import FaultKind, RecordedFault, clock_faults
 
 
 class SkipReason(StrEnum):

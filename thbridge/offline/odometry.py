@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from sim.numerics.elementary import wrap_angle
-from thbridge.offline.odometry_faults import MissedMotion, OdometryRun, OdometrySample, sound_odometry
+from thbridge.ros.odometry_faults import MissedMotion, OdometryRun, OdometrySample, sound_odometry
 
 LONGEST_GAP_NS = 1_000_000_000
 """Longest time between two odometry messages over which poses are interpolated."""

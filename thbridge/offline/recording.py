@@ -11,7 +11,6 @@ from sim.common.geometry import Pose2
 from thbridge.files.errors import BadFile
 from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import OdometryTrack
-from thbridge.offline.odometry_faults import OdometrySample, fault_sentences
 from thbridge.recording.bag.reading.reader import RawMessage, TopicInfo, info, messages
 from thbridge.ros.frames import FrameTree, PlanarMount
 from thbridge.ros.messages import unpack
@@ -19,6 +18,7 @@ from thbridge.ros.messages.plausible import is_plausible
 from thbridge.ros.messages.types import LASER_SCAN, ODOMETRY, TFMESSAGE
 from thbridge.ros.messages.unpack import LaserScan
 from thbridge.ros.names import frame_name
+from thbridge.ros.odometry_faults import OdometrySample, fault_sentences
 from thbridge.ros.robots import ODOM_FRAME, is_odom_frame, is_truth, namespace_of, owner_of, usual_first
 
 T = TypeVar("T")

@@ -21,11 +21,11 @@ from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, localize
 from thbridge.offline.localizers import recorded_localizer, warm_up
-from thbridge.offline.odometry_faults import RecordedFault, fault_sentences
 from thbridge.offline.recording import LocalizationBag
 from thbridge.offline.scan_headings import ScanHeadings
 from thbridge.offline.time_offset import TimeOffset
 from thbridge.offline.tum import tum_line
+from thbridge.ros.odometry_faults import RecordedFault, fault_sentences
 from ui.actions.pictures import write_picture
 from ui.terminal import BAD_INPUT, err, fail, show
 

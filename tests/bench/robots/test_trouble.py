@@ -21,8 +21,8 @@ from tests.bench.robots.troubled_runs import troubled_runs
 from tests.bench.robots.weaving_car import corridors, weaving_runs
 from thbridge.files.map_files import Map
 from thbridge.offline.odometry import OdometryTrack
-from thbridge.offline.odometry_faults import OdometrySample
 from thbridge.ros.messages.stamps import TICK_NS
+from thbridge.ros.odometry_faults import OdometrySample
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(1800)]
 

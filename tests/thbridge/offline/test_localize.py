@@ -19,8 +19,8 @@ from thbridge.files.errors import BadFile
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, SkipReason, localize
 from thbridge.offline.localizers import recorded_localizer, warm_up
-from thbridge.offline.odometry_faults import FaultKind
 from thbridge.offline.recording import LocalizationBag, open_recording
+from thbridge.ros.odometry_faults import FaultKind
 
 PARAMETERS = AmclParameters(min_particles=200, max_particles=500)
 CERTAIN = np.diag((0.01, 0.01, 0.01))

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from thbridge.offline.odometry import LONGEST_GAP_NS, REACH_NS, OdometryTrack
-from thbridge.offline.odometry_faults import FaultKind, OdometrySample
+from thbridge.ros.odometry_faults import FaultKind, OdometrySample
 
 SECOND = 1_000_000_000
 

@@ -2,7 +2,10 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 CLOCK_STEP_NS = 1_000_000_000
 """Least change of a clock that counts. Smaller ones are reordered messages, or messages that took longer to come."""
@@ -86,3 +89,34 @@ def split_by_clock(messages: Iterable[Message]) -> tuple[list[ClockRun[Message]]
             waiting = ClockRun([message], changed)
     odd += waiting.messages if waiting else []
     return runs, odd
+
+
+class StampedIndex(NamedTuple):
+    """Stamp, time of recording, and place of a message."""
+
+    stamp_ns: int
+    received_ns: int
+    place: int
+
+
+def stamps_by_clock(
+    stamps: NDArray[np.int64], received: NDArray[np.int64]
+) -> tuple[list[tuple[NDArray[np.int64], int]], NDArray[np.int64]]:
+    """Return the indices of each run of a clock with its change before it, and those of odd stamps: `split_by_clock`.
+
+    Args:
+        stamps: (n,) nanoseconds, in the order of recording.
+        received: (n,) times of recording.
+    """
+    ahead = stamps - received
+    back = stamps[1:] < np.maximum.accumulate(stamps)[:-1] - CLOCK_STEP_NS
+    if not (back | (ahead[1:] > np.maximum.accumulate(ahead)[:-1] + CLOCK_STEP_NS)).any():
+        whole = np.arange(len(stamps), dtype=np.int64)
+        return ([(whole, 0)] if len(stamps) else []), np.empty(0, dtype=np.int64)
+    each = zip(stamps.tolist(), received.tolist(), range(len(stamps)), strict=True)
+    runs, odd = split_by_clock(StampedIndex(*message) for message in each)
+    return [(_indices(run.messages), run.changed_ns) for run in runs], _indices(odd)
+
+
+def _indices(messages: Iterable[StampedIndex]) -> NDArray[np.int64]:
+    return np.array([message.place for message in messages], dtype=np.int64)

@@ -3,12 +3,13 @@
 import math
 from collections.abc import Sequence
 
+import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
 from tests.thbridge.offline.test_odometry import SECOND, straight, x_at
 from thbridge.offline.odometry import OdometryTrack
-from thbridge.offline.odometry_faults import FaultKind, OdometrySample, fault_sentences
+from thbridge.ros.odometry_faults import FaultKind, OdometrySample, fault_sentences, sound_odometry
 
 
 def drive(count: int = 60, offset: float = 0.0) -> list[OdometrySample]:
@@ -114,3 +115,21 @@ def test_faults_are_told_with_topic_time_and_size() -> None:
         "off).",
         "/odom: resets to 0, after which only increments are used: 1 (after 0.80 s, 0.8 m and 0.00 rad off).",
     ]
+
+
+def test_it_says_which_samples_are_sound_and_where_they_go_on_elsewhere() -> None:
+    """An outlier, a reset, and a clock that is set back by an hour."""
+    steps = drive(80)
+    steps[10] = steps[10]._replace(base_in_odom=Pose2(1000.0, 0.0, 0.0))
+    steps = moved_from(30, steps, Pose2(-40.0, 0.0, 0.0))
+    steps[60:] = [step._replace(stamp_ns=step.stamp_ns - 3600 * SECOND) for step in steps[60:]]
+    sound = sound_odometry(steps, None)
+    assert sound.kept.tolist() == [index for index in range(80) if index != 10]
+    assert sound.kept[sound.cuts].tolist() == [30, 60]
+
+
+def test_nothing_to_judge() -> None:
+    sound = sound_odometry([], None)
+    assert (sound.runs, sound.faults, sound.kept.tolist(), sound.cuts.tolist()) == ((), (), [], [])
+    alone = sound_odometry([OdometrySample(1, 1, Pose2(np.nan, 0.0, 0.0))], None)
+    assert (alone.kept.tolist(), [fault.kind for fault in alone.faults]) == ([], [FaultKind.NOT_FINITE])

@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from sim.common.geometry import IDENTITY, Pose2
+from sim.numerics import elementary_arrays
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
-from thbridge.offline.clock_changes import ClockRun, Message, split_by_clock
-from thbridge.ros.messages.plausible import is_plausible
+from thbridge.ros.clock_changes import ClockRun, Message, stamps_by_clock
+from thbridge.ros.messages.plausible import LARGEST
 
 WINDOW = 51
 """Steps between messages whose speeds say what is usual: the 25 before, and the 25 after."""
@@ -114,11 +115,15 @@ class SoundOdometry:
         runs: in the order of recording.
         faults: all of them, in the order of recording.
         missed: motions that it does not report.
+        kept: (n,) indices of the sound samples among those that were judged, run by run in the order of their stamps.
+        cuts: (k,) places in `kept` from which poses are seen from another origin, or stamped by a changed clock.
     """
 
     runs: tuple[OdometryRun, ...]
     faults: tuple[RecordedFault, ...]
     missed: tuple[MissedMotion, ...]
+    kept: NDArray[np.int64]
+    cuts: NDArray[np.int64]
 
 
 MOST_EXAMPLES = 5
@@ -170,32 +175,58 @@ def sound_odometry(samples: Iterable[OdometrySample], max_speed: float | None) -
         samples: in the order of recording.
         max_speed: m/s that the robot cannot exceed; None takes it from the speeds around each message.
     """
-    finite: list[OdometrySample] = []
-    faults: list[RecordedFault] = []
-    for sample in samples:
-        if is_plausible(*sample.base_in_odom.array().tolist()):
-            finite.append(sample)
-        else:
-            faults.append(RecordedFault(FaultKind.NOT_FINITE, sample.received_ns, sample.stamp_ns))
-    clock_runs, odd = split_by_clock(finite)
-    faults += (RecordedFault(FaultKind.WRONG_STAMP, sample.received_ns, sample.stamp_ns) for sample in odd)
-    faults += clock_faults(clock_runs)
+    samples = list(samples)
+    received = np.array([sample.received_ns for sample in samples], dtype=np.int64)
+    stamps = np.array([sample.stamp_ns for sample in samples], dtype=np.int64)
+    poses = np.array([sample.base_in_odom.array() for sample in samples]).reshape(-1, 3)
+    return sound_poses(received, stamps, poses, max_speed)
+
+
+def sound_poses(
+    received: NDArray[np.int64], stamps: NDArray[np.int64], poses: FloatArray, max_speed: float | None = None
+) -> SoundOdometry:
+    """Leave out what cannot be true, and join what was reset.
+
+    Args:
+        received: (n,) times of recording, nanoseconds, in their order.
+        stamps: (n,) stamps.
+        poses: (n, 3) poses of the base.
+        max_speed: as for `sound_odometry`.
+    """
+    plausible = (np.abs(poses) <= LARGEST).all(axis=1)  # NaN fails it
+    finite = np.flatnonzero(plausible)
+
+    def faults_of(kind: FaultKind, indices: NDArray[np.int64]) -> Iterator[RecordedFault]:
+        return (RecordedFault(kind, int(received[i]), int(stamps[i])) for i in indices.tolist())
+
+    faults = [*faults_of(FaultKind.NOT_FINITE, np.flatnonzero(~plausible))]
+    by_clock, odd = stamps_by_clock(stamps[finite], received[finite])
+    faults += faults_of(FaultKind.WRONG_STAMP, finite[odd])
+    for indices, changed_ns in by_clock[1:]:
+        first = finite[indices[0]]
+        faults.append(_clock_fault(int(received[first]), int(stamps[first]), changed_ns))
     runs: tuple[OdometryRun, ...] = ()
     missed: list[MissedMotion] = []
-    if clock_runs:
-        judge = _Judge(clock_runs, max_speed)
+    kept, cuts = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    if by_clock:
+        judge = _Judge([finite[indices] for indices, _ in by_clock], received, stamps, poses, max_speed)
         judge.judge()
         runs, missed = tuple(judge.sound()), judge.missed
+        kept, cuts = judge.kept()
         faults += judge.faults
-    return SoundOdometry(runs, tuple(sorted(faults, key=lambda fault: fault.received_ns)), tuple(missed))
+    in_order = tuple(sorted(faults, key=lambda fault: fault.received_ns))
+    return SoundOdometry(runs, in_order, tuple(missed), kept, cuts)
 
 
 def clock_faults(runs: Sequence[ClockRun[Message]]) -> Iterator[RecordedFault]:
     """Yield the changes of a clock between its runs."""
     for run in runs[1:]:
-        kind = FaultKind.CLOCK_AHEAD if run.changed_ns > 0 else FaultKind.CLOCK_BACK
-        first = run.messages[0]
-        yield RecordedFault(kind, first.received_ns, first.stamp_ns, seconds=run.changed_ns / 1e9)
+        yield _clock_fault(run.messages[0].received_ns, run.messages[0].stamp_ns, run.changed_ns)
+
+
+def _clock_fault(received_ns: int, stamp_ns: int, changed_ns: int) -> RecordedFault:
+    kind = FaultKind.CLOCK_AHEAD if changed_ns > 0 else FaultKind.CLOCK_BACK
+    return RecordedFault(kind, received_ns, stamp_ns, seconds=changed_ns / 1e9)
 
 
 class _Piece(NamedTuple):
@@ -213,20 +244,20 @@ class _Judge:
         missed: see `SoundOdometry`.
     """
 
-    def __init__(self, runs: Sequence[ClockRun[OdometrySample]], max_speed: float | None) -> None:
-        samples: list[OdometrySample] = []
-        run_of: list[int] = []
-        for number, run in enumerate(runs):
-            # Of equal stamps the last is kept, as in tf.
-            newest = {sample.stamp_ns: sample for sample in run.messages}
-            samples += (newest[stamp] for stamp in sorted(newest))
-            run_of += [number] * len(newest)
-        self._runs = runs
-        self._samples = samples
-        self._run_of = np.array(run_of)
-        self._stamps = np.array([sample.stamp_ns for sample in samples], dtype=np.int64)
-        self._received = np.array([sample.received_ns for sample in samples], dtype=np.int64)
-        self._poses = np.array([sample.base_in_odom.array() for sample in samples])
+    def __init__(
+        self,
+        runs: Sequence[NDArray[np.int64]],
+        received: NDArray[np.int64],
+        stamps: NDArray[np.int64],
+        poses: FloatArray,
+        max_speed: float | None,
+    ) -> None:
+        # Of equal stamps the last is kept, as in tf.
+        newest = [run[len(run) - 1 - np.unique(stamps[run][::-1], return_index=True)[1]] for run in runs]
+        self._begins = [int(received[run[0]]) for run in runs]
+        self._index = np.concatenate(newest)
+        self._run_of = np.repeat(np.arange(len(runs)), [len(run) for run in newest])
+        self._stamps, self._received, self._poses = stamps[self._index], received[self._index], poses[self._index]
         self._corrections: list[tuple[_Piece, Pose2]] = []
         self._measure(max_speed)
         self.faults: list[RecordedFault] = []
@@ -241,7 +272,7 @@ class _Judge:
         self._period = float(usual.mean()) if len(usual) else 0.0
         steps = np.diff(self._poses, axis=0)
         turns = np.abs((steps[:, 2] + np.pi) % (2.0 * np.pi) - np.pi)
-        moved = np.column_stack((np.hypot(steps[:, 0], steps[:, 1]), turns))
+        moved = np.column_stack((elementary_arrays.hypot(steps[:, 0], steps[:, 1]), turns))
         speeds = moved / np.maximum(seconds, max(self._period, 1e-3))[:, np.newaxis]
         self._usual = _moving_median(speeds)
         scatter = _moving_median(np.abs(speeds - self._usual))
@@ -250,16 +281,19 @@ class _Judge:
             self._limits[:, 0] = max_speed
         drivable = (moved <= self._limits * (seconds + self._period)[:, np.newaxis]).all(axis=1)
         cuts = np.flatnonzero(~(same & drivable)) + 1
-        self._pieces = [_Piece(*ends) for ends in pairwise([0, *cuts.tolist(), len(self._samples)])]
+        self._pieces = [_Piece(*ends) for ends in pairwise([0, *cuts.tolist(), len(self._index)])]
 
     def _seconds(self, before: int, after: int) -> float:
         """Time between two samples; by the time of recording where the clock was changed."""
         times = self._stamps if self._run_of[before] == self._run_of[after] else self._received
         return max(0.0, float(times[after] - times[before]) / 1e9)
 
+    def _pose(self, i: int) -> Pose2:
+        return Pose2(*self._poses[i].tolist())
+
     def _moved(self, before: int, after: int) -> tuple[float, float]:
         """Metres and radians, not negative, from one sample to another."""
-        one, other = self._samples[before].base_in_odom, self._samples[after].base_in_odom
+        one, other = self._pose(before), self._pose(after)
         return one.distance(other), abs(wrap_angle(other.theta - one.theta))
 
     def _effort(self, before: int, after: int) -> float:
@@ -336,20 +370,29 @@ class _Judge:
             for usual, least, most in zip(self._usual[begin - 1].tolist(), *MISSED, strict=True)
         )
         self.missed.append(MissedMotion(int(self._received[begin]), distance, turn))
-        before, after = self._samples[last].base_in_odom, self._samples[begin].base_in_odom
-        return correction.compose(before).compose(after.inverse())
+        return correction.compose(self._pose(last)).compose(self._pose(begin).inverse())
 
     def _fault(self, kind: FaultKind, i: int, sound: int) -> RecordedFault:
         return RecordedFault(kind, int(self._received[i]), int(self._stamps[i]), *self._moved(sound, i))
 
     def sound(self) -> Iterator[OdometryRun]:
         """Yield the sound odometry of each run of the clock that has any."""
-        for number, run in enumerate(self._runs):
+        for number, begins in enumerate(self._begins):
             parts = [(piece, to) for piece, to in self._corrections if self._run_of[piece.begin] == number]
             if parts:
                 stamps = np.concatenate([self._stamps[slice(*piece)] for piece, _ in parts])
                 poses = np.concatenate([_moved_by(to, self._poses[slice(*piece)]) for piece, to in parts])
-                yield OdometryRun(run.messages[0].received_ns, stamps, poses)
+                yield OdometryRun(begins, stamps, poses)
+
+    def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The sound samples, and where among them poses go on elsewhere, see `SoundOdometry`."""
+        places = np.concatenate([np.arange(*piece) for piece, _ in self._corrections])
+        changed = self._run_of[places[1:]] != self._run_of[places[:-1]]
+        origins = np.repeat(
+            np.cumsum([0, *(one != other for (_, one), (_, other) in pairwise(self._corrections))]),
+            [piece.end - piece.begin for piece, _ in self._corrections],
+        )
+        return self._index[places], np.flatnonzero(changed | (np.diff(origins) != 0)) + 1
 
 
 def _moving_median(values: FloatArray) -> FloatArray:
