@@ -28,7 +28,8 @@ from scipy.sparse.csgraph import dijkstra
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.numerics.elementary import wrap_angle
-from thbridge.files.map_files import FOOTPRINT, read_map, write_grid
+from thbridge.files.grid_files import write_grid
+from thbridge.files.map_files import FOOTPRINT, read_map
 from thbridge.files.yaml.tree import quoted
 
 Point = tuple[float, float]

@@ -36,9 +36,9 @@ def write_report(
         raise BadFile(page, "this is the bag itself", "choose another file by --to")
     grid = None
     if map_yaml is not None:
-        from thbridge.files.map_files import read_grid  # noqa: PLC0415 - 20 MB
+        from ui.grids import grid_at  # noqa: PLC0415 - 20 MB
 
-        grid = read_grid(map_yaml)
+        grid = grid_at(map_yaml)
     html = build_report(bag, grid, tell, named or FOUND_BY_NAME)
     with destination(page) as file:
         write_whole(file, html.encode(errors="replace"), "choose another file by --to")

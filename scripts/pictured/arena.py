@@ -6,7 +6,8 @@ import numpy as np
 
 from pictured.shot import Shot, Story
 from sim.robot.costmap.footprint import radii
-from thbridge.files.map_files import FOOTPRINT, read_grid
+from thbridge.files.grid_files import read_grid
+from thbridge.files.map_files import FOOTPRINT
 from thbridge.files.resources import shipped
 from thbridge.offline.arena import arena_of
 from thbridge.offline.room_finding import find_rooms

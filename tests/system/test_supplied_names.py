@@ -31,8 +31,8 @@ from thbridge.experiment.store.events import Clocks, EventKind
 from thbridge.experiment.withdrawal import NobodyWithdraws, plan_withdrawal
 from thbridge.files.disk.inside import LONGEST_NAME, path_inside
 from thbridge.files.errors import BadFile
+from thbridge.files.grid_files import read_grid
 from thbridge.files.keys.key_ring import KeyRing
-from thbridge.files.map_files import read_grid
 from thbridge.files.resources import shipped
 from thbridge.files.tables.table_files import Column, TableFiles, TableFormat
 from thbridge.files.template_files import read_template_set

@@ -17,17 +17,15 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from sim.common.geometry import Pose2
-from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
+from sim.common.grid import FREE, OccupancyGrid
 from sim.common.traversability import CrowdedFloor, Polygon, TraversabilityMap, area, crosses_itself, inside
 from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
 from sim.parameters import WorldParameters
 from sim.robot.costmap.footprint import radii
-from thbridge.files.disk.inside import fault_of_path
-from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, BadFiles
-from thbridge.files.image_files import read_image
+from thbridge.files.grid_files import POSE, GridFile, pose_of, read_grid_file
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.set_words import WORDS, languages_beside, nearest
 from thbridge.files.yaml.load import Loaded, load
@@ -37,11 +35,6 @@ T = TypeVar("T")
 
 FOOTPRINT: Polygon = WorldParameters().footprint
 """Corners of the robot of the 2016 study, metres."""
-
-GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
-"""Grey values of cells, as written by map_saver."""
-OCCUPIED_THRESH = 0.65
-FREE_THRESH = 0.196
 
 LEAST_FLOOR = 0.01
 """A region smaller than this is a mistake, square metres."""
@@ -158,21 +151,6 @@ def read_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool =
 # The files ------------------------------------------------------------------------------------------------------------
 
 
-POSE = {"unit": "m, m, rad"}
-"""Declaration of a field of x, y, yaw."""
-
-
-@dataclass(frozen=True, slots=True)
-class _MapYaml:
-    image: str
-    resolution: float = field(metadata={"unit": "m", "minimum": 0.001, "maximum": 10})
-    origin: tuple[float, float, float] = field(metadata=POSE)
-    negate: int = field(metadata={"minimum": 0, "maximum": 1})
-    occupied_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
-    free_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
-    mode: MapMode = "trinary"
-
-
 @dataclass(frozen=True, slots=True)
 class _RoomEntry:
     number: int = field(metadata={"minimum": 1, "maximum": 999})
@@ -199,71 +177,6 @@ class _RoomsYaml:
 @dataclass(frozen=True, slots=True)
 class _RoomWords:
     rooms: Mapping[str, str]
-
-
-def read_grid(map_yaml: Path, *, moved: bool = False) -> OccupancyGrid:
-    """The occupancy grid that map_server makes of this `map.yaml`.
-
-    Args:
-        map_yaml: the file.
-        moved: True for maps of other machines: an image that is not where the file says may be beside it.
-
-    Raises:
-        BadFile: the file or its image is missing or has a fault.
-    """
-    return _read_map_yaml(map_yaml, moved)[1]
-
-
-def _read_map_yaml(map_yaml: Path, moved: bool = False) -> tuple[Loaded[_MapYaml], OccupancyGrid]:
-    loaded = load(map_yaml, _MapYaml)
-    entry = loaded.value
-    if entry.free_thresh >= entry.occupied_thresh:
-        problem = f"{entry.free_thresh} is not below occupied_thresh {entry.occupied_thresh}"
-        raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
-    if problem := fault_of_path(entry.image):
-        raise loaded.fault("image", problem, "Name the image, beside map.yaml or with its full path")
-    image = map_yaml.parent / entry.image
-    if moved and not is_regular(image):
-        image = map_yaml.parent / image.name
-    if not is_regular(image):
-        remedy = "Name the image, beside map.yaml or with its full path"
-        raise loaded.fault("image", f"there is no file {image}", remedy)
-    pixels = read_image(image)
-    cells = interpret_image(pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, entry.mode)
-    return loaded, OccupancyGrid(cells, entry.resolution, _pose(*entry.origin))
-
-
-def _pose(x: float, y: float, yaw: float) -> Pose2:
-    # Wrapping rounds, so an angle that needs no wrapping stays as it was written.
-    return Pose2(x, y, yaw if -math.pi <= yaw < math.pi else wrap_angle(yaw))
-
-
-def write_grid(folder: Path, grid: OccupancyGrid) -> None:
-    """Write `map.yaml` and `map.pgm` as map_saver does; the folder is made if it is missing.
-
-    Raises:
-        ValueError: there are cells other than free, occupied and unknown, which these files cannot store.
-        OSError: the folder cannot be made.
-        BadFile: a file cannot be written.
-    """
-    shades = np.full(256, 1, dtype=np.uint8)
-    for cell, grey in GREY_OF_CELL.items():
-        shades[cell % 256] = grey
-    pixels = shades[grid.cells.view(np.uint8)][::-1]
-    if (pixels == 1).any():
-        raise ValueError("only cells 0, 100 and -1 can be written")
-    folder.mkdir(parents=True, exist_ok=True)
-    header = f"P5\n{grid.cols} {grid.rows}\n255\n".encode("ascii")
-    write_whole(folder / "map.pgm", header + pixels.tobytes())
-    text = (
-        "image: map.pgm\n"
-        f"resolution: {grid.resolution!r}\n"
-        f"origin: [{grid.origin.x!r}, {grid.origin.y!r}, {grid.origin.theta!r}]\n"
-        "negate: 0\n"
-        f"occupied_thresh: {OCCUPIED_THRESH}\n"
-        f"free_thresh: {FREE_THRESH}\n"
-    )
-    write_whole(folder / "map.yaml", text.encode())
 
 
 def write_rooms(
@@ -315,7 +228,7 @@ def check_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool 
         remedy = "Name a folder that holds map.yaml and rooms.yaml"
         return MapCheck(None, (MapFinding("error", BadFile(folder, "there is no such folder", remedy)),))
     findings: list[MapFinding] = []
-    drawing = _attempt(lambda: _read_map_yaml(folder / "map.yaml"), findings)
+    drawing = _attempt(lambda: read_grid_file(folder / "map.yaml"), findings)
     loaded = _attempt(lambda: load(folder / "rooms.yaml", _RoomsYaml), findings)
     costs = folder / MAP_TIMES
     own_costs = costs if with_costs and costs.is_file() else None
@@ -324,12 +237,12 @@ def check_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool 
     if loaded is None:
         return MapCheck(None, tuple(findings))
     findings.extend(MapFinding("error", fault) for fault in _faults_of_rooms(loaded))
-    doubts = (*loaded.doubts, *(() if drawing is None else drawing[0].doubts))
+    doubts = (*loaded.doubts, *(() if drawing is None else drawing.doubts))
     findings.extend(MapFinding("warning", doubt) for doubt in doubts)
     if drawing is None:
         return MapCheck(None, tuple(findings))
-    image, grid = drawing
-    findings.extend(_findings_on_floor(image, loaded, grid, footprint))
+    grid = drawing.grid
+    findings.extend(_findings_on_floor(drawing, loaded, footprint))
     drawn = Map(
         name=folder.resolve().name,
         grid=grid,
@@ -401,7 +314,7 @@ def _room(entry: _RoomEntry) -> MapRoom:
     if len(region) == 2:
         (x0, y0), (x1, y1) = region
         region = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
-    return MapRoom(Room(entry.number), entry.name, region, _pose(*entry.goal))
+    return MapRoom(Room(entry.number), entry.name, region, pose_of(*entry.goal))
 
 
 def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
@@ -410,7 +323,7 @@ def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
     Rows that are too long to be meant are left out.
     """
     for index, (x, y, yaw) in enumerate(entry.poses):
-        yield f"starts.poses[{index}]", _pose(x, y, yaw)
+        yield f"starts.poses[{index}]", pose_of(x, y, yaw)
     for index, ((x0, y0), (x1, y1)) in enumerate(entry.rows):
         length = elementary.hypot(x1 - x0, y1 - y0)
         if length > MOST_STARTS * entry.spacing:
@@ -470,9 +383,7 @@ class _Place:
     what: str
 
 
-def _findings_on_floor(
-    image: Loaded[_MapYaml], loaded: Loaded[_RoomsYaml], grid: OccupancyGrid, footprint: Polygon
-) -> Iterator[MapFinding]:
+def _findings_on_floor(image: GridFile, loaded: Loaded[_RoomsYaml], footprint: Polygon) -> Iterator[MapFinding]:
     """Yield faults that need the grid: walls in the way, overlapping rooms, robots that block each other."""
     rooms = [_room(entry) for entry in loaded.value.rooms]
     goals = [_Place(f"rooms[{index}].goal", room.goal, str(room.room)) for index, room in enumerate(rooms)]
@@ -480,7 +391,7 @@ def _findings_on_floor(
         _Place(key, pose, f"the start of robot {number}")
         for number, (key, pose) in enumerate(_starts(loaded.value.starts), start=1)
     ]
-    floor = TraversabilityMap.of(grid, *radii(np.array(footprint)))
+    floor = TraversabilityMap.of(image.grid, *radii(np.array(footprint)))
     yield from _findings_of_regions(loaded, floor)
     doubtful = _doubt_of_image(image, floor, goals + starts)
     if doubtful is not None:
@@ -497,7 +408,7 @@ def _findings_on_floor(
     yield from _findings_of_ways(loaded, floor, goals, starts, crowded=not close)
 
 
-def _doubt_of_image(image: Loaded[_MapYaml], floor: TraversabilityMap, places: list[_Place]) -> BadFile | None:
+def _doubt_of_image(image: GridFile, floor: TraversabilityMap, places: list[_Place]) -> BadFile | None:
     """The fault of the image where nearly all places are not on its floor: then it is not the places that are wrong."""
     grid = floor.grid
     values = [grid.value_at(place.pose.x, place.pose.y) for place in places]
@@ -507,11 +418,11 @@ def _doubt_of_image(image: Loaded[_MapYaml], floor: TraversabilityMap, places: l
     on_map = sum(grid.contains(*grid.cell_of(place.pose.x, place.pose.y)) for place in places)  # of integers
     if 2 * on_map < len(places):
         problem = f"{len(places) - on_map} of {len(places)} goals and starts lie outside the image"
-        return image.fault("origin", problem, "Mend the origin or the resolution")
+        return image.yaml.fault("origin", problem, "Mend the origin or the resolution")
     problem = f"{amiss} of {len(places)} goals and starts stand in walls or in unknown space"
-    other = 1 - image.value.negate
+    other = 1 - image.yaml.value.negate
     remedy = f"Is the image inverted? Then write `negate: {other}`; if it is not, mend the origin or the resolution"
-    return image.fault("negate", problem, remedy)
+    return image.yaml.fault("negate", problem, remedy)
 
 
 def _has_room(floor: TraversabilityMap, place: _Place) -> bool:

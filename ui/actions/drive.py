@@ -13,13 +13,13 @@ from sim.inputs import ScheduledInput
 from sim.parameters import RobotParameters, WorldParameters, param
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFiles
-from thbridge.files.map_files import read_grid
 from thbridge.files.ros.defaults import RosDefault, ros_defaults
 from thbridge.files.ros.parameters import namespace_in, parse_ros_files
 from thbridge.files.yaml.load import load, load_tree
 from thbridge.files.yaml.tree import Section, parse
 from thbridge.offline.unmapped import with_unmapped
 from thbridge.study.things import ThingEntry, faults_of_things, schedule_of
+from ui.grids import grid_at
 from ui.terminal import BAD_INPUT, fail
 
 
@@ -107,7 +107,7 @@ def read_unmapped(path: Path, grid: OccupancyGrid) -> tuple[OccupancyGrid, tuple
     Raises:
         BadFile: it cannot be read, or does not fit the map.
     """
-    true_grid, outside = with_unmapped(grid, read_grid(path), path)
+    true_grid, outside = with_unmapped(grid, grid_at(path), path)
     return true_grid, (f"{path}: {outside} occupied cells lie outside the map and stand nowhere",) if outside else ()
 
 

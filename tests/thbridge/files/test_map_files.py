@@ -10,7 +10,8 @@ from PIL import Image
 from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from thbridge.files.errors import BadFile
-from thbridge.files.map_files import check_map, missing_room_names, read_grid, read_map, write_grid, write_rooms
+from thbridge.files.grid_files import read_grid, write_grid
+from thbridge.files.map_files import check_map, missing_room_names, read_map, write_rooms
 from thbridge.files.resources import shipped
 from thbridge.hunt.rooms import Room
 
@@ -208,7 +209,7 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "thresholds the wrong way round": (
         edit("map.yaml", "free_thresh: 0.196", "free_thresh: 0.7"),
-        "map.yaml, line 6, free_thresh: 0.7 is not below occupied_thresh 0.65.",
+        "map.yaml, line 6, free_thresh: 0.7 is above occupied_thresh 0.65.",
     ),
     "no such mode": (
         edit("map.yaml", "negate: 0", "negate: 0\nmode: trinery"),

@@ -13,7 +13,7 @@ from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.raycast import Raycaster
 from sim.numerics.float_array import FloatArray
-from thbridge.files.map_files import write_grid
+from thbridge.files.grid_files import write_grid
 from thbridge.ros.messages.types import typestore
 
 STORE = typestore()

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from thbridge.files.map_files import write_grid
+from thbridge.files.grid_files import write_grid
 from thbridge.hunt.rooms import Room
 from thbridge.offline.measure import TripTimes
 from ui.actions.maps.new import unreached_words

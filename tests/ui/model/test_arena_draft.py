@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.robot.costmap.footprint import radii
-from thbridge.files.map_files import FOOTPRINT, check_map, write_grid, write_rooms
+from thbridge.files.grid_files import write_grid
+from thbridge.files.map_files import FOOTPRINT, check_map, write_rooms
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.arena import arena_of, cells_inside
 from thbridge.offline.room_finding import find_rooms

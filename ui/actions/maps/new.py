@@ -12,23 +12,16 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import radii
 from thbridge.files.disk.whole import new_folder, write_whole
 from thbridge.files.errors import BadFile
+from thbridge.files.grid_files import FREE_THRESH, OCCUPIED_THRESH, write_grid
 from thbridge.files.image_files import read_image
-from thbridge.files.map_files import (
-    FOOTPRINT,
-    FREE_THRESH,
-    OCCUPIED_THRESH,
-    Map,
-    check_map,
-    read_grid,
-    write_grid,
-    write_rooms,
-)
+from thbridge.files.map_files import FOOTPRINT, Map, check_map, write_rooms
 from thbridge.files.map_times import MAP_TIMES, map_times
 from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, arena_of
 from thbridge.offline.measure import MeasurementSetup, TripTimes
 from thbridge.offline.room_finding import find_rooms
 from ui.actions.maps.measure import measure_trips, times_matrix
+from ui.grids import grid_at
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, say
 
 SEED = 1
@@ -44,7 +37,7 @@ def read_drawing(source: Path, resolution: float | None, negate: bool) -> Occupa
         if resolution is not None or negate:
             option = "--negate" if resolution is None else "--resolution"
             fail(BAD_INPUT, f"{option}: {source} says that itself. Leave the option out, or change the file.")
-        grid = read_grid(source, moved=True)
+        grid = grid_at(source)
         decided = np.isin(grid.cells, (FREE, OCCUPIED))
         return OccupancyGrid(np.where(decided, grid.cells, UNKNOWN), grid.resolution, grid.origin)
     if not source.is_file():

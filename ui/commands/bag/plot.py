@@ -54,16 +54,16 @@ def bag_plot(
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
     from thbridge.analysis.report.gathering import read_games, trajectory_topics
     from thbridge.files.disk.whole import write_whole
-    from thbridge.files.map_files import read_grid
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.recording.bag.reading.reader import messages
+    from ui.grids import grid_at
 
     kind = "svg" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(FigureFormat):
         fail(BAD_INPUT, f"--to: {to} is no figure. Give a file name that ends in .png, .svg or .pdf.")
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
     with bad_input():
-        grid = None if map_yaml is None else read_grid(map_yaml)
+        grid = None if map_yaml is None else grid_at(map_yaml)
         games = read_games(messages(bag), grid, trajectory_topics(bag, truth, estimate))
     report = games[0] if len(games) == 1 and game is None else next((one for one in games if one.game == game), None)
     if report is None:

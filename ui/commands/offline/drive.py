@@ -66,18 +66,18 @@ def drive(
     """Drive one simulated robot over a map: noisy sensors, localisation, planning and all."""
     from sim.common.geometry import Pose2
     from sim.world.physics import Misplaced
-    from thbridge.files.map_files import read_grid
     from thbridge.files.ros.defaults import sentences_of
     from thbridge.offline.drive import DriveResult, DriveTask
     from thbridge.offline.drive import drive as driven
     from ui.actions.drive import corners_in, read_moving, read_parameters, read_unmapped
     from ui.first_start import announce_compiling
+    from ui.grids import grid_at
 
     for option, numbers in (("--start", start), ("--goal", (*goal, goal_yaw or 0.0)), ("--timeout", (timeout,))):
         if not all(math.isfinite(number) for number in numbers):
             fail(BAD_INPUT, f"{option}: not a finite number. Write metres, radians, seconds.")
     with bad_input():
-        grid = read_grid(map_yaml)
+        grid = grid_at(map_yaml)
         files = read_parameters(params or [])
         true_grid, told_of_unmapped = (grid, ()) if unmapped is None else read_unmapped(unmapped, grid)
         schedule = () if moving is None else read_moving(moving, grid)

@@ -76,7 +76,6 @@ def localize_command(
     as_json: AsJson = False,
 ) -> None:
     """Localise a robot after the fact: where was it in a map, by the scans and the odometry of a bag."""
-    from thbridge.files.map_files import read_grid
     from thbridge.files.ros.defaults import sentences_of
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.offline.localization_updates import UpdatesFormat, updates_text
@@ -95,6 +94,7 @@ def localize_command(
     )
     from ui.actions.pictures import PICTURES
     from ui.first_start import announce_compiling
+    from ui.grids import grid_at
 
     share_no_output(to, as_json)
     if (initial_pose is None) == (not anywhere):
@@ -109,7 +109,7 @@ def localize_command(
     offset = time_offset_in(time_offset)
     with bad_input():
         software, told, defaults = read_localization_parameters(params or [], localization)
-        grid = read_grid(map_yaml)
+        grid = grid_at(map_yaml)
         seat = None if laser_pose is None else pose_in(laser_pose)
         recording = open_recording(bag, scan_topic, odom_topic, seat, max_odom_speed)
     notices = (*told, *recording.notices)

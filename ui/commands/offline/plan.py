@@ -51,16 +51,16 @@ def plan(
     Prints a table, or one JSON object {"queries": [{"found", "length", "milliseconds", "reason", "code"}, ...]} in the
     order asked: metres, the time that planning took, and why there is no path.
     """
-    from thbridge.files.map_files import read_grid
     from thbridge.offline.plan import plan as planned
     from ui.actions.plan import answers_table, read_queries
     from ui.first_start import announce_compiling
+    from ui.grids import grid_at
 
     for option, value in (("--inflation", inflation), ("--radius", radius)):
         if not 0.0 <= value <= 50.0:
             fail(BAD_INPUT, f"{option}: {value:g} is not between 0 and 50. Write metres, such as 0.3.")
     with bad_input():
-        grid = read_grid(map_yaml)
+        grid = grid_at(map_yaml)
         queries = read_queries(start, goal, batch)
     announce_compiling()
     answers = planned(grid, queries, radius, inflation, planner.value, time.perf_counter)

@@ -35,16 +35,16 @@ def scan(
     """
     import numpy as np
 
-    from thbridge.files.map_files import read_grid
     from thbridge.files.tables.csv_files import read_columns
     from thbridge.offline.scan import beam_angles
     from thbridge.offline.scan import scan as scan_map
+    from ui.grids import grid_at
 
     for option, value in (("--angle-min", angle_min), ("--angle-max", angle_max), ("--pose", sum(pose or ()))):
         if value is not None and not math.isfinite(value):
             fail(BAD_INPUT, f"{option}: not a finite number. Write a number, such as 1.5.")
     with bad_input():
-        grid = read_grid(map_yaml)
+        grid = grid_at(map_yaml)
         if (pose is None) == (batch is None):
             remedy = "Write --pose X Y YAW, or --batch FILE.csv"
             fail(BAD_INPUT, f"--pose, --batch: just one of the two is needed. {remedy}.")

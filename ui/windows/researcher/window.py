@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QProgressDialog
 from sim.common.robot_numbers import number_of, robot_name
 from sim.numerics.float_array import FloatArray
 from thbridge.files.errors import BadFile
-from thbridge.files.map_files import read_grid
+from thbridge.files.grid_files import read_grid
 from thbridge.recording.recordings import parts_of
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark

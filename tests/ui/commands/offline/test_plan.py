@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from thbridge.files.map_files import write_grid
+from thbridge.files.grid_files import write_grid
 from ui.cli import app
 
 TURNED = Pose2(3.0, -2.0, 0.7)

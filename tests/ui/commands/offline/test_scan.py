@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from thbridge.files.map_files import write_grid
+from thbridge.files.grid_files import write_grid
 from ui.cli import app
 
 
@@ -92,3 +92,15 @@ def test_a_heading_in_degrees(room):
 def test_degrees_without_their_unit_are_told(room):
     told = scan("--map", room, "--pose", -0.5, 1.0, 90)
     assert told.stderr.startswith("--pose: 90 rad is more than a turn, and counts as 2.035 rad")
+
+
+def test_a_map_by_its_name_and_by_its_folder(room):
+    assert ranges("--map", room.parent, "--pose", -0.5, 1.0, 0) == ranges("--map", room, "--pose", -0.5, 1.0, 0)
+    assert len(ranges("--map", "arena8", "--pose", 0, 0, 0, "--beams", 5)[0]) == 5
+
+
+def test_what_is_odd_in_a_map_is_told(room):
+    room.write_text(room.read_text().replace("map.pgm", "/home/x/map.pgm"))
+    told = scan("--map", room, "--pose", -0.5, 1.0, 0)
+    assert told.exit_code == 0
+    assert "there is no file /home/x/map.pgm, so map.pgm beside map.yaml is taken" in told.stderr

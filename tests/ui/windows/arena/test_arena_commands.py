@@ -11,7 +11,8 @@ from typer.testing import CliRunner
 
 from tests.system.small_disk import SmallDisk, why_not
 from tests.ui.model.test_arena_draft import FOUND, GRID
-from thbridge.files.map_files import check_map, read_map, write_grid, write_rooms
+from thbridge.files.grid_files import write_grid
+from thbridge.files.map_files import check_map, read_map, write_rooms
 from ui.cli import app
 from ui.windows.arena.window import ArenaWindow
 

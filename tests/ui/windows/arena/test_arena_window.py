@@ -9,7 +9,8 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.model.test_arena_draft import FOUND, GRID
 from tests.ui.windows.walking import against_the_eye, nameless, stops
-from thbridge.files.map_files import check_map, read_map, write_grid, write_rooms
+from thbridge.files.grid_files import write_grid
+from thbridge.files.map_files import check_map, read_map, write_rooms
 from thbridge.offline.arena import Arena
 from ui.model.theme import DARK, LIGHT
 from ui.windows.arena.window import ArenaWindow

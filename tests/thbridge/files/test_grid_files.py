@@ -1,0 +1,94 @@
+"""Files of maps as map_server of ROS 1 and of Nav2 read them, and as other machines and editors write them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.common.geometry import IDENTITY
+from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from thbridge.files.errors import BadFile
+from thbridge.files.grid_files import read_grid, read_grid_file, write_grid
+
+CELLS = np.full((4, 6), FREE, dtype=np.int8)
+CELLS[0, :] = OCCUPIED
+LINES = {
+    "image": "map.pgm",
+    "resolution": "0.05",
+    "origin": "[0.0, 0.0, 0.0]",
+    "negate": "0",
+    "occupied_thresh": "0.65",
+    "free_thresh": "0.196",
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    write_grid(tmp_path, OccupancyGrid(CELLS, 0.05, IDENTITY))
+    return tmp_path
+
+
+def written(folder: Path, **lines: str) -> Path:
+    path = folder / "map.yaml"
+    path.write_text("".join(f"{key}: {value}\n" for key, value in {**LINES, **lines}.items()))
+    return path
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        {"resolution": '"0.05"', "occupied_thresh": "'0.65'"},
+        {"origin": '["0.0", 0.0, "0"]'},
+        {"negate": "false"},
+        {"negate": "No"},
+        {"mode": "Trinary"},
+        {"occupied_thresh": "0.5", "free_thresh": "0.5"},
+    ],
+)
+def test_what_map_servers_read_is_read(folder: Path, lines: dict[str, str]) -> None:
+    file = read_grid_file(written(folder, **lines))
+    np.testing.assert_array_equal(file.grid.cells, CELLS)
+    assert file.doubts == ()
+
+
+def test_further_keys_do_not_count_and_are_told(folder: Path) -> None:
+    file = read_grid_file(written(folder, frame_id="map", floor="0"))
+    np.testing.assert_array_equal(file.grid.cells, CELLS)
+    assert [(doubt.key, doubt.line) for doubt in file.doubts] == [("frame_id", 7), ("floor", 8)]
+
+
+@pytest.mark.parametrize(
+    "image",
+    [
+        "/home/x/install/maps/map.pgm",
+        "~/map.pgm",
+        "file:///home/x/map.pgm",
+        r"C:\Users\lab\map.pgm",
+        r".\map.pgm",
+        "Map.PGM",
+    ],
+)
+def test_an_image_that_is_not_there_is_looked_for_beside_the_file_and_that_is_told(folder: Path, image: str) -> None:
+    file = read_grid_file(written(folder, image=image))
+    np.testing.assert_array_equal(file.grid.cells, CELLS)
+    (doubt,) = file.doubts
+    assert (doubt.key, doubt.line) == ("image", 1)
+    assert str(doubt).endswith(f"there is no file {image}, so map.pgm beside map.yaml is taken. Write image: map.pgm.")
+
+
+def test_an_image_that_is_nowhere_is_a_fault(folder: Path) -> None:
+    with pytest.raises(BadFile, match=r"map\.yaml, line 1, image: there is no file /home/x/other\.pgm\. Name the "):
+        read_grid(written(folder, image="/home/x/other.pgm"))
+
+
+@pytest.mark.parametrize("heading", ["-nan", "nan", ".nan", "-.NaN"])
+def test_a_heading_of_a_saver_that_knew_none(folder: Path, heading: str) -> None:
+    with pytest.raises(BadFile, match=r"line 3, origin\[2\]: \S+ is no heading; .* Write 0, unless the map is"):
+        read_grid(written(folder, origin=f"[0.0, 0.0, {heading}]"))
+
+
+def test_a_misspelt_key_is_named_with_the_right_one(folder: Path) -> None:
+    path = written(folder)
+    path.write_text(path.read_text().replace("resolution", "resolutoin"))
+    with pytest.raises(BadFile, match=r"line 2, resolutoin: unknown key\. The nearest right name is resolution"):
+        read_grid(path)

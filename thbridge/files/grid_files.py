@@ -1,0 +1,167 @@
+"""Occupancy grids in files: `map.yaml` and its image as map_server reads them and map_saver writes them."""
+
+import math
+import re
+from dataclasses import dataclass, field, fields, replace
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+
+from sim.common.geometry import Pose2
+from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
+from sim.numerics.elementary import wrap_angle
+from thbridge.files.disk.inside import fault_of_path
+from thbridge.files.disk.regular_files import is_regular
+from thbridge.files.disk.text_files import read_text
+from thbridge.files.disk.whole import write_whole
+from thbridge.files.errors import BadFile
+from thbridge.files.image_files import read_image
+from thbridge.files.yaml.load import Loaded, load_tree
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
+
+GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
+"""Grey values of cells, as written by map_saver."""
+OCCUPIED_THRESH = 0.65
+FREE_THRESH = 0.196
+
+POSE = {"unit": "m, m, rad"}
+"""Declaration of a field of x, y, yaw."""
+
+
+@dataclass(frozen=True, slots=True)
+class _MapYaml:
+    image: str
+    resolution: float = field(metadata={"unit": "m", "minimum": 0.001, "maximum": 10})
+    origin: tuple[float, float, float] = field(metadata=POSE)
+    negate: int = field(metadata={"minimum": 0, "maximum": 1})
+    occupied_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
+    free_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
+    mode: MapMode = "trinary"
+
+
+@dataclass(frozen=True, slots=True)
+class GridFile:
+    """A `map.yaml` that was read, and the occupancy grid that map_server makes of it."""
+
+    yaml: Loaded[_MapYaml]
+    grid: OccupancyGrid
+
+    @property
+    def doubts(self) -> tuple[BadFile, ...]:
+        """What is odd in the file, but does not keep map_server from reading it."""
+        return self.yaml.doubts
+
+
+def read_grid(map_yaml: Path) -> OccupancyGrid:
+    """The occupancy grid of a `map.yaml`; as `read_grid_file`."""
+    return read_grid_file(map_yaml).grid
+
+
+def read_grid_file(map_yaml: Path) -> GridFile:
+    """Read a `map.yaml` and its image.
+
+    An image that is not where the file says may be beside it, as when the map comes from another machine.
+
+    Raises:
+        BadFile: the file or its image is missing or has a fault.
+    """
+    doubts: list[BadFile] = []
+    loaded = load_tree(map_yaml, _as_map_server(map_yaml, parse(map_yaml, read_text(map_yaml)), doubts), _MapYaml)
+    entry = loaded.value
+    if entry.free_thresh > entry.occupied_thresh:
+        problem = f"{entry.free_thresh} is above occupied_thresh {entry.occupied_thresh}"
+        raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
+    if problem := fault_of_path(entry.image):
+        raise loaded.fault("image", problem, "Name the image, beside map.yaml or with its full path")
+    image = _image_of(map_yaml, entry.image)
+    if image is None:
+        remedy = "Name the image, beside map.yaml or with its full path"
+        raise loaded.fault("image", f"there is no file {map_yaml.parent / entry.image}", remedy)
+    if image != map_yaml.parent / entry.image:
+        problem = f"there is no file {entry.image}, so {image.name} beside map.yaml is taken"
+        doubts.append(loaded.fault("image", problem, f"Write image: {image.name}"))
+    pixels = read_image(image)
+    cells = interpret_image(pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, entry.mode)
+    whole = replace(loaded, doubts=(*doubts, *loaded.doubts))
+    return GridFile(whole, OccupancyGrid(cells, entry.resolution, pose_of(*entry.origin)))
+
+
+def _as_map_server(path: Path, tree: Node, doubts: list[BadFile]) -> Node:
+    """Return a tree as map_server reads it.
+
+    It takes numbers in quotes and ignores keys that it does not know (yaml-cpp); that of Nav2 also takes true and false
+    for `negate`, and capitals in `mode` (map_io.cpp).
+    """
+    if not isinstance(tree, Section):
+        return tree
+    known = {each.name for each in fields(_MapYaml)}
+    missing = known - {key.text for key, _ in tree.entries}
+    entries: list[tuple[Scalar, Node]] = []
+    for key, child in tree.entries:
+        if key.text not in known and not get_close_matches(key.text, missing, n=1):
+            remedy = "Take the line away if it is a slip"
+            doubts.append(BadFile(path, "map_server does not know this key", remedy, key.line, key.text))
+        elif isinstance(child, Scalar) and key.text == "mode":
+            entries.append((key, replace(child, text=child.text.lower())))
+        elif isinstance(child, Scalar) and key.text != "image":
+            text = _NEGATE.get(child.text.lower(), child.text) if key.text == "negate" else child.text
+            entries.append((key, replace(child, text=text, plain=True)))
+        elif isinstance(child, Listing) and key.text == "origin":
+            items = [replace(each, plain=True) if isinstance(each, Scalar) else each for each in child.items]
+            if len(items) == 3 and isinstance(items[2], Scalar) and items[2].text.lstrip("+-.").lower() == "nan":
+                problem = f"{items[2].text} is no heading; savers write it of a pose whose orientation was never set"
+                raise BadFile(path, problem, "Write 0, unless the map is turned", child.line, "origin[2]")
+            entries.append((key, replace(child, items=items)))
+        else:
+            entries.append((key, child))
+    return replace(tree, entries=entries)
+
+
+_NEGATE = {"true": "1", "false": "0", "yes": "1", "no": "0", "on": "1", "off": "0"}
+
+
+def _image_of(map_yaml: Path, written: str) -> Path | None:
+    """Return the image that a `map.yaml` names, or else one of the same name beside it; None: there is none."""
+    image = map_yaml.parent / written
+    if is_regular(image):
+        return image
+    name = re.split(r"[/\\]", written)[-1]
+    beside = sorted(
+        each for each in map_yaml.parent.iterdir() if each.name.lower() == name.lower() and is_regular(each)
+    )
+    return next((each for each in beside if each.name == name), beside[0] if beside else None)
+
+
+def pose_of(x: float, y: float, yaw: float) -> Pose2:
+    """Return a pose with its heading within half a turn."""
+    # Wrapping rounds, so an angle that needs no wrapping stays as it was written.
+    return Pose2(x, y, yaw if -math.pi <= yaw < math.pi else wrap_angle(yaw))
+
+
+def write_grid(folder: Path, grid: OccupancyGrid) -> None:
+    """Write `map.yaml` and `map.pgm` as map_saver does; the folder is made if it is missing.
+
+    Raises:
+        ValueError: there are cells other than free, occupied and unknown, which these files cannot store.
+        OSError: the folder cannot be made.
+        BadFile: a file cannot be written.
+    """
+    shades = np.full(256, 1, dtype=np.uint8)
+    for cell, grey in GREY_OF_CELL.items():
+        shades[cell % 256] = grey
+    pixels = shades[grid.cells.view(np.uint8)][::-1]
+    if (pixels == 1).any():
+        raise ValueError("only cells 0, 100 and -1 can be written")
+    folder.mkdir(parents=True, exist_ok=True)
+    header = f"P5\n{grid.cols} {grid.rows}\n255\n".encode("ascii")
+    write_whole(folder / "map.pgm", header + pixels.tobytes())
+    text = (
+        "image: map.pgm\n"
+        f"resolution: {grid.resolution!r}\n"
+        f"origin: [{grid.origin.x!r}, {grid.origin.y!r}, {grid.origin.theta!r}]\n"
+        "negate: 0\n"
+        f"occupied_thresh: {OCCUPIED_THRESH}\n"
+        f"free_thresh: {FREE_THRESH}\n"
+    )
+    write_whole(folder / "map.yaml", text.encode())

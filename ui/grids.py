@@ -1,0 +1,26 @@
+"""Maps that commands take: a map.yaml, a folder with one, or the name of a map that comes with the project."""
+
+from pathlib import Path
+
+from sim.common.grid import OccupancyGrid
+from thbridge.files.grid_files import read_grid_file
+from thbridge.files.resources import shipped
+from ui.terminal import note
+
+MAP_YAML = "map.yaml"
+
+
+def grid_at(named: Path) -> OccupancyGrid:
+    """The occupancy grid of a map; what is odd in its file is told.
+
+    Raises:
+        BadFile: it cannot be read.
+    """
+    if named.is_dir():
+        named = named / MAP_YAML
+    elif not named.exists() and str(named) in shipped().names("maps"):
+        named = shipped().root / "maps" / named / MAP_YAML
+    file = read_grid_file(named)
+    for doubt in file.doubts:
+        note(str(doubt))
+    return file.grid
