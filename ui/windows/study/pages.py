@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QElapsedTimer, QSignalBlocker, Qt, QTimer, Signal, SignalInstance, Slot
+from PySide6.QtCore import QElapsedTimer, QSignalBlocker, QTimer, Signal, SignalInstance, Slot
 from PySide6.QtGui import QColor, QPalette, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -64,7 +64,6 @@ class FieldsPage(QScrollArea):
     def __init__(self) -> None:
         super().__init__(widgetResizable=True)
         self.setAccessibleName("Settings")
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.rows: dict[str, FieldRow] = {}
         self._clearing: dict[str, QPushButton] = {}
         self._naming: dict[str, list[Callable[[str], object]]] = {}

@@ -33,3 +33,17 @@ def test_nothing_is_cut_off_or_covered(window: StudyWindow, qapp: QApplication, 
                 assert misfits(window) == [], size
     finally:
         look.apply_text_size(qapp, 1.0)
+
+
+def test_what_a_small_window_has_no_width_for_is_scrolled_to(window: StudyWindow, qapp: QApplication) -> None:
+    look.apply_text_size(qapp, 1.5)
+    try:
+        window.open_section("game")
+        window.resize(800, 500)
+        settle()
+        window.fields.finish()
+        settle()
+        assert window.fields.widget().width() > window.fields.viewport().width()
+        assert misfits(window) == []
+    finally:
+        look.apply_text_size(qapp, 1.0)
