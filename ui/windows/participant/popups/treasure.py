@@ -73,12 +73,14 @@ class TreasurePanel(TitledPanel):
     def arrange(self, space: QSize) -> None:
         """Put the list beside the picture where names fit whole there, or else above; the readings likewise.
 
-        Where space is short, what a name costs and wins is below all else and not on the button.
+        Where space is short, what a name costs and wins is below all else and not on the button, and all is closer.
         """
         super().arrange(space)
         self._space = space
         for button in (self.name_it, self.unsure, self.leave):
             button.show_hints(not self.compact)
+        for rows in (self.rows, self._grid):
+            rows.setSpacing(GAP if self.compact else int(1.5 * GAP))
         row, column = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.TopToBottom
         self._others.setDirection(row if self.compact else column)
         alone = self._pop is None or self._pop.unsure is None
