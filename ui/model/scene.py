@@ -34,6 +34,7 @@ class RoomMark:
         found_shorter: the same in fewer and fewer words.
         robot: index of the robot that visited it or drives to it.
         answer: what the participant said of its treasure, and the points, where `found` is not that already.
+        answer_shorter: the same in fewer words.
     """
 
     room: int
@@ -46,6 +47,7 @@ class RoomMark:
     found_shorter: tuple[str, ...] = ()
     robot: int | None = None
     answer: str = ""
+    answer_shorter: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -137,4 +137,5 @@ def _room(room: MapRoom, status: RoomStatus) -> RoomMark:
         found=status.found,
         robot=status.robot,
         answer=status.answer,
+        answer_shorter=status.answer_shorter,
     )

@@ -65,12 +65,14 @@ class RoomStatus:
         robot: index of the robot that drives to it or was there.
         found: the treasure hidden in it.
         answer: what the participant said of it, and the points.
+        answer_shorter: the same in fewer words.
     """
 
     state: RoomState = "unvisited"
     robot: int | None = None
     found: str = ""
     answer: str = ""
+    answer_shorter: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,7 +208,9 @@ class SessionLog:
             case GameEvent("failed", _, int(room)):
                 rooms = {**rooms, room: replace(room_before, state="unvisited", robot=None)}
             case GameEvent("identified", _, int(room)):
-                rooms = {**rooms, room: replace(room_before, state=_decided(fields), answer=_answer(fields))}
+                answer, *shorter = _answers(fields)
+                decided_room = replace(room_before, state=_decided(fields), answer=answer, answer_shorter=(*shorter,))
+                rooms = {**rooms, room: decided_room}
             case GameEvent("left", _, int(room)):
                 rooms = {**rooms, room: replace(room_before, answer="left there")}
             case GameEvent("takenup", _, int(room)):
@@ -237,11 +241,11 @@ def _name(treasure: object) -> str:
     return name_in_words(str(treasure.get("name", ""))) if isinstance(treasure, dict) else ""
 
 
-def _answer(fields: dict[str, object]) -> str:
-    """The name given to a treasure, in words; first the points, since a small room has no place for all."""
-    name, points = fields.get("name"), fields.get("points")
+def _answers(fields: dict[str, object]) -> tuple[str, ...]:
+    """The name given to a treasure, in words, with the points; then the points alone."""
+    name, points = name_in_words(str(fields.get("name") or "")), fields.get("points")
     won = gained(points) if isinstance(points, int) else ""
-    return " for ".join(part for part in (won, name_in_words(str(name or ""))) if part)
+    return (f"{won} for {name}", won) if won and name else (won or name,)
 
 
 def _decided(fields: dict[str, object]) -> RoomState:

@@ -179,7 +179,7 @@ def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
     for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
         if _paint_title(painter, space, mark, palette, font, scale):
             # Where there is no room for both, the answer is what is new.
-            for words, *shorter in ((mark.answer,), (mark.found, *mark.found_shorter)):
+            for words, *shorter in ((mark.answer, *mark.answer_shorter), (mark.found, *mark.found_shorter)):
                 if words:
                     _paint_pill(painter, _Pill(space, words, font, shorter), palette)
             break
@@ -195,7 +195,7 @@ def _paint_title(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
     tall = heading.capHeight() + 0.3 * caption.height() + caption.height()
     wide = max(heading.horizontalAdvance(text), caption.horizontalAdvance(name))
     title = space.put(wide, tall, right=False, low=False)
-    if title is not None and mark.answer and not _Pill(space, mark.answer, font).fits():
+    if title is not None and mark.answer and not _Pill(space, mark.answer, font, mark.answer_shorter).fits():
         space.taken.remove(title)
         title = None
     if title is None:
@@ -219,23 +219,30 @@ class _Pill:
         self.font = sized(font, NAME_HEIGHT * text_scale(font), QFont.Weight.Medium)
         metrics = QFontMetricsF(self.font)
         width = space.width - 2.0 * space.inset - 16.0
-        # A name without its points says more than a part of both.
-        texts = text, text.partition(",")[0], *shorter
-        text = next((each for each in texts if metrics.horizontalAdvance(each) <= width), texts[1])
-        self.words = metrics.elidedText(text, Qt.TextElideMode.ElideRight, width)
+        texts = text, *shorter, *_first_words((text, *shorter)[-1])
+        # Where not even a word fits there is nothing.
+        self.words = next((each for each in texts if metrics.horizontalAdvance(each) <= width), "")
         self._size = metrics.horizontalAdvance(self.words) + 16.0, metrics.height() + 6.0
         self._space = space
 
     def put(self) -> QRectF | None:
-        """Take the place; return None where there is none."""
-        return self._space.put(*self._size, right=False, low=True)
+        """Take the place; return None where there is none, or no words."""
+        return self._space.put(*self._size, right=False, low=True) if self.words else None
 
     def fits(self) -> bool:
-        """Return True where there is a place, without taking it."""
+        """Return True where there is a place or no words, without taking it."""
+        if not self.words:
+            return True
         box = self.put()
         if box is not None:
             self._space.taken.remove(box)
         return box is not None
+
+
+def _first_words(text: str) -> tuple[str, ...]:
+    """Return fewer and fewer of the first words of a text, each time with a sign that it goes on."""
+    words = text.split(" ")
+    return tuple(f"{' '.join(words[:count])} …" for count in range(len(words) - 1, 0, -1))
 
 
 def _paint_pill(painter: QPainter, pill: _Pill, palette: Palette) -> None:

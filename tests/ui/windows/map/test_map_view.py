@@ -267,6 +267,11 @@ def test_a_badge_has_fewer_words_where_all_do_not_fit(qtbot: QtBot, arena: Map) 
     space = rooms._Space(view.box.to_pixels(), rooms_of(arena)[0].region, None)
     found = rooms._Pill(space, "something of an orange that fits into no room", view.box.letters, ("orange",))
     assert found.words == "orange"
+    assert (
+        rooms._Pill(space, "something of an orange that fits into no room", view.box.letters).words
+        == "something of an orange …"
+    )
+    assert not rooms._Pill(space, "something-that-fits-into-no-room-of-the-house", view.box.letters).words
 
 
 class Paintings(QObject):
