@@ -96,24 +96,26 @@ OVER = (
     KeyBinding(("Enter",), GoOnFromGame(), "keys.go_on"),
 )
 """Keys once the game is over, one for each of the ways on; the page offers one of them."""
-QUESTION = (
-    KeyBinding(("Y",), Confirm(), "keys.yes"),
-    KeyBinding(("N", "Esc"), Cancel(), "keys.no"),
-)
-"""Keys while the program asks for confirmation; all others are ignored then."""
-
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
 
 WAITING_KEY = "W"
 """The second key of `ShowNext`: for a button that shows what waits, "Esc" would be a riddle."""
 
-_TABLES = (PLAYING, CONSENT, OVER, QUESTION, (HELP,))
+_TABLES = (PLAYING, CONSENT, OVER, (HELP,))
 _CTRL = "Ctrl+"
 _TAKEN = frozenset((*(key for binding in (*PLAYING, HELP) for key in binding.keys), "L", "N", "P"))
 """Keys that no answer gets: with Ctrl, L, N and P are keys of the pop-up that dialogues take the place of."""
 BACK = "close-questions"
 """Word for the answer that leads from the questions back to the other answers."""
 _STEPS = ("Up", "Down", "Home", "End")
+
+
+def question_keys(texts: Texts) -> tuple[KeyBinding, KeyBinding]:
+    """Keys while the program asks for confirmation, letters of the language; all others are ignored then."""
+    return (
+        KeyBinding((texts.text("keys.letter_of_yes"),), Confirm(), "keys.yes"),
+        KeyBinding((texts.text("keys.letter_of_no"), "Esc"), Cancel(), "keys.no"),
+    )
 
 
 def key_of(act: Act) -> str:
@@ -160,7 +162,8 @@ def act_for(key: str, screen: Screen) -> Act | None:
         # The sheet covers what the other keys are for.
         return None
     if screen.confirmation is not None:
-        return _bound(key, QUESTION)
+        answers = screen.confirmation.yes, screen.confirmation.no
+        return Cancel() if key == "Esc" else next((answer.act for answer in answers if answer.key == key), None)
     if screen.enlarged is not None:
         return EnlargePicture() if key in ("Esc", "Enter", "Space", key_of(EnlargePicture())) else None
     match screen.phase:
@@ -242,7 +245,7 @@ def help_lines(
     if properties:
         lines.append((texts.text("keys.with_number", key=ctrl), texts.text("keys.property_number")))
     lines.append((texts.text("keys.with_letter", key=ctrl), texts.text("keys.letter_meanwhile")))
-    lines += [help_line(texts, binding) for binding in (*QUESTION, HELP)]
+    lines += [help_line(texts, binding) for binding in (*question_keys(texts), HELP)]
     return tuple(lines)
 
 

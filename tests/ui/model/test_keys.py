@@ -5,7 +5,18 @@ import pytest
 
 from tests.ui.model.seat import Seat
 from thbridge.files.language_texts import shipped_texts
-from ui.model.keys import CONSENT, HELP, OVER, PLAYING, QUESTION, act_for, choice_keys, help_lines, key_of, shown_key
+from ui.model.keys import (
+    CONSENT,
+    HELP,
+    OVER,
+    PLAYING,
+    act_for,
+    choice_keys,
+    help_lines,
+    key_of,
+    question_keys,
+    shown_key,
+)
 from ui.model.participant import Participant
 from ui.model.screen import (
     AnotherGame,
@@ -31,6 +42,8 @@ from ui.model.screen import (
     TypeDigit,
     TypeLetter,
 )
+
+QUESTION = question_keys(shipped_texts())
 
 
 def test_no_key_does_two_things_at_a_time():
@@ -102,6 +115,14 @@ def test_a_question_hears_only_yes_no_and_help():
     screen = seat.press(EndGame())
     assert [act_for(key, screen) for key in ("Y", "N", "Esc", "F1")] == [Confirm(), Cancel(), Cancel(), ShowHelp()]
     assert [act_for(key, screen) for key in ("3", "Tab", "Enter", "D", "E")] == [None] * 5
+
+
+def test_a_question_is_answered_by_the_letters_of_the_language_as_its_buttons_say():
+    seat = Seat(Participant(texts=shipped_texts("de")))
+    question = seat.press(EndGame()).confirmation
+    assert (question.yes.key, question.no.key) == ("J", "N")
+    assert [act_for(key, seat.screen) for key in ("J", "N", "Esc", "Y")] == [Confirm(), Cancel(), Cancel(), None]
+    assert ("J", "Ja auf eine Frage des Programms") in help_lines(shipped_texts("de"), 8)
 
 
 def test_a_dialogue_takes_the_letters_on_its_buttons():

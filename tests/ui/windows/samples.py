@@ -355,8 +355,8 @@ def question(texts: Texts) -> Confirmation:
     return Confirmation(
         texts.text("confirmations.reroute", robot=0, room=5),
         texts.text("confirmations.reroute_text", robot=0, place=4, room=5, energy=12.5),
-        Action(Confirm(), texts.text("confirmations.reroute_yes", room=5), "Y"),
-        Action(Cancel(), texts.text("confirmations.reroute_no"), "N"),
+        Action(Confirm(), texts.text("confirmations.reroute_yes", room=5), texts.text("keys.letter_of_yes")),
+        Action(Cancel(), texts.text("confirmations.reroute_no"), texts.text("keys.letter_of_no")),
     )
 
 

@@ -1,6 +1,6 @@
 """Questions that ask for confirmation before steps that cannot be undone."""
 
-from ui.model.keys import keyed
+from ui.model.keys import question_keys
 from ui.model.playing.memory.state import (
     EndGameEarly,
     HuntMemory,
@@ -11,26 +11,27 @@ from ui.model.playing.memory.state import (
     Reroute,
 )
 from ui.model.playing.words import scored
-from ui.model.screen import Cancel, Confirm, Confirmation
+from ui.model.screen import Action, Cancel, Confirm, Confirmation
 
 
 def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | None:
     """The question about the pending step, if there is one."""
     texts, score = hunt.texts, scored(hunt.view.score)
+    yes, no = (binding.keys[0] for binding in question_keys(texts))
     match hunt.pending_step:
         case Reroute(robot, room):
             return Confirmation(
                 texts.text("confirmations.reroute", robot=robot, room=room),
                 _reroute_text(memory, hunt, robot, room),
-                keyed(Confirm(), texts.text("confirmations.reroute_yes", room=room)),
-                keyed(Cancel(), texts.text("confirmations.reroute_no")),
+                Action(Confirm(), texts.text("confirmations.reroute_yes", room=room), yes),
+                Action(Cancel(), texts.text("confirmations.reroute_no"), no),
             )
         case LeaveUndecided(request, room):
             return Confirmation(
                 texts.text("confirmations.undecided", room=room),
                 texts.text("confirmations.undecided_text", robot=request.robot, room=room),
-                keyed(Confirm(), texts.text("confirmations.undecided_yes")),
-                keyed(Cancel(), texts.text("confirmations.undecided_no")),
+                Action(Confirm(), texts.text("confirmations.undecided_yes"), yes),
+                Action(Cancel(), texts.text("confirmations.undecided_no"), no),
             )
         case EndGameEarly():
             left = sum(room.state == "unvisited" for room in hunt.view.rooms)
@@ -39,22 +40,22 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
                 texts.text("confirmations.end_text", count=left, score=score)
                 if left
                 else texts.text("confirmations.end_text_all_visited", score=score),
-                keyed(Confirm(), texts.text("confirmations.end_yes")),
-                keyed(Cancel(), texts.text("confirmations.end_no")),
+                Action(Confirm(), texts.text("confirmations.end_yes"), yes),
+                Action(Cancel(), texts.text("confirmations.end_no"), no),
             )
         case LeaveLast(room):
             return Confirmation(
                 texts.text("confirmations.leave_last"),
                 texts.text("confirmations.leave_last_text", room=room, score=score),
-                keyed(Confirm(), texts.text("confirmations.leave_last_yes")),
-                keyed(Cancel(), texts.text("confirmations.leave_last_no")),
+                Action(Confirm(), texts.text("confirmations.leave_last_yes"), yes),
+                Action(Cancel(), texts.text("confirmations.leave_last_no"), no),
             )
         case LeaveWindow(ends):
             return Confirmation(
                 texts.text("confirmations.leave_game"),
                 texts.text("confirmations.leave_game_ends" if ends else "confirmations.leave_game_goes_on"),
-                keyed(Confirm(), texts.text("confirmations.leave_game_yes")),
-                keyed(Cancel(), texts.text("confirmations.leave_game_no")),
+                Action(Confirm(), texts.text("confirmations.leave_game_yes"), yes),
+                Action(Cancel(), texts.text("confirmations.leave_game_no"), no),
             )
         case None:
             return None
