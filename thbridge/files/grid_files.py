@@ -49,7 +49,7 @@ class GridFile:
 
     @property
     def doubts(self) -> tuple[BadFile, ...]:
-        """What is odd in the file, but does not keep map_server from reading it."""
+        """Oddities of the file that do not keep map_server from reading it."""
         return self.yaml.doubts
 
 

@@ -17,6 +17,10 @@ _TRUE = {"yes", "Yes", "YES", "on", "On", "ON", "True", "TRUE"}
 _FALSE = {"no", "No", "NO", "off", "Off", "OFF", "False", "FALSE"}
 _WHOLE_REAL = re.compile(r"([-+]?\d+)\.0*")
 _ANGLE = re.compile(r"(deg|rad)\((.*)\)")
+_OTHER_BASE = re.compile(r"[-+]?0(x[\da-fA-F]+|b[01]+|[0-7]+)")
+"""Numbers in base 16, 2 and 8, as in YAML 1.1, by which ROS reads."""
+_TEXT_TAG = "tag:yaml.org,2002:str"
+_PLAIN_TAGS = {*(f"tag:yaml.org,2002:{kind}" for kind in ("float", "int", "bool", "null")), _TEXT_TAG}
 
 
 @dataclass(slots=True)
@@ -89,11 +93,15 @@ class RosYamlNormalizer:
             text = called[2] if called else node.text
             degrees = called[1] == "deg" if called else node.tag == "!degrees"
             return Scalar(repr(self.angle(text, node.line, degrees)), plain=True, line=node.line)
+        if node.tag in _PLAIN_TAGS:
+            return self.scalar(dataclasses.replace(node, tag=None, plain=node.tag != _TEXT_TAG))
         if node.tag is not None:
             remedy = "Write the plain value; only !degrees and !radians are known"
             raise BadFile(self.path, "a tag (!)", remedy, line=node.line, key=node.tag)
         if not node.plain:
             return node
+        if _OTHER_BASE.fullmatch(node.text):
+            return dataclasses.replace(node, text=str(_in_ten(node.text)))
         whole = _WHOLE_REAL.fullmatch(node.text)
         if node.text in _TRUE | _FALSE:
             return dataclasses.replace(node, text="true" if node.text in _TRUE else "false")
@@ -106,3 +114,10 @@ class RosYamlNormalizer:
         if value is None:
             raise BadFile(self.path, f"{text!r} is no angle", "Write a number, or such as pi/2", line=line)
         return math.radians(value) if degrees else value
+
+
+def _in_ten(text: str) -> int:
+    """Return the value of a number in another base; one that begins with a mere 0 has the base 8."""
+    sign = -1 if text[0] == "-" else 1
+    digits = text.lstrip("+-")
+    return sign * int(digits, 0 if digits[1] in "xb" else 8)

@@ -24,7 +24,7 @@ from thbridge.files.ros.nav2 import as_ros1, is_of_ros2
 from thbridge.files.ros.normalize import Entry, RosYamlNormalizer
 from thbridge.files.ros.recoveries import behaviour_names, with_our_behaviours
 from thbridge.files.yaml.declarations import choices_of
-from thbridge.files.yaml.load import load_tree
+from thbridge.files.yaml.load import load_tree, words_in
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 
 if TYPE_CHECKING:
@@ -93,6 +93,10 @@ LAYERS_WITHOUT_EFFECT: Mapping[str, str] = {
     "publish_observations": "a parameter of a layer that there is not here",
 }
 """The same in layers of costmaps."""
+OF_THE_GRAPH = frozenset(
+    {"robot_description", "rosdistro", "roslaunch", "rosversion", "run_id", "tf_prefix", "use_sim_time"}
+)
+"""Parameters of no node, which a dump of the parameter server has."""
 _PLANNER = re.compile(r"\w*(Planner|Follower|Controller)\w*")
 """Name of a section of a planner, among them those of packages that are not ROS's own."""
 
@@ -317,6 +321,11 @@ class _Sorter:
         Unknown sections are under an empty name.
         """
         homes: dict[str, list[Entry]] = {}
+        for key, _ in flat:
+            if key.text in OF_THE_GRAPH:
+                self.tell(key, f"{key.text} has no effect here: it is for the whole graph of ROS")
+        flat = [entry for entry in flat if entry[0].text not in OF_THE_GRAPH]
+        ours = {*SECTIONS, *LAYERS, *self.layers, *OF_THE_GRAPH}
         known = {section: self.names_of(section, flat) for section in SECTIONS}
         scores = {section: math.fsum(_likeness(key.text, names) for key, _ in flat) for section, names in known.items()}
         ranked = sorted(SECTIONS, key=lambda section: -scores[section])
@@ -326,6 +335,8 @@ class _Sorter:
             if home is None and isinstance(child, Section) and not layer:
                 if _PLANNER.fullmatch(key.text) and not difflib.get_close_matches(key.text, SECTIONS, cutoff=0.85):
                     self.tell(key, f"{key.text} has no effect here: there is no such planner")
+                elif not difflib.get_close_matches(key.text, ours, cutoff=0.7):
+                    self.tell(key, f"{key.text} has no effect here: it is of no node that there is here")
                 else:
                     homes.setdefault("", []).append((key, child))
                 continue
@@ -344,8 +355,8 @@ class _Sorter:
         if section in COSTMAPS:
             names |= {"plugins"}
             for key, child in flat:
-                if key.text == "observation_sources" and isinstance(child, Scalar):
-                    names |= set(child.text.split())
+                if key.text == "observation_sources":
+                    names |= set(words_in(child))
                 if isinstance(child, Section) and self.layer_of(key.text) is not None:
                     names.add(key.text)
         return names
@@ -379,12 +390,7 @@ class _Sorter:
 
     def costmap(self, section: str, entries: list[Entry]) -> list[Entry]:
         """A costmap with its layers under our names, and without `plugins`."""
-        sources = {
-            word
-            for key, child in entries
-            if key.text == "observation_sources" and isinstance(child, Scalar)
-            for word in child.text.split()
-        }
+        sources = {word for key, child in entries if key.text == "observation_sources" for word in words_in(child)}
         shaped: list[Entry] = []
         layers: dict[str, list[Entry]] = {}
         for key, child in entries:

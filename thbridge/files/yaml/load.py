@@ -111,6 +111,7 @@ _COMMA = re.compile(r"[-+]?\d*,\d+")
 _LEADING_ZERO = re.compile(r"[-+]?0\d+")
 _COUNTED = re.compile(r"[1-9]\d{0,8}")
 _NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
+_LAUNCHED = re.compile(r"\$\(.*\)")
 _WORDS_FOR_TRUTH = {"yes", "no", "on", "off", "y", "n"}
 
 
@@ -177,6 +178,8 @@ class _Reader:
         text, remedy = node.text, wanted(kind, metadata)
         is_angle = kind is float and metadata.get("unit") == "rad"
         angle = radians_of(text) if is_angle else None
+        if _LAUNCHED.fullmatch(text):
+            return self.wrong(node.line, key, f"{text} is for a launch file to fill in", remedy)
         if angle is None and not node.plain:
             return self.wrong(node.line, key, f"{text!r} in quotes is text, not a number", "Take the quotes away")
         if _NOT_FINITE.fullmatch(text):
@@ -378,10 +381,16 @@ class _Reader:
         self.wrong(name.line, place, "unknown key", remedy)
 
 
+def words_in(node: Node) -> list[str]:
+    """Return the words of a text, or those in a list, where a text is needed."""
+    if isinstance(node, Listing):
+        return [word for item in node.items for word in words_in(item)]
+    return node.text.split() if isinstance(node, Scalar) else []
+
+
 def _words(node: Section, key: str) -> list[str]:
     """The words in the text of a key of a section."""
-    texts = [child.text for name, child in node.entries if name.text == key and isinstance(child, Scalar)]
-    return [word for text in texts for word in text.split()]
+    return [word for name, child in node.entries if name.text == key for word in words_in(child)]
 
 
 def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> Mapping[str, "DataclassInstance | None"]:

@@ -492,3 +492,45 @@ def test_what_ros_does_not_read_either_is_told_and_no_fault(tmp_path: Path, text
 )
 def test_names_that_are_nearly_right_are_faults(tmp_path: Path, text: str, told: str) -> None:
     assert told in fault(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            "robot_state_publisher: {publish_frequency: 50.0}\n",
+            "robot_state_publisher has no effect here: it is of no ",
+        ),
+        ("use_sim_time: true\n", "use_sim_time has no effect here: it is for the whole graph"),
+        ("rosversion: '1.16'\nroslaunch: {uris: {host_x: 'http://x:1/'}}\nrun_id: abc\n", "run_id has no effect here"),
+        ("common: &common {kld_err: 0.1}\nmore: {<<: *common}\n", "common has no effect here"),
+    ],
+)
+def test_what_is_not_of_these_nodes_has_no_effect_and_is_told(tmp_path: Path, text: str, told: str) -> None:
+    whole = read(tmp_path, f"{text}amcl: {{max_particles: 700}}\n")
+    assert whole.value == read(tmp_path, "amcl: {max_particles: 700}\n").value
+    assert any(told in notice for notice in whole.notices)
+
+
+@pytest.mark.parametrize(
+    ("written", "number"),
+    [("0x0A", 10), ("0b1010", 10), ("012", 10), ("!!int 10", 10), ("!!float 10", 10), ("!!int 0x0a", 10)],
+)
+def test_numbers_as_ros_reads_them(tmp_path: Path, written: str, number: int) -> None:
+    value = read(
+        tmp_path, f"TrajectoryPlannerROS: {{vx_samples: {written}, max_vel_x: !!float 1, dwa: !!bool true}}"
+    ).value
+    assert value.TrajectoryPlannerROS.vx_samples == number
+    assert (value.TrajectoryPlannerROS.max_vel_x, value.TrajectoryPlannerROS.dwa) == (1.0, True)
+
+
+def test_what_a_launch_file_fills_in_is_told_so(tmp_path: Path) -> None:
+    told = fault(tmp_path, "amcl: {kld_err: $(arg error)}\n")
+    assert told.startswith(
+        "/0.yaml, line 1, amcl.kld_err: $(arg error) is for a launch file to fill in. Write a number"
+    )
+
+
+def test_a_list_of_sources_is_one_fault(tmp_path: Path) -> None:
+    text = "local_costmap:\n  obstacle_layer:\n    observation_sources: [scan]\n    scan: {topic: /scan}\n"
+    assert fault(tmp_path, text).endswith("observation_sources: no text. Write names with blanks between.")
