@@ -176,17 +176,28 @@ def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
         if sign is not None:
             _paint_sign(painter, sign.center(), mark, palette, scale)
             break
+    # Where there is no room for both, the answer is what is new.
+    texts = (mark.answer, *mark.answer_shorter), (mark.found, *mark.found_shorter)
+    pills = [_Pill(space, words, font, shorter) for words, *shorter in texts if words]
     for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
-        if _paint_title(painter, space, mark, palette, font, scale):
-            # Where there is no room for both, the answer is what is new.
-            for words, *shorter in ((mark.answer, *mark.answer_shorter), (mark.found, *mark.found_shorter)):
-                if words:
-                    _paint_pill(painter, _Pill(space, words, font, shorter), palette)
+        if _paint_title(painter, space, mark, palette, font, scale, pills if mark.answer else ()):
+            for pill in pills:
+                _paint_pill(painter, pill, palette)
             break
 
 
-def _paint_title(painter: QPainter, space: _Space, mark: RoomMark, palette: Palette, font: QFont, scale: float) -> bool:
-    """Paint a room's number, and its name where there is space; return False where even the number has none."""
+def _paint_title(
+    painter: QPainter,
+    space: _Space,
+    mark: RoomMark,
+    palette: Palette,
+    font: QFont,
+    scale: float,
+    before_name: "Sequence[_Pill]",
+) -> bool:
+    """Paint a room's number, and its name where there is space beside these words; return False where even the
+    number has none.
+    """
     number = min(max(min(space.width, space.height) * 0.2, NUMBER_MIN * scale), NUMBER_MAX * scale)
     large, small = sized(font, number, QFont.Weight.DemiBold), sized(font, NAME_HEIGHT * scale, QFont.Weight.Normal)
     heading, caption = QFontMetricsF(large), QFontMetricsF(small)
@@ -195,7 +206,7 @@ def _paint_title(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
     tall = heading.capHeight() + 0.3 * caption.height() + caption.height()
     wide = max(heading.horizontalAdvance(text), caption.horizontalAdvance(name))
     title = space.put(wide, tall, right=False, low=False)
-    if title is not None and mark.answer and not _Pill(space, mark.answer, font, mark.answer_shorter).fits():
+    if title is not None and not _have_space(space, before_name):
         space.taken.remove(title)
         title = None
     if title is None:
@@ -229,14 +240,14 @@ class _Pill:
         """Take the place; return None where there is none, or no words."""
         return self._space.put(*self._size, right=False, low=True) if self.words else None
 
-    def fits(self) -> bool:
-        """Return True where there is a place or no words, without taking it."""
-        if not self.words:
-            return True
-        box = self.put()
+
+def _have_space(space: _Space, pills: Sequence[_Pill]) -> bool:
+    """Return True where all of them have a place, without taking it."""
+    boxes = [pill.put() for pill in pills if pill.words]
+    for box in boxes:
         if box is not None:
-            self._space.taken.remove(box)
-        return box is not None
+            space.taken.remove(box)
+    return None not in boxes
 
 
 def _first_words(text: str) -> tuple[str, ...]:
