@@ -297,6 +297,19 @@ def test_a_decimal_comma_is_refused_with_its_remedy(option: tuple[str, ...]) -> 
     assert "'0,2' is not a number. Write a point: 0.2." in " ".join(refusal(*option).replace("│", "").split())
 
 
+@pytest.mark.parametrize(
+    ("option", "told"),
+    [
+        (("--robots", "100"), "'100' is out of range. Write a whole number, 1 to 64."),
+        (("--robots", "2.5"), "'2.5' is not a whole number. Write a whole number, 1 to 64."),
+        (("--rate", "1e9"), "'1e9' is out of range. Write a number, 0 to 1000."),
+        (("--rate", "fast"), "'fast' is not a number. Write a number, 0 to 1000."),
+    ],
+)
+def test_numbers_that_options_take_are_told_as_in_files(option: tuple[str, ...], told: str) -> None:
+    assert told in " ".join(refusal("play", *option).replace("│", "").split())
+
+
 @pytest.mark.parametrize("place", ["none/a.yaml", "file/a.yaml", "/proc/a.yaml"])
 def test_a_study_that_cannot_be_written_says_so(place: str) -> None:
     Path("file").touch()
@@ -340,7 +353,7 @@ def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
         ("robots: 0\n", "line 1, robots:"),
         ("seed: 1\nseed: 2\n", "line 2, seed:"),
         ("map: nowhere\n", "study.yaml, line 1, map: there is no map of this name"),
-        ("map: ./nowhere\n", "study.yaml, line 1, map: nowhere: there is no map.yaml in this folder"),
+        ("map: ./nowhere\n", "study.yaml, line 1, map: nowhere: there is no such folder"),
         ("templates: nobody\n", "study.yaml, line 1, templates: there is no set of templates of this name"),
         ("game:\n  costs: none\n", "study.yaml, line 2, game.costs: none: there is no such file"),
         ("game:\n\tcosts: none\n", "line 2: a tab in the indentation"),

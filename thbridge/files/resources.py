@@ -57,7 +57,7 @@ class Resources:
                 raise BadFile(Path(wanted), problem, remedy) from None
             if is_regular(folder / mark):
                 return folder
-            problem = f"there is no {mark} in this folder"
+            problem = f"there is no {mark} in this folder" if folder.is_dir() else "there is no such folder"
             raise BadFile(folder, problem, f"Give the path of a {word}, or one of: {self._listed(kind)}")
         names = self.names(kind)
         if wanted in names:

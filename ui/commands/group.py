@@ -1,6 +1,7 @@
 """Groups of commands."""
 
 import re
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from typer._click.core import ParameterSource  # typer's own copy of click
@@ -9,6 +10,7 @@ from typer._coercion import RuntimeParam, build_runtime_param
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
 from thbridge.files.yaml.angles import doubt_about, radians_of
+from thbridge.files.yaml.declarations import wanted
 from ui.terminal import faults_of_files, note
 
 if TYPE_CHECKING:
@@ -37,10 +39,29 @@ class ConversionIfGiven(RuntimeParam):
             return build_runtime_param(param.type_descriptor).coerce(value, param, ctx)
         except BadParameter:
             words = [str(word) for word in (value if isinstance(value, list | tuple) else [value])]
-            if (word := next(filter(_COMMA.fullmatch, words), None)) is None:
+            if (word := next(filter(_COMMA.fullmatch, words), None)) is not None:
+                remedy = f"Write a point: {word.replace(',', '.')}"
+                raise BadParameter(f"{word!r} is not a number. {remedy}.", ctx, param) from None
+            kind = _KINDS.get(param.type_descriptor.annotation)
+            if kind is None or not isinstance(value, str):
                 raise
-            remedy = f"Write a point: {word.replace(',', '.')}."
-            raise BadParameter(f"{word!r} is not a number. {remedy}", ctx, param) from None
+            problem = "is out of range" if _NUMBER.fullmatch(value) and _is_of(kind, value) else f"is {_IS_NOT[kind]}"
+            raise BadParameter(f"{value!r} {problem}. {_wanted(kind, param)}.", ctx, param) from None
+
+
+_KINDS: Mapping[object, type] = {int: int, int | None: int, float: float, float | None: float}
+_IS_NOT: Mapping[type, str] = {int: "not a whole number", float: "not a number"}
+
+
+def _is_of(kind: type, word: str) -> bool:
+    """Return True for a number of this kind."""
+    return kind is float or float(word).is_integer()
+
+
+def _wanted(kind: type, param: "_TyperParameter") -> str:
+    """Return a request to write a number that an option takes, in the words of files."""
+    info = param.type_descriptor.parameter_info
+    return wanted(kind, {"minimum": info.min, "maximum": info.max})
 
 
 def _in_radians(value: object, param: "_TyperParameter") -> object:

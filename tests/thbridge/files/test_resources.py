@@ -37,7 +37,8 @@ def test_a_path_is_taken_from_beside_the_file_that_names_it(resources: Resources
         ("cellar", r"The names are: attic, hall; a path of your own needs a slash, as in ./cellar"),
         ("notes", r"there is no map of this name"),
         ("", r"there is no map of this name"),
-        ("./cellar", r"cellar: there is no map.yaml in this folder. Give the path of a map, or one of: attic, hall"),
+        ("./cellar", r"cellar: there is no such folder. Give the path of a map, or one of: attic, hall"),
+        ("./", r"there is no map.yaml in this folder. Give the path of a map, or one of: attic, hall"),
     ],
 )
 def test_what_is_not_there_is_told_with_what_is(resources: Resources, wanted: str, told: str) -> None:

@@ -153,9 +153,15 @@ BROKEN = {
         "game:\n  wrong_share: 0,2\n",
         "study.yaml, line 2, game.wrong_share: '0,2' is not a number. Write a point: 0.2.",
     ),
+    "a path as a key": (
+        "game.energy: 50\n",
+        "study.yaml, line 1, game.energy: unknown key. Write game: {energy: 50}.",
+    ),
+    "a longer path as a key": ("robot.amcl.kld_err: 0.1\n", "Write robot: {amcl: {kld_err: 0.1}}."),
+    "no-break spaces": ("game:\n\u00a0energy: 5\n", "line 2: a no-break space in the indentation. Indent with blanks."),
     "a comma within braces": (
         "game: {wrong_share: 0,2}",
-        "study.yaml, line 1, game.2: unknown key. Write a decimal number with a point, such as 0.2.",
+        "study.yaml, line 1, game.wrong_share: '0,2' is not a number. Write a point: 0.2.",
     ),
     "a comma for thousands": ("seed: 1,000", "seed: '1,000' is not a number. Write it without a comma."),
     "truth for a number": ("robots: true", "study.yaml, line 1, robots: 'true' is not a number."),

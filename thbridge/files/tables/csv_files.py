@@ -20,6 +20,9 @@ MOST_FAULTS = 10
 def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
     """The rows of a CSV file whose header has exactly these columns, in any order; empty lines are skipped.
 
+    Between the values there may be semicolons or tabs, as spreadsheets write them where a comma begins the decimals:
+    then numbers may have either.
+
     Returns:
         (rows, columns) finite numbers, the columns in the order asked for; at least one row.
 
@@ -28,7 +31,13 @@ def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
     """
     wanted = ",".join(columns)
     text = read_text(path, LARGEST_TABLE)
-    reader = csv.reader(text.splitlines(), strict=True)
+    lines = text.splitlines()
+    first = next((line for line in lines if line.strip()), "")
+    if first.startswith("sep="):  # which Excel takes for itself
+        lines[lines.index(first)] = ""
+        first = next((line for line in lines if line.strip()), "")
+    mark = next((mark for mark in ";\t" if mark in first), ",")
+    reader = csv.reader(lines, delimiter=mark, strict=True)
     header: list[str] = []
     rows: list[list[float]] = []
     faults: list[BadFile] = []
@@ -42,7 +51,7 @@ def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
                     problem = f"the header is {','.join(header)!r}"
                     raise BadFile(path, problem, f"write {wanted} in the first line", line=reader.line_num)
                 continue
-            row = _numbers(path, reader.line_num, header, cells)
+            row = _numbers(path, reader.line_num, header, [cell.replace(",", ".") for cell in cells])
             if isinstance(row, BadFile):
                 faults.append(row)
             else:
@@ -62,7 +71,9 @@ def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
 def _numbers(path: Path, line: int, header: Sequence[str], cells: Sequence[str]) -> list[float] | BadFile:
     if len(cells) != len(header):
         problem = f"{len(cells)} values where the header has {len(header)}"
-        return BadFile(path, problem, f"write {len(header)} numbers with commas between", line=line)
+        return BadFile(
+            path, problem, f"write {len(header)} numbers, with the same marks between as in the header", line=line
+        )
     numbers = []
     for column, cell in zip(header, cells, strict=True):
         try:

@@ -280,7 +280,13 @@ class _Reader:
                 self.lines[place] = name.line
                 continue
             if name.text not in known:
-                self.unknown(name, child, place, into)
+                if (decimals := _before_decimals(node, name, child)) is None:
+                    self.unknown(name, child, place, into)
+                else:
+                    first, number = decimals
+                    place = f"{key}.{first.text}" if key else first.text
+                    problem = f"'{number.text},{name.text}' is not a number"
+                    self.wrong(name.line, place, problem, f"Write a point: {number.text}.{name.text}")
                 continue
             self.lines[place] = name.line
             field, hint = known[name.text], hints[name.text]
@@ -369,9 +375,8 @@ class _Reader:
         names = [field.name for field in dataclasses.fields(into)]
         nearest = difflib.get_close_matches(name.text, names, n=1)
         elsewhere = [path for path in paths(self.root) if path.rpartition(".")[2] == name.text]
-        if name.text.isdecimal() and isinstance(child, Scalar) and child.absent:
-            # What `{share: 0,2}` holds after the comma.
-            remedy = "Write a decimal number with a point, such as 0.2"
+        if "." in name.text and not place.removesuffix(name.text) and name.text in paths(self.root):
+            remedy = f"Write {_unfolded(name.text, child)}"
         elif nearest:
             remedy = f"The nearest right name is {nearest[0]}"
         elif elsewhere:
@@ -379,6 +384,23 @@ class _Reader:
         else:
             remedy = keys_of(into)
         self.wrong(name.line, place, "unknown key", remedy)
+
+
+def _before_decimals(node: Section, name: Scalar, child: Node) -> tuple[Scalar, Scalar] | None:
+    """Return the entry before a key that is what `{share: 0,2}` holds after the comma; None for any other key."""
+    if not (name.text.isdecimal() and isinstance(child, Scalar) and child.absent):
+        return None
+    at = next(index for index, entry in enumerate(node.entries) if entry[0] is name)
+    key, value = node.entries[at - 1] if at else (name, child)
+    return (key, value) if isinstance(value, Scalar) and _WHOLE.fullmatch(value.text) else None
+
+
+def _unfolded(path: str, child: Node) -> str:
+    """Return a path of keys as sections within each other, with its value."""
+    *sections, key = path.split(".")
+    value = child.text if isinstance(child, Scalar) else "..."
+    within = "".join(f"{{{name}: " for name in [*sections[1:], key])
+    return f"{sections[0]}: {within}{value}{'}' * len(sections)}"
 
 
 def words_in(node: Node) -> list[str]:

@@ -110,7 +110,7 @@ def _kept_tree(source: _Source) -> Node:
 def _tree_of(source: _Source) -> Node:
     path, text, ros = source.path, source.text, source.ros
     _refuse_breaks(path, text)
-    _refuse_tabs(path, text)
+    _refuse_odd_blanks(path, text)
     root: list[Node] = []
     # Only here, while a tree is made, are its lists added to.
     stack: list[Listing | Section] = []
@@ -189,10 +189,13 @@ def _refuse_breaks(path: Path, text: str) -> None:
         raise BadFile(path, "an invisible line separator", "Delete it", line=line)
 
 
-def _refuse_tabs(path: Path, text: str) -> None:
+def _refuse_odd_blanks(path: Path, text: str) -> None:
+    """Refuse indentation by what looks like blanks: tabs, and the no-break spaces that are copied from pages."""
     for number, line in enumerate(text.split("\n"), start=1):
-        if "\t" in line[: len(line) - len(line.lstrip())]:
-            raise BadFile(path, "a tab in the indentation", "Indent with blanks", line=number)
+        indent = line[: len(line) - len(line.lstrip())]
+        what = "a tab" if "\t" in indent else "a no-break space" if indent.strip(" \r\ufeff") else ""
+        if what:
+            raise BadFile(path, f"{what} in the indentation", "Indent with blanks", line=number)
 
 
 class _Anchors:

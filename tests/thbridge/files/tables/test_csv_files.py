@@ -20,6 +20,9 @@ def read(folder, text):
         "x,y,yaw\r\n1,2,0.5\r\n\r\n-3,4e-1,0",
         "\ufeffx, y, yaw\n 1 , 2,0.5\n-3,.4,0\n",
         '"yaw","x","y"\n0.5,1,2\n0,-3,0.4\n',
+        "x;y;yaw\r\n1;2,0;0,5\r\n-3;0,4;0\r\n",
+        "\ufeffsep=;\r\nx;y;yaw\r\n1;2;0.5\r\n-3;.4;0\r\n",
+        "x\ty\tyaw\n1\t2\t0.5\n-3\t0.4\t0\n",
     ],
 )
 def test_rows_come_in_the_order_asked_for(tmp_path, text):
@@ -32,7 +35,9 @@ def test_rows_come_in_the_order_asked_for(tmp_path, text):
         ("", "there is no row of numbers"),
         ("x,y,yaw\n", "there is no row of numbers"),
         ("x,y\n1,2\n", "line 1: the header is 'x,y'. Write x,y,yaw"),
-        ("x;y;yaw\n1;2;3\n", "line 1: the header is 'x;y;yaw'"),
+        ("x y yaw\n1 2 3\n", "line 1: the header is 'x y yaw'"),
+        ("x;y\n1;2\n", "line 1: the header is 'x,y'. Write x,y,yaw"),
+        ("x;y;yaw\n1;2\n", "line 2: 2 values where the header has 3. Write 3 numbers, with the same marks between"),
         ("1,2,3\n", "line 1: the header is '1,2,3'"),
         ("x,y,yaw\n1,2\n", "line 2: 2 values where the header has 3"),
         ("x,y,yaw\n1,2,3\n\n1,two,3\n", "line 4, y: 'two' is not a number"),
