@@ -88,4 +88,5 @@ def test_real_robots_are_recorded_from_the_yes_on_with_what_is_latched(tmp_path:
     recorded = [message.topic for message in bag_reader.messages(tmp_path / "real.bag")]
     assert recorded[0] == names.SESSION
     before_odometry = set(recorded[: recorded.index("/robot1/odom")])
-    assert {"/map", "/tf_static"} <= before_odometry, "they were sent before the yes, once"
+    latched = {"/map", "/tf_static", "/thbridge_fleet/parameter_updates"}
+    assert latched <= before_odometry, "they were sent before the yes, once"

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from sim.common.observations import TICKS_PER_SECOND
+from sim.parameters import live_parameters
 from thbridge.app.compose.recording import build_record, build_writer, room_labels
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import StudySetting
@@ -17,6 +19,7 @@ from thbridge.protocols.rosgraph.links import TopicHeader
 from thbridge.protocols.text import legacy
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.messages.stamps import TICK_NS
+from thbridge.ros.reconfigure import described
 from thbridge.ros.remote.changes import SettledState
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage
@@ -25,6 +28,7 @@ from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.text.client import TextClient
+from thbridge.study.real_robots import FleetSection
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
@@ -42,6 +46,7 @@ class HeldTraffic:
     def __init__(self) -> None:
         self.recorder: FleetRecorder | None = None
         self._latched: dict[tuple[str, str], tuple[TopicHeader, str, int, bytes]] = {}
+        self._latched_own: dict[str, RosMessage] = {}
 
     def received(self, topic: TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
         """Pass a message on; before that is allowed, keep it if it is latched."""
@@ -54,13 +59,18 @@ class HeldTraffic:
         """Pass a message to a robot on, once that is allowed."""
         if self.recorder is not None:
             self.recorder.sent(message)
+        elif message.topic.latched:
+            self._latched_own[message.topic.name] = message
 
     def release(self, recorder: FleetRecorder) -> None:
         """Record from now on, the latched messages first."""
         self.recorder = recorder
         for topic, publisher, stamp_ns, data in sorted(self._latched.values(), key=lambda kept: kept[2]):
             recorder.received(topic, publisher, stamp_ns, data)
+        for message in self._latched_own.values():
+            recorder.sent(message)
         self._latched.clear()
+        self._latched_own.clear()
 
     def flush(self) -> None:
         """Write the messages that wait. Raises BagNotWritten."""
@@ -108,11 +118,10 @@ async def simr_with_real_robots(
         footprint = np.array(setting.study.world.footprint, dtype=np.float64)
         named = setting.study.fleet.names(setting.study.robots)
         stale_ns = round(setting.study.fleet.silence * 1e9)
-        odom_later_ns = round(setting.study.fleet.odom_time_offset * 1e9)
-        robots = [
-            RemoteRobot(robot, each, CALLER, footprint, stale_ns, odom_later_ns) for robot, each in enumerate(named)
-        ]
-        fleet = Fleet(graph, robots, traffic)
+        robots = [RemoteRobot(robot, each, CALLER, footprint, stale_ns) for robot, each in enumerate(named)]
+        (declared,) = live_parameters(FleetSection)
+        offset = replace(described(declared), default=setting.study.fleet.odom_time_offset)
+        fleet = Fleet(graph, robots, traffic, offset)
         opened.push_async_callback(fleet.stop)
         started = await fleet.start()
         if isinstance(started, CannotListen):

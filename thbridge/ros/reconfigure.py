@@ -113,11 +113,12 @@ def reconfigure_servers() -> tuple[ReconfigureServer, ...]:
     """All servers of a robot."""
     found: dict[str, list[DescribedParameter]] = {}
     for declared in live_parameters():
-        found.setdefault(declared.path.rpartition(".")[0], []).append(_parameter(declared))
+        found.setdefault(declared.path.rpartition(".")[0], []).append(described(declared))
     return tuple(ReconfigureServer(path, tuple(parameters)) for path, parameters in found.items())
 
 
-def _parameter(declared: LiveParameter) -> DescribedParameter:
+def described(declared: LiveParameter) -> DescribedParameter:
+    """Describe a live parameter."""
     name = declared.path.rpartition(".")[2]
     kind = _kind(declared.types)
     minimum, maximum = _bounds(kind, declared.minimum, declared.maximum)
@@ -180,19 +181,20 @@ def description(section: ReconfigureServer) -> bytes:
         (
             UINT32.pack(1),
             group,
-            _config((each, each.maximum) for each in section.parameters),
-            _config((each, each.minimum) for each in section.parameters),
-            _config((each, each.default) for each in section.parameters),
+            values_config((each, each.maximum) for each in section.parameters),
+            values_config((each, each.minimum) for each in section.parameters),
+            values_config((each, each.default) for each in section.parameters),
         )
     )
 
 
 def config(section: ReconfigureServer, software: RobotParameters) -> bytes:
     """dynamic_reconfigure/Config: the present values; also the response of dynamic_reconfigure/Reconfigure."""
-    return _config((each, each.reported(software)) for each in section.parameters)
+    return values_config((each, each.reported(software)) for each in section.parameters)
 
 
-def _config(values: Iterable[tuple[DescribedParameter, Value]]) -> bytes:
+def values_config(values: Iterable[tuple[DescribedParameter, Value]]) -> bytes:
+    """dynamic_reconfigure/Config of these values."""
     rows: dict[ParameterType, list[bytes]] = {kind: [] for kind in _KINDS}
     for parameter, value in values:
         rows[parameter.kind].append(string(parameter.name) + _WRITE[parameter.kind](value))
@@ -216,23 +218,35 @@ def requested_changes(
 ) -> tuple[tuple[str, Value], ...] | InvalidMessage:
     """The changes in a request of dynamic_reconfigure/Reconfigure: values by their paths, within their bounds.
 
-    As in ROS, unknown names, names with another type, and the states of groups are ignored. A value equal to the one in
-    `config` is no change: clients send all values back, also those that they did not change.
+    A value equal to the one in `config` is no change: clients send all values back, also those that they did not
+    change.
 
     Args:
         section: the server.
         software: the present parameters.
         data: the request's bytes.
     """
+    requested = requested_values(section, data)
+    if isinstance(requested, InvalidMessage):
+        return requested
+    return tuple((each.path, value) for each, value in requested if value != each.reported(software))
+
+
+def requested_values(
+    section: ReconfigureServer, data: bytes
+) -> tuple[tuple[DescribedParameter, Value], ...] | InvalidMessage:
+    """The values in a request of dynamic_reconfigure/Reconfigure, within their bounds.
+
+    As in ROS, unknown names, names with another type, and the states of groups are ignored.
+    """
     try:
         given = _given(Cursor(data))
     except ValueError as error:
         return InvalidMessage(str(error))
     return tuple(
-        (each.path, value)
+        (each, each.clamped(given[each.kind, each.name]))
         for each in section.parameters
         if (each.kind, each.name) in given
-        and (value := each.clamped(given[each.kind, each.name])) != each.reported(software)
     )
 
 

@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeVar, cast
 
 from sim.common.robot_numbers import RobotNumber, robot_numbers
 from sim.parameters import param
+from sim.parameters.declaration import live
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
 from thbridge.protocols.rosgraph.names import canonical, join
@@ -106,7 +107,7 @@ class FleetSection:
     silence: float = param(
         5.0, "time without a word after which a robot or its move_base counts as silent", "s", 1, 600
     )
-    odom_time_offset: float = param(
+    odom_time_offset: float = live(
         0.0,
         "time by which odometry leads the scans (`thbridge localize` finds it); its stamps are corrected",
         "s",

@@ -16,19 +16,21 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.inputs import DriveManually, SendGoal, WithdrawGoal
+from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from tests.peers.crashes import run_peer, skipping_if_crashed
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import SessionRecord
+from thbridge.ros.reconfigure import described
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted
-from thbridge.study.real_robots import FleetNames
+from thbridge.study.real_robots import FleetNames, FleetSection
 
 PYTHON = "/usr/bin/python3"
 HIDDEN = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
@@ -177,7 +179,9 @@ async def _drive(folder: Path, bag: Path) -> None:
     assert isinstance(await master.start(), ListeningAddress)
     with BagWriter(bag, caller=CALLER) as writer:
         recorder = FleetRecorder(writer, SessionRecord("", 1, {}, "simr", ("SimR",), ""))
-        fleet = Fleet(GraphAddress(master.uri), [RemoteRobot(0, named.names(1), CALLER, np.zeros((0, 2)))], recorder)
+        robots = [RemoteRobot(0, named.names(1), CALLER, np.zeros((0, 2)))]
+        (offset,) = live_parameters(FleetSection)
+        fleet = Fleet(GraphAddress(master.uri), robots, recorder, described(offset))
         assert isinstance(await fleet.start(), NodeStarted)
         ticks = Ticks(fleet, recorder)
         there, far = Goal(1, Pose2(12.0, 1.0, 0.0)), Goal(2, Pose2(16.0, 0.0, 0.0))

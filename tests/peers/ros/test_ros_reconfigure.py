@@ -8,7 +8,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from tests.peers.ros.beside import NEEDS_ROS, PYTHON, Ros, session
-from tests.system.programs import until
+from tests.system.programs import Program, until
 
 DYNPARAM = Path("/usr/lib/dynamic_reconfigure/dynparam")
 
@@ -119,3 +119,21 @@ def test_what_rosparam_sets_dynparam_gets(beside: Ros) -> None:
     beside.says("rosparam", "set", "/robot2/amcl/kld_err", "0.0625")
     asked = (PYTHON, str(DYNPARAM), "get", "/robot2/amcl")
     until("the parameter to change", lambda: "'kld_err': 0.0625" in beside.says(*asked), [])
+
+
+def test_dynparam_corrects_the_stamps_of_real_robots_odometry(beside: Ros, tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text("robots_from: ros\nrobots: 1\nfleet: {odom_time_offset: 0.05}\n")
+    master = beside.environment["ROS_MASTER_URI"]
+    fleet = Program(tmp_path, "simr", "--study", "study.yaml", "--ros-master", master, "--server", "127.0.0.1:9")
+    try:
+        listed = (PYTHON, str(DYNPARAM), "list")
+        until("the fleet", lambda: "/thbridge_fleet" in beside.says(*listed).split(), [fleet])
+        asked = (PYTHON, str(DYNPARAM), "get", "/thbridge_fleet")
+        assert "'odom_time_offset': 0.05" in beside.says(*asked)
+        beside.says(PYTHON, str(DYNPARAM), "set", "/thbridge_fleet", "odom_time_offset", "0.2")
+        assert "'odom_time_offset': 0.2" in beside.says(*asked)
+        key = "/thbridge_fleet/odom_time_offset"
+        until("the parameter to change", lambda: beside.says("rosparam", "get", key).strip() == "0.2", [fleet])
+        until("the change to be told", lambda: f"{key} is 0.2 s now" in fleet.text, [fleet])
+    finally:
+        fleet.close()

@@ -45,7 +45,6 @@ class RemotePose:
     Args:
         names: its frames.
         stale_ns: a part of the robot without messages for so long counts as dead.
-        odom_later_ns: added to the stamps of odometry, where it leads the scans by as much.
 
     Attributes:
         received_ns: time of the last odometry message; None before the first.
@@ -54,10 +53,10 @@ class RemotePose:
         notices: sentences about odometry that cannot be true; the reader empties the list.
     """
 
-    def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS, odom_later_ns: int = 0) -> None:
+    def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS) -> None:
         self._names = names
         self._stale_ns = stale_ns
-        self._odom_later_ns = odom_later_ns
+        self._odom_later_ns = 0
         self.received_ns: int | None = None
         self.base_in_odom = Pose2(0.0, 0.0, 0.0)
         self.twist = STANDSTILL
@@ -79,6 +78,15 @@ class RemotePose:
     def localized(self) -> bool:
         """True when its pose on the map is known, or once was."""
         return self._odom_in_map is not None
+
+    def stamp_odometry_later(self, later_ns: int) -> None:
+        """Add this to the stamps of odometry, where it leads the scans by as much; also to those remembered."""
+        more_ns = later_ns - self._odom_later_ns
+        self._odom_later_ns = later_ns
+        self._stamp_ns += more_ns
+        self._odometry = deque(((stamp_ns + more_ns, pose) for stamp_ns, pose in self._odometry), _REMEMBERED)
+        if self._suspect is not None:
+            self._suspect = self._suspect[0] + more_ns, self._suspect[1]
 
     def is_silent(self, now_ns: int) -> bool:
         """Return True when odometry, once received, has not been received for a long time."""

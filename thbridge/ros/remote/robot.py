@@ -63,7 +63,6 @@ class RemoteRobot:
         caller: name of our node, with which the ids of our goals begin.
         footprint: (n, 2) corners of its body in the base frame, metres.
         stale_ns: a part of it without messages for so long counts as dead.
-        odom_later_ns: see `RemotePose`.
 
     Attributes:
         names: names of its topics and frames.
@@ -73,14 +72,13 @@ class RemoteRobot:
     """
 
     def __init__(
-        self, robot: int, named: RemoteNames, caller: str, footprint: FloatArray, stale_ns: int = STALE_NS,
-        odom_later_ns: int = 0,
-    ) -> None:  # fmt: skip
+        self, robot: int, named: RemoteNames, caller: str, footprint: FloatArray, stale_ns: int = STALE_NS
+    ) -> None:
         self.outgoing: list[RosMessage] = []
         self._robot = robot
         self.names = named
         self._footprint = footprint
-        self._pose = RemotePose(named, stale_ns, odom_later_ns)
+        self._pose = RemotePose(named, stale_ns)
         self._goals = MoveBaseClient(f"{caller}-{namespace_of(robot)}-", stale_ns)
         self._set_goal = Topic(named.action("goal"), types.MOVE_BASE_GOAL)
         self._cancel = Topic(named.action("cancel"), types.GOAL_ID)
@@ -140,6 +138,10 @@ class RemoteRobot:
         """Return what people should hear of its odometry since the last call, as sentences about the robot."""
         notices, self._pose.notices = self._pose.notices, []
         return notices
+
+    def stamp_odometry_later(self, later_ns: int) -> None:
+        """Add this to the stamps of its odometry; see `RemotePose`."""
+        self._pose.stamp_odometry_later(later_ns)
 
     def receive(self, topic: str, data: bytes, now_ns: int) -> InvalidMessage | None:
         """Take in a message of a topic and type in `subscriptions`; returns a reason when it cannot be used."""

@@ -4,7 +4,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 
@@ -27,11 +27,13 @@ from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.messages.cursor import Cursor
+from thbridge.ros.reconfigure import DescribedParameter
 from thbridge.ros.remote.changes import RobotPart, SettledState, sentence_of_change
 from thbridge.ros.remote.clock import RosClock
 from thbridge.ros.remote.robot import RemoteRobot, missing_of, tick_of
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.rosgraph.fleet_parameters import FleetParameters
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.publications import Publication
@@ -64,6 +66,7 @@ class Fleet:
         graph: address of their ROS graph.
         robots: state and messages of each robot.
         recorder: records all messages.
+        offset: time by which odometry leads the scans; its default holds at the start.
         wall: returns nanoseconds of the wall clock.
     """
 
@@ -72,6 +75,7 @@ class Fleet:
         graph: GraphAddress,
         robots: Sequence[RemoteRobot],
         recorder: TrafficRecorder,
+        offset: DescribedParameter,
         wall: Callable[[], int] = time.time_ns,
     ) -> None:
         self._node = RosNode(
@@ -87,6 +91,8 @@ class Fleet:
             for robot in self._robots
             for topic in robot.publications
         }
+        self._parameters = FleetParameters(self._node, self._definitions, offset, self._correct_odometry)
+        self._correct_odometry(cast(float, offset.default))
         self._headers: dict[tuple[str, str], links.TopicHeader] = {}
         self._joining: asyncio.Task[None] | None = None
         self._complaints = WarnOnce(_log)
@@ -194,6 +200,8 @@ class Fleet:
         self.tell_changes()
         for robot in self._robots:
             self._speak(robot)
+        if (config := self._parameters.take_unrecorded()) is not None:
+            self._recorder.sent(RosMessage(self._parameters.topic, now_ns, config))
         known = tuple(output for output in outputs if output is not None)
         if len(known) < len(outputs):
             raise ValueError(f"not all robots are there yet: {'; '.join(self.missing())}")
@@ -201,6 +209,10 @@ class Fleet:
         velocities = np.array([(command.linear, command.angular) for command in commands])
         self._last = TeamSnapshot(tick_of(now_ns), None, known, velocities)
         return self._last
+
+    def _correct_odometry(self, seconds: float) -> None:
+        for robot in self._robots:
+            robot.stamp_odometry_later(round(seconds * 1e9))
 
     def _take(self, item: TeamInput, now_ns: int) -> None:
         match item:

@@ -75,10 +75,13 @@ def test_a_pose_belongs_to_the_odometry_of_its_stamp_and_is_carried_on_by_what_c
     assert not robot.estimate(0, 0).updated
 
 
+@pytest.mark.parametrize("changed_at", [0, 5, 10])
 @pytest.mark.parametrize(("seconds", "x"), [(0.0, 10.2), (0.2, 10.6), (-0.2, 10.0)])
-def test_odometry_that_leads_the_scans_is_stamped_later(seconds, x):
-    robot = RemotePose(NAMES, odom_later_ns=round(seconds * SECOND))
+def test_odometry_that_leads_the_scans_is_stamped_later_also_what_came_before(seconds, x, changed_at):
+    robot = RemotePose(NAMES)
     for step in range(11):
+        if step == changed_at:
+            robot.stamp_odometry_later(round(seconds * SECOND))
         heard(robot, 1.0 + step / 10, step / 5)
     robot.receive_pose(located(1.9, 10.0))
     assert where(robot, 2) == (x, 0)

@@ -1,6 +1,7 @@
 """A fleet over real TCP: robots played by a node of their own, at our own master."""
 
 import asyncio
+import math
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
@@ -14,8 +15,11 @@ from rosbags.rosbag1 import Reader
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
 from sim.inputs import KidnapRobot, PlaceRobot, SendGoal, SetCharge
+from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.team import TeamSnapshot
+from tests.thbridge.sockets.rosgraph.service_client import call_service
+from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
@@ -24,14 +28,17 @@ from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.records import SendRobots
 from thbridge.ros.messages.session_records import InputRecord, SessionRecord
+from thbridge.ros.reconfigure import described, values_config
 from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.robot import RemoteRobot
+from thbridge.ros.topics import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
+from thbridge.sockets.rosgraph.http_client import XmlRpcClient
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
-from thbridge.study.real_robots import FleetNames
+from thbridge.study.real_robots import FleetNames, FleetSection
 
 PATIENCE = 30.0
 SESSION = SessionRecord("robots_from: ros\n", 1, {}, "simr", ("SimR",), "")
@@ -45,13 +52,17 @@ class Actor:
     Attributes:
         obeys: what becomes of goals; None: nothing.
         mute: topics on which it says nothing.
+        speed: m/s by its odometry.
     """
 
-    def __init__(self, uri: str, named: RemoteNames = NAMED, name: str = "/robot", hears: bool = True) -> None:
+    def __init__(
+        self, uri: str, named: RemoteNames = NAMED, name: str = "/robot", hears: bool = True, speed: float = 0.0
+    ) -> None:
         self.node = RosNode(name, uri)
         self.named = named
         self.obeys: GoalStatusCode | None = GoalStatusCode.SUCCEEDED
         self.mute: set[str] = set()
+        self.speed = speed
         self.goals: list[str] = []
         self.cancelled: list[str] = []
         self.listed: list[GoalStatus] = []
@@ -88,7 +99,10 @@ class Actor:
             self.tick += 1
             named, tick = self.named, self.tick
             for topic, data in (
-                (named.odom, pack.odometry(tick, named.odom_frame, "", Pose2(0, 0, 0), STANDSTILL)),
+                (
+                    named.odom,
+                    pack.odometry(tick, named.odom_frame, "", Pose2(0.02 * tick * self.speed, 0, 0), STANDSTILL),
+                ),
                 (named.amcl_pose, pack.pose_with_covariance(tick, "map", Pose2(1, 2, 0), np.eye(3))),
                 (named.action("status"), pack.goal_status_array(tick, self.listed)),
             ):
@@ -106,12 +120,14 @@ class Notes:
     def __init__(self) -> None:
         self.came: list[tuple[str, str]] = []
         self.went: list[str] = []
+        self.messages: list[RosMessage] = []
 
     def received(self, topic, publisher, stamp_ns, data):
         self.came.append((topic.name, publisher))
 
     def sent(self, message):
         self.went.append(message.topic.name)
+        self.messages.append(message)
 
 
 def with_patience(test: Callable[..., Awaitable[None]]) -> Callable[..., None]:
@@ -155,7 +171,9 @@ async def alive(actor: Actor) -> AsyncIterator[Actor]:
 
 @asynccontextmanager
 async def fleet_at(uri: str, recorder: object, wall: Callable[[], int] = time.time_ns) -> AsyncIterator[Fleet]:
-    fleet = Fleet(GraphAddress(uri), [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))], recorder, wall)
+    (offset,) = live_parameters(FleetSection)
+    robots = [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))]
+    fleet = Fleet(GraphAddress(uri), robots, recorder, described(offset), wall)
     assert isinstance(await fleet.start(), NodeStarted)
     try:
         yield fleet
@@ -349,6 +367,56 @@ async def test_time_is_simulated_where_the_graph_says_so_and_it_is_told_when_tha
             assert passes(0) == []
             assert passes(1) == ["/clock: it is back"]
         await clock.stop()
+
+
+OFFSET = f"{CALLER}/odom_time_offset"
+
+
+@with_patience
+async def test_the_time_offset_of_odometry_changes_on_the_parameter_server_and_by_dynamic_reconfigure(caplog):
+    (offset,) = map(described, live_parameters(FleetSection))
+    notes, tuner = Notes(), XmlRpcClient()
+
+    async def on_server() -> object:
+        return (await tuner.call(ros.uri, "getParam", "/tuner", OFFSET)).value[2]
+
+    async def becomes(seconds: float, at: float) -> None:
+        """Wait until this offset holds for the robot, on the server, and is recorded."""
+        while abs(fleet.step().robots[0].estimate.base_in_map.x - at) > 1e-9:
+            await asyncio.sleep(0.01)
+        while await on_server() != seconds:
+            await asyncio.sleep(0.01)
+        assert notes.messages[-1].topic == Topic(f"{CALLER}/parameter_updates", types.CONFIG, latched=True)
+        assert notes.messages[-1].data == values_config([(offset, seconds)])
+
+    async def set_on_server(value: object) -> None:
+        await tuner.call(ros.uri, "setParam", "/tuner", OFFSET, value)
+
+    async def set_by_reconfigure(seconds: float) -> bytes | ServiceFailed:
+        md5 = types.service_type(types.RECONFIGURE).md5
+        return await call_service(ros.uri, f"{CALLER}/set_parameters", md5, values_config([(offset, seconds)]))
+
+    async with master() as ros, alive(Actor(ros.uri, speed=1.0)), fleet_at(ros.uri, notes) as fleet:
+        await eventually(lambda: not fleet.missing())
+        await becomes(0.0, 1.0)
+        await set_on_server(0.2)
+        await becomes(0.2, 1.2)
+        assert await set_by_reconfigure(-0.1) == values_config([(offset, -0.1)])
+        await becomes(-0.1, 1.0)  # Of what comes later nothing is known yet.
+        assert await set_by_reconfigure(99.0) == values_config([(offset, 10.0)])
+        assert await set_by_reconfigure(0.2) == values_config([(offset, 0.2)])
+        caplog.clear()
+        for wrong in (11.0, "soon", True):
+            await set_on_server(wrong)
+            await becomes(0.2, 1.2)
+        assert await set_by_reconfigure(math.nan) == values_config([(offset, 0.2)])
+        assert {record.getMessage() for record in caplog.records} == {
+            f"{OFFSET} keeps its value: it is a number from -10 to 10, not {wrong}"
+            for wrong in ("11.0", "'soon'", "True", "nan")
+        }
+        await set_on_server(1)
+        await becomes(1.0, 2.0)
+    await tuner.close()
 
 
 @with_patience
