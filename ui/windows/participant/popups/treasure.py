@@ -79,8 +79,10 @@ class TreasurePanel(TitledPanel):
         self._space = space
         for button in (self.name_it, self.unsure, self.leave):
             button.show_hints(not self.compact)
-        for rows in (self.rows, self._grid):
-            rows.setSpacing(GAP if self.compact else int(1.5 * GAP))
+        gap = GAP if self.compact else int(1.5 * GAP)
+        if self.rows.spacing() != gap:  # else each layout would ask for another one
+            self.rows.setSpacing(gap)
+            self._grid.setSpacing(gap)
         row, column = QBoxLayout.Direction.LeftToRight, QBoxLayout.Direction.TopToBottom
         self._others.setDirection(row if self.compact else column)
         alone = self._pop is None or self._pop.unsure is None
