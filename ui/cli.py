@@ -1,14 +1,12 @@
 """The command line: `thbridge`."""
 
 import logging
-import os
 import signal
 from importlib import metadata
 from typing import Annotated
 
 import typer
 
-from thbridge.recording.bag.options import Readers
 from ui.commands import programs, templates
 from ui.commands.argue import argue
 from ui.commands.bag import bag
@@ -51,6 +49,7 @@ from ui.commands.sweep.run import sweep_run
 from ui.commands.sweep.sweep import sweep_app
 from ui.commands.talk import talk_app
 from ui.commands.watch import watch
+from ui.outputs import keep_to_owner
 from ui.terminal import (
     escape_for_standard_output,
     forgive_standard_error,
@@ -143,8 +142,7 @@ class NoteHandler(logging.Handler):
 
 def main() -> None:
     """Run the command line."""
-    # What is written tells of people, and of treasures that are not found yet.
-    os.umask(Readers.OWNER.umask)
+    keep_to_owner()
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         # Begun by `&` in a script. Else Ctrl-C would stop a server or not, by the moment, and SIGTERM not stop a kiosk.
         signal.signal(signal.SIGINT, signal.default_int_handler)

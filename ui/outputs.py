@@ -1,5 +1,6 @@
 """Places of the files that commands write."""
 
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,11 +8,25 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from thbridge.files.errors import BadFile
+from thbridge.recording.bag.options import Readers
 from thbridge.recording.claims import release
 from thbridge.recording.recordings import make_room, try_place
 from ui.terminal import BAD_INPUT, fail, note
 
 STANDARD_OUTPUT = Path("-")
+
+_umask_of_account: list[int] = []
+
+
+def keep_to_owner() -> None:
+    """Let nobody but the owner read what is written: it tells of people, and of treasures that are not found yet."""
+    _umask_of_account.append(os.umask(Readers.OWNER.umask))
+
+
+def share_outputs() -> None:
+    """Give what is written the permissions that the account's umask leaves: it tells of no people, or was asked for."""
+    if _umask_of_account:
+        os.umask(_umask_of_account[-1])
 
 
 @contextmanager

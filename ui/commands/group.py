@@ -11,6 +11,7 @@ from typer.core import TyperArgument, TyperGroup, TyperOption
 
 from thbridge.files.yaml.angles import doubt_about, radians_of
 from thbridge.files.yaml.declarations import wanted
+from ui.outputs import share_outputs
 from ui.terminal import faults_of_files, note
 
 if TYPE_CHECKING:
@@ -108,3 +109,12 @@ def _convert_if_given(command: "Command", ctx: "Context") -> None:
         if isinstance(parameter, TyperOption | TyperArgument):
             described = parameter.type_descriptor
             parameter._runtime_param = ConversionIfGiven(described.parameter_info, described.annotation)
+
+
+class SharingGroup(CommandGroup):
+    """Commands whose outputs others of the machine may read, as the account's umask says."""
+
+    def invoke(self, ctx: "Context") -> object:
+        """Carry a command out."""
+        share_outputs()
+        return super().invoke(ctx)

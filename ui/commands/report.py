@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from ui.outputs import share_outputs
 from ui.recordings import Estimated, Recording, Truth
 from ui.terminal import bad_input
 
@@ -27,6 +28,8 @@ def report(
     from ui.report import write_report
 
     give_large_blocks_back()
+    if to is not None:
+        share_outputs()
     with bad_input(), bar_of_progress() as tell:
         named = trajectory_topics(bag, truth, estimate)
         write_report(bag, to or bag.with_suffix(".html"), map_yaml, tell, named)

@@ -5,13 +5,13 @@ from typing import Annotated
 
 import typer
 
-from ui.commands.group import CommandGroup
+from ui.commands.group import SharingGroup
 from ui.display import why_no_window
 from ui.options import AsJson, ColourScheme, LookOption
 from ui.terminal import BAD_INPUT, bad_input, command, fail, note, print_json, say
 
 templates_app = typer.Typer(
-    cls=CommandGroup,
+    cls=SharingGroup,
     help="Template sets: treasures, their properties and pictures, and the sentences of robots.",
     no_args_is_help=True,
 )

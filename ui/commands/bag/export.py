@@ -8,6 +8,7 @@ import typer
 
 from thbridge.files.errors import visible
 from ui.options import AsJson
+from ui.outputs import share_outputs
 from ui.recordings import Recording
 from ui.terminal import bad_input, note, print_json, say
 
@@ -45,6 +46,7 @@ def bag_export(
     from ui.actions.bag.export import chosen_tables, chosen_topics, names_in
     from ui.progress import bar_of_progress
 
+    share_outputs()
     with bad_input():
         chosen = chosen_topics(bag, names_in(topics)) if topics else None
         wanted = chosen_tables(bag, names_in(tables)) if tables else None

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from thbridge.files.errors import visible
-from ui.outputs import STANDARD_OUTPUT, destination
+from ui.outputs import STANDARD_OUTPUT, destination, share_outputs
 from ui.recordings import Estimated, Recording, Truth
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
@@ -62,6 +62,7 @@ def bag_plot(
     if kind not in set(FigureFormat):
         fail(BAD_INPUT, f"--to: {to} is no figure. Give a file name that ends in .png, .svg or .pdf.")
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
+    share_outputs()
     with bad_input():
         grid = None if map_yaml is None else grid_at(map_yaml)
         games = read_games(messages(bag), grid, trajectory_topics(bag, truth, estimate))

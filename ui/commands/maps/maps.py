@@ -5,12 +5,12 @@ from typing import Annotated
 
 import typer
 
-from ui.commands.group import CommandGroup
+from ui.commands.group import SharingGroup
 from ui.options import AsJson
 from ui.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
 
 maps_app = typer.Typer(
-    cls=CommandGroup,
+    cls=SharingGroup,
     help="Maps: the arenas that robots drive in.",
     no_args_is_help=True,
 )

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from ui.options import AsJson
-from ui.outputs import STANDARD_OUTPUT, destination, share_no_output
+from ui.outputs import STANDARD_OUTPUT, destination, share_no_output, share_outputs
 from ui.recordings import Recording
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
@@ -106,6 +106,7 @@ def localize_command(
         fail(BAD_INPUT, f"--updates: {updates} does not say the format. Name a file that ends in .csv or .jsonl.")
     if plot is not None and plot.suffix.lower() not in PICTURES:
         fail(BAD_INPUT, f"--plot: {plot} does not say the format. Name a file that ends in {' or '.join(PICTURES)}.")
+    share_outputs()
     offset = time_offset_in(time_offset)
     with bad_input():
         software, told, defaults = read_localization_parameters(params or [], localization)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ui.commands.group import CommandGroup
+from ui.commands.group import SharingGroup
 from ui.options import AsJson
 from ui.outputs import STANDARD_OUTPUT, destination
 from ui.terminal import BAD_INPUT, bad_input, fail, note, print_json
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 FolderOfSweep = Annotated[Path, typer.Argument(help="The folder of a sweep.", metavar="DIR")]
 
 
-class SweepGroup(CommandGroup):
+class SweepGroup(SharingGroup):
     """The commands of `sweep`; `run` may be left out."""
 
     def parse_args(self, ctx: "Context", args: list[str]) -> list[str]:

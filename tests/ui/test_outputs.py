@@ -1,0 +1,31 @@
+"""Permissions of what commands write, beside a real program: a test in this process has no umask of its own."""
+
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+
+def run(folder: Path, umask: int, *arguments: str) -> None:
+    command = [sys.executable, "-c", "from ui.cli import main; main()", *arguments]
+    subprocess.run(command, cwd=folder, umask=umask, check=False, capture_output=True)
+
+
+def mode(path: Path) -> int:
+    return stat.S_IMODE(path.stat().st_mode)
+
+
+@pytest.mark.parametrize("umask", [0o022, 0o027])
+def test_figures_may_be_shared_as_the_accounts_umask_says(tmp_path: Path, umask: int) -> None:
+    run(tmp_path, umask, "maps", "check", "practice", "--to", "practice.svg")
+    assert mode(tmp_path / "practice.svg") == 0o666 & ~umask
+
+
+def test_recordings_are_their_owners_alone_and_a_report_that_is_named_is_not(tmp_path: Path) -> None:
+    play = ("play", "--headless", "--map", "practice", "--robots", "1", "--max-seconds", "1", "--bag", "a.bag")
+    run(tmp_path, 0o022, *play)
+    assert mode(tmp_path / "a.bag") == mode(tmp_path / "a.html") == 0o600
+    run(tmp_path, 0o022, "report", "a.bag", "--to", "shared.html")
+    assert mode(tmp_path / "shared.html") == 0o644
