@@ -92,7 +92,7 @@ def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
                     done[call].set()
 
     def hand_out_all() -> None:
-        helpers = [Thread(target=hand_out, daemon=True) for _ in range(min(_cores(), COMPILERS, len(calls)))]
+        helpers = [Thread(target=hand_out, daemon=True) for _ in range(min(usable_cores(), COMPILERS, len(calls)))]
         for helper in helpers:
             helper.start()
         for helper in helpers:
@@ -104,5 +104,6 @@ def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
     return done
 
 
-def _cores() -> int:
+def usable_cores() -> int:
+    """Return the number of cores that this process may use; on macOS, that there are."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

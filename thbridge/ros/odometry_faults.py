@@ -325,7 +325,7 @@ class _Judge:
                     self._leave_out(pieces[number:after], last)
                     number = after
                     continue
-                if sum(kept.end - kept.begin for kept, _ in self._corrections) < LEAST_MESSAGES:
+                if sum(kept.end - kept.begin for kept, _ in self._corrections) < LEAST_MESSAGES:  # of integers
                     self._leave_out([kept for kept, _ in self._corrections], piece.begin)
                     self._corrections = []
                 else:

@@ -1,6 +1,5 @@
 """Engines of batches, as options choose them."""
 
-import os
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -10,6 +9,7 @@ from urllib.parse import urlsplit
 
 from thbridge.batch.engines.engine import Engine, EngineFailed, TaskT
 from thbridge.batch.engines.processes import ProcessEngine
+from ui.first_start import usable_cores
 from ui.options import EngineKind
 from ui.terminal import BAD_INPUT, FAILED, fail, note
 
@@ -40,7 +40,7 @@ def chosen_engine(
     if kind is not EngineKind.SLURM and job_options:
         fail(BAD_INPUT, "--slurm: only jobs of Slurm have such options. Add --engine slurm, or leave the option out.")
     if kind is EngineKind.PROCESSES:
-        return ProcessEngine(processes or len(os.sched_getaffinity(0)), warm)
+        return ProcessEngine(processes or usable_cores(), warm)
     if kind is EngineKind.DASK and scheduler is None:
         fail(BAD_INPUT, "--engine dask: where is the cluster? Add --scheduler, such as tcp://127.0.0.1:8786.")
     wrong = next((option for option in job_options or () if not all(option.partition("="))), None)

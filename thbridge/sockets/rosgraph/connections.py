@@ -13,13 +13,18 @@ _LINGER = 60.0
 """Seconds that a peer has to read the rest after the close: a large map, over a poor radio."""
 
 
+_KEEPALIVE = ((("TCP_KEEPIDLE", "TCP_KEEPALIVE"), 60), (("TCP_KEEPINTVL",), 10), (("TCP_KEEPCNT",), 9))
+"""Options of TCP and their values: seconds of silence, seconds between probes, probes; macOS has another name."""
+
+
 def keep_alive(transport: Transport) -> None:
     """Let the system detect a peer that disappeared, with ROS's own figures, within some two minutes."""
     link = transport.get_extra_info("socket")
     link.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-    link.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, 60)
-    link.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, 10)
-    link.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPCNT, 9)
+    for names, value in _KEEPALIVE:
+        option = next((getattr(socket, name) for name in names if hasattr(socket, name)), None)
+        if option is not None:
+            link.setsockopt(socket.IPPROTO_TCP, option, value)
 
 
 def close_gently(transport: Transport) -> asyncio.TimerHandle:

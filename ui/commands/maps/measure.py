@@ -1,6 +1,5 @@
 """`thbridge maps measure`: what every trip on a map takes."""
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -35,7 +34,7 @@ def maps_measure(
     from thbridge.files.map_times import map_times
     from thbridge.offline.measure import MeasurementSetup
     from ui.actions.maps.measure import measure_trips, show_times, spoken_place, times_as_json, times_matrix
-    from ui.first_start import announce_compiling
+    from ui.first_start import announce_compiling, usable_cores
     from ui.settings import map_folder, study_of
 
     share_no_output(to, as_json)
@@ -46,7 +45,7 @@ def maps_measure(
     course = MeasurementSetup(place, study.world, study.robot, study.seed)
     announce_compiling()
     with _file(to) as write:
-        times = measure_trips(course, runs, jobs or os.cpu_count() or 1)
+        times = measure_trips(course, runs, jobs or usable_cores())
         write(map_times(times_matrix(times, len(place.rooms))))
     for pair in times:
         for refusal in pair.refusals:

@@ -1,6 +1,5 @@
 """`thbridge maps new` and `maps edit`: arenas made of maps that were not made for one, and drawn by hand."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, ParamSpec
@@ -40,7 +39,7 @@ def maps_new(
     """Make an arena of any map: find its rooms, put goals and start poses, check it, measure its trips."""
     from thbridge.files.map_files import read_map
     from ui.actions.maps.new import check_written, find_arena, measure_map, read_drawing, require_rooms, write_map
-    from ui.first_start import announce_compiling
+    from ui.first_start import announce_compiling, usable_cores
 
     if draw:
         _require_window("Or leave --draw out, and correct rooms.yaml as text")
@@ -74,7 +73,7 @@ def maps_new(
     complete = True
     if times:
         announce_compiling()
-        complete = measure_map(folder, place, runs, jobs or os.cpu_count() or 1)
+        complete = measure_map(folder, place, runs, jobs or usable_cores())
     else:
         say(f"Not measured. Games need times: {command('maps', 'measure', folder, '--out', folder / 'mapTimes')}")
     say(f"Look at it: {command('maps', 'check', folder, '--to', f'{folder.name}-rooms.png')}")
