@@ -1,5 +1,6 @@
 """Rules about time stamps: of the recording, and in headers."""
 
+from collections import Counter
 from collections.abc import Iterator
 
 from thbridge.analysis.check.finding import (
@@ -17,6 +18,9 @@ from thbridge.recording.bag.reading.scan import ConnectionRecord
 
 TF_CACHE = 10.0
 """Seconds for which tf2 keeps transforms (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
+LATE, LEAST_LATE = 0.25, 5
+"""Seconds between stamp and recording that are much, and messages of a topic that say so. Drivers and filters take
+less; at half a metre a second they are 12 cm."""
 
 
 class StampZero:
@@ -117,6 +121,47 @@ class HeaderStampOffset:
             yield Finding("header-far", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 
 
+class RecordedLate:
+    """Finds topics recorded much later than their stamps: tools that go by the time of recording pair them wrongly.
+
+    Latched topics and static transforms are left out, as by `HeaderStampOffset`, which finds clocks that differ.
+    """
+
+    def __init__(self) -> None:
+        self._late: OccurrenceCounter[str] = OccurrenceCounter()
+        self._count: Counter[str] = Counter()
+        self._sum_ns: Counter[str] = Counter()
+
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
+        """Listen to every topic that is neither latched nor of static transforms."""
+        if source.latched or source.topic.endswith("tf_static"):
+            return None
+        topic = source.topic
+
+        def check(message: CheckedMessage) -> None:
+            headers = message.reading.headers
+            if not headers or headers[0][0] == 0:
+                return
+            self._count[topic] += 1
+            late_ns = message.stamp_ns - headers[0][0]
+            if LATE * 1e9 <= late_ns <= TF_CACHE * 1e9:
+                self._late.add(topic, message.stamp_ns)
+                self._sum_ns[topic] += late_ns
+
+        return check
+
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
+        """Yield one finding for each topic of which most messages are late."""
+        for topic, first, count in self._late.items():
+            if count < LEAST_LATE or 2 * count <= self._count[topic]:
+                continue
+            late = self._sum_ns[topic] / count / 1e9
+            what = f"messages are recorded {late:.2f} s after their stamps on average"
+            remedy = "compare topics by the stamps of headers, as `thbridge report` and evo do"
+            tools = (BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
+            yield Finding("recorded-late", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
+
+
 class TrajectoryStamps:
     """Finds header stamps that are zero, go back or repeat: evo needs rising ones."""
 
@@ -164,4 +209,4 @@ class TrajectoryStamps:
             yield Finding("header-repeated", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 
 
-RULES = (StampZero, BackInTime, HeaderStampOffset, TrajectoryStamps)
+RULES = (StampZero, BackInTime, HeaderStampOffset, RecordedLate, TrajectoryStamps)

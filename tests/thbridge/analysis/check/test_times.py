@@ -46,6 +46,26 @@ def test_headers_far_from_the_recording(tmp_path: Path) -> None:
     assert "27.1 s after" in finding.what
 
 
+def test_a_topic_that_is_recorded_late(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries = [
+        replace(entry, message=scan_message(entry.ns - 5 * STEP)) if entry.line.topic == "/scan" else entry
+        for entry in planted.entries
+    ]
+    finding = found(judged(tmp_path, planted), "recorded-late")
+    assert (finding.topic, finding.count, finding.first_ns) == ("/scan", 30, START)
+    assert finding.tools == (BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
+    assert "0.50 s after their stamps" in finding.what
+
+
+def test_a_few_late_messages_are_no_late_topic(tmp_path: Path) -> None:
+    planted = clean()
+    for entry in planted.of("/scan")[:15]:
+        at = planted.entries.index(entry)
+        planted.entries[at] = replace(entry, message=scan_message(entry.ns - 5 * STEP))
+    assert "recorded-late" not in rules(judged(tmp_path, planted))
+
+
 def test_old_headers_of_what_is_latched_are_in_order(tmp_path: Path) -> None:
     planted = clean()
     planted.entries[0] = replace(planted.entries[0], message=grid(START - 60 * 1_000_000_000))
