@@ -15,8 +15,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from sim.common.geometry import IDENTITY, Pose2
 from sim.numerics import elementary_arrays
@@ -27,6 +27,8 @@ from thbridge.ros.messages.plausible import LARGEST
 
 WINDOW = 51
 """Steps between messages whose speeds say what is usual: the 25 before, and the 25 after."""
+TOGETHER = 8192
+"""Steps whose medians are found together: it bounds memory."""
 DEVIATIONS = 10.0
 """Median absolute deviations above the median speed that a robot may still drive."""
 LEAST_ABOVE_USUAL = (2.0, 3.0)
@@ -116,6 +118,7 @@ class SoundOdometry:
         faults: all of them, in the order of recording.
         missed: motions that it does not report.
         kept: (n,) indices of the sound samples among those that were judged, run by run in the order of their stamps.
+        outliers: (o,) indices of the outliers.
         cuts: (k,) places in `kept` from which poses are seen from another origin, or stamped by a changed clock.
     """
 
@@ -123,6 +126,7 @@ class SoundOdometry:
     faults: tuple[RecordedFault, ...]
     missed: tuple[MissedMotion, ...]
     kept: NDArray[np.int64]
+    outliers: NDArray[np.int64]
     cuts: NDArray[np.int64]
 
 
@@ -207,15 +211,15 @@ def sound_poses(
         faults.append(_clock_fault(int(received[first]), int(stamps[first]), changed_ns))
     runs: tuple[OdometryRun, ...] = ()
     missed: list[MissedMotion] = []
-    kept, cuts = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    kept = outliers = cuts = np.empty(0, dtype=np.int64)
     if by_clock:
         judge = _Judge([finite[indices] for indices, _ in by_clock], received, stamps, poses, max_speed)
         judge.judge()
         runs, missed = tuple(judge.sound()), judge.missed
-        kept, cuts = judge.kept()
+        kept, outliers, cuts = judge.kept()
         faults += judge.faults
     in_order = tuple(sorted(faults, key=lambda fault: fault.received_ns))
-    return SoundOdometry(runs, in_order, tuple(missed), kept, cuts)
+    return SoundOdometry(runs, in_order, tuple(missed), kept, outliers, cuts)
 
 
 def clock_faults(runs: Sequence[ClockRun[Message]]) -> Iterator[RecordedFault]:
@@ -259,6 +263,7 @@ class _Judge:
         self._run_of = np.repeat(np.arange(len(runs)), [len(run) for run in newest])
         self._stamps, self._received, self._poses = stamps[self._index], received[self._index], poses[self._index]
         self._corrections: list[tuple[_Piece, Pose2]] = []
+        self._outliers: list[int] = []
         self._measure(max_speed)
         self.faults: list[RecordedFault] = []
         self.missed: list[MissedMotion] = []
@@ -358,6 +363,7 @@ class _Judge:
         for piece in pieces:
             for i in range(*piece):
                 self.faults.append(self._fault(FaultKind.OUTLIER, i, sound))
+                self._outliers.append(i)
 
     def _reset(self, last: int, begin: int, correction: Pose2) -> Pose2:
         """Record a jump of the odometry's origin; return the pose of the new origin in the first."""
@@ -384,22 +390,27 @@ class _Judge:
                 poses = np.concatenate([_moved_by(to, self._poses[slice(*piece)]) for piece, to in parts])
                 yield OdometryRun(begins, stamps, poses)
 
-    def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """The sound samples, and where among them poses go on elsewhere, see `SoundOdometry`."""
+    def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """The sound samples, the outliers, and where among the sound poses go on elsewhere, see `SoundOdometry`."""
         places = np.concatenate([np.arange(*piece) for piece, _ in self._corrections])
         changed = self._run_of[places[1:]] != self._run_of[places[:-1]]
         origins = np.repeat(
             np.cumsum([0, *(one != other for (_, one), (_, other) in pairwise(self._corrections))]),
             [piece.end - piece.begin for piece, _ in self._corrections],
         )
-        return self._index[places], np.flatnonzero(changed | (np.diff(origins) != 0)) + 1
+        cuts = np.flatnonzero(changed | (np.diff(origins) != 0)) + 1
+        return self._index[places], self._index[np.array(sorted(self._outliers), dtype=np.int64)], cuts
 
 
 def _moving_median(values: FloatArray) -> FloatArray:
-    """(n, 2) medians of the values around each."""
-    if not len(values):
-        return values
-    medians: FloatArray = median_filter(values, (WINDOW, 1), mode="nearest")
+    """(n, 2) medians of the values around each; before the first and after the last, those are repeated."""
+    medians = np.empty_like(values)
+    if len(values):
+        padded = np.pad(values, ((WINDOW // 2, WINDOW // 2), (0, 0)), mode="edge")
+        for begin in range(0, len(values), TOGETHER):
+            end = min(begin + TOGETHER, len(values))
+            around = sliding_window_view(padded[begin : end + WINDOW - 1], WINDOW, axis=0)
+            medians[begin:end] = np.partition(around, WINDOW // 2, axis=2)[..., WINDOW // 2]
     return medians
 
 

@@ -136,7 +136,7 @@ class _GameNumbers:
         if not len(self._starts):
             return piece
         table = piece.table
-        at = table.columns.index(SECONDS)
+        at = [column.name for column in table.columns].index(SECONDS.name)
         side: Literal["left", "right"] = "right" if table.msgtype in OF_A_GAME else "left"
         numbers = self._numbers[np.searchsorted(self._starts, np.asarray(piece.values[at]), side=side)]
         columns = (*table.columns[:at], GAME, *table.columns[at:])

@@ -1,6 +1,6 @@
 """The table `poses`: true, estimated and odometry poses of all robots at common times.
 
-Poses are kept until the end of the recording, 32 bytes each, on disk but for the latest: only then it is known which
+Poses are kept until the end of the recording, 40 bytes each, on disk but for the latest: only then it is known which
 topic has the truth and which an estimate. Then those of one robot are in memory.
 """
 
@@ -10,9 +10,9 @@ import numpy as np
 
 from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.export.tables import SECONDS, Table, TableRows
+from thbridge.analysis.export.tables import Table, TableRows
 from thbridge.analysis.report.paths import at_times, wrapped
-from thbridge.analysis.report.tracks import SeriesByTopic
+from thbridge.analysis.report.tracks import BY_RECORDING, SeriesByTopic
 from thbridge.analysis.report.values import Track
 from thbridge.files.tables.table_files import Column, Values
 from thbridge.ros.messages.types import ODOMETRY, POSE_STAMPED, POSE_WITH_COVARIANCE
@@ -27,7 +27,12 @@ _KINDS = (
 )
 _COLUMNS = (
     Column("robot", "string", "", "name of the robot"),
-    SECONDS,
+    Column(
+        "t_s",
+        "float64",
+        "s",
+        "since the beginning of the recording, by headers; by the time of recording if a notice says so",
+    ),
     *(
         Column(f"{kind}_{value}_{unit}", "float64", unit, f"{meaning}: {value}; nan: not known then")
         for kind, meaning in _KINDS
@@ -46,6 +51,7 @@ class PosesTable:
 
     def __init__(self) -> None:
         self._series = SeriesByTopic()
+        self._notices: list[str] = []
 
     def add(self, piece: TableRows) -> None:
         """Keep the poses in some rows of a table, if there are any."""
@@ -55,16 +61,18 @@ class PosesTable:
         named = {column.name: values for column, values in zip(table.columns, piece.values, strict=True)}
         if "recorded_ns" not in named:  # poses in arrays, such as those of a path
             return
-        rows = np.column_stack([np.asarray(named[name]) for name in ("t_s", "x_m", "y_m", "yaw_rad")])
+        times, recorded, stamps = (np.asarray(named[name]) for name in ("t_s", "recorded_ns", "stamp_ns"))
+        stamped = np.where(stamps == 0, np.nan, times + (stamps - recorded) / 1e9)
+        rows = np.column_stack([times, stamped, *(np.asarray(named[name]) for name in ("x_m", "y_m", "yaw_rad"))])
         frames, children = _texts(named["frame_id"]), _texts(named.get("child_frame_id", []))
         if table.msgtype == _TRANSFORM:
             self._add_frames(table.source.partition(":")[0], frames, children, rows)
         elif table.msgtype == ODOMETRY:
             poses = self._series.odometry.setdefault(table.source, self._series.poses_of(frames[0], children[0]))
-            poses.rows.frombytes(self._series.plausible(table.source, rows).tobytes())
+            poses.rows.frombytes(self._series.plausible(table.source, rows, times=2).tobytes())
         else:
             poses = self._series.poses.setdefault(table.source, self._series.poses_of(frames[0], ""))
-            poses.rows.frombytes(self._series.plausible(table.source, rows).tobytes())
+            poses.rows.frombytes(self._series.plausible(table.source, rows, times=2).tobytes())
 
     def _add_frames(self, topic: str, parents: list[str], children: list[str], rows: FloatArray) -> None:
         pairs = np.array([f"{parent}\n{child}" for parent, child in zip(parents, children, strict=True)])
@@ -73,15 +81,21 @@ class PosesTable:
             if is_map_frame(parent) or is_odom_frame(parent):
                 key = (topic.strip("/").rpartition("/")[0], parent, child)
                 edge = self._series.edges.setdefault(key, self._series.poses_of(parent, child))
-                edge.rows.frombytes(self._series.plausible(topic, rows[pairs == pair]).tobytes())
+                edge.rows.frombytes(self._series.plausible(topic, rows[pairs == pair], times=2).tobytes())
 
     def notices(self) -> tuple[str, ...]:
-        """Sentences on poses that are left out."""
-        return tuple(f"poses: {sentence}" for sentence in self._series.left_out_sentences())
+        """Sentences on poses that are left out, and on their times; complete when all pieces were taken."""
+        return tuple(f"poses: {sentence}" for sentence in (*self._series.left_out_sentences(), *self._notices))
 
     def pieces(self) -> Iterator[TableRows]:
         """Yield the table's rows, robot by robot; nothing when there were no poses."""
-        yield from (piece for track in self._series.tracks(0.0) if (piece := _piece(track)).rows)
+        for track in self._series.tracks(0.0):
+            self._notices += (
+                *track.faults,
+                *(f"{track.label}: {note}." for note in track.sources if BY_RECORDING in note),
+            )
+            if (piece := _piece(track)).rows:
+                yield piece
 
 
 def _texts(values: Values) -> list[str]:

@@ -16,7 +16,7 @@ from sim.numerics.float_array import FloatArray
 from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, label_above, robot_handles
 from thbridge.analysis.plot.thinning import simplified
 from thbridge.analysis.report.paths import pieces
-from thbridge.analysis.report.values import NEVER, Report
+from thbridge.analysis.report.values import Report
 
 _THING = "#f0b429"
 
@@ -30,7 +30,7 @@ def paths(report: Report, style: FigureStyle) -> Figure | None:
     counted = not placed and any(len(track.odometry) for track in report.tracks)
     grid = None if counted else report.grid
     robot_paths = [(track.odometry,) if counted else (track.truth, track.estimate) for track in report.tracks]
-    robot_cuts = [(NEVER,) if counted else (track.carried, track.relocated) for track in report.tracks]
+    robot_cuts = [(track.reset,) if counted else (track.carried, track.relocated) for track in report.tracks]
     seen = [path[:, 1:3] for own_paths in robot_paths for path in own_paths if len(path)]
     if not seen and grid is None:
         return None

@@ -25,11 +25,17 @@ class MessageBatches:
     Args:
         series: takes their rows.
         unread: takes a sentence for each topic with a message that cannot be read.
+        seconds: times that count, of stamps in nanoseconds.
     """
 
-    def __init__(self, series: SeriesByTopic, unread: dict[str, str]) -> None:
-        self._series, self._unread = series, unread
-        self._waiting: defaultdict[tuple[str, str], list[tuple[float, bytes]]] = defaultdict(list)
+    def __init__(
+        self,
+        series: SeriesByTopic,
+        unread: dict[str, str],
+        seconds: Callable[[NDArray[np.int64]], FloatArray],
+    ) -> None:
+        self._series, self._unread, self._seconds = series, unread, seconds
+        self._waiting: defaultdict[tuple[str, str], list[tuple[int, bytes]]] = defaultdict(list)
         self._readers: dict[str, Callable[[str, FloatArray, GatheredRows], None]] = {
             ODOMETRY: self._odometry,
             TFMESSAGE: self._transforms,
@@ -41,10 +47,10 @@ class MessageBatches:
         """True for types that are read in batches."""
         return msgtype in self._readers
 
-    def add(self, time: float, topic: str, msgtype: str, data: bytes) -> None:
+    def add(self, recorded_ns: int, topic: str, msgtype: str, data: bytes) -> None:
         """Add a message of such a type."""
         waiting = self._waiting[topic, msgtype]
-        waiting.append((time, data))
+        waiting.append((recorded_ns, data))
         if len(waiting) >= MESSAGES:
             self._read(topic, msgtype)
 
@@ -62,7 +68,7 @@ class MessageBatches:
         lost = rows.add_all(bytearray().join(data for _, data in waiting), lengths)
         for problem in lost.values():
             self._unread[topic] = f"{topic} holds a message that cannot be read: {problem}"
-        times = np.delete(np.array([time for time, _ in waiting]), list(lost))
+        times = self._seconds(np.delete(np.array([stamp for stamp, _ in waiting], dtype=np.int64), list(lost)))
         if len(times):
             self._readers[msgtype](topic, times, rows)
         rows.clear()
@@ -71,7 +77,8 @@ class MessageBatches:
         values = _block(rows, 3)
         frame, child = rows.texts(1)[0], rows.texts(2)[0]
         poses = self._series.odometry.setdefault(topic, self._series.poses_of(frame, child))
-        poses.rows.frombytes(self._series.plausible(topic, _poses(times, values)).tobytes())
+        placed = np.column_stack((times, self._stamps(rows), _poses(values)))
+        poses.rows.frombytes(self._series.plausible(topic, placed, times=2).tobytes())
         speeds = np.column_stack((times, values["8"], values["13"]))
         poses.speeds.frombytes(self._series.plausible(topic, speeds).tobytes())
 
@@ -79,7 +86,8 @@ class MessageBatches:
         (inner,) = rows.inner
         if not inner.count:
             return
-        poses = _poses(np.repeat(times, rows.lengths(0)), _block(inner, 3))
+        recorded = np.repeat(times, rows.lengths(0))
+        poses = np.column_stack((recorded, self._stamps(inner), _poses(_block(inner, 3))))
         places: defaultdict[tuple[str, str], list[int]] = defaultdict(list)
         for place, frames in enumerate(zip(inner.texts(1), inner.texts(2), strict=True)):
             places[frames].append(place)
@@ -87,7 +95,13 @@ class MessageBatches:
             if is_map_frame(parent) or is_odom_frame(parent):
                 key = (topic.strip("/").rpartition("/")[0], frame_name(parent), frame_name(child))
                 edge = self._series.edges.setdefault(key, self._series.poses_of(key[1], key[2]))
-                edge.rows.frombytes(self._series.plausible(topic, poses[found]).tobytes())
+                edge.rows.frombytes(self._series.plausible(topic, poses[found], times=2).tobytes())
+
+    def _stamps(self, rows: GatheredRows) -> FloatArray:
+        """(n,) times by the headers with which the rows begin; NaN where they are stamped 0."""
+        moments = _block(rows, 0)["1"]
+        stamps_ns = 1_000_000_000 * moments["sec"].astype(np.int64) + moments["nsec"]
+        return np.where(stamps_ns == 0, np.nan, self._seconds(stamps_ns))
 
     def _velocities(self, topic: str, times: FloatArray, rows: GatheredRows) -> None:
         values = _block(rows, 0)
@@ -103,9 +117,9 @@ def _block(rows: GatheredRows, index: int) -> NDArray[np.void]:
     return rows.run(index, part)
 
 
-def _poses(times: FloatArray, values: NDArray[np.void]) -> FloatArray:
-    """(n, 4) time, x, y, yaw of blocks that begin with a position and a quaternion."""
+def _poses(values: NDArray[np.void]) -> FloatArray:
+    """(n, 3) x, y, yaw of blocks that begin with a position and a quaternion."""
     x, y, qx, qy, qz, qw = (values[name] for name in "013456")
     with np.errstate(over="ignore", invalid="ignore"):  # of quaternions that are none
         yaw = elementary_arrays.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
-    return np.column_stack((times, x, y, np.where(yaw == np.pi, -np.pi, yaw)))
+    return np.column_stack((x, y, np.where(yaw == np.pi, -np.pi, yaw)))

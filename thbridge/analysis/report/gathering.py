@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import namespace_of, robot_name
@@ -128,7 +129,7 @@ class ReportBuilder:
         self._rooms = RoomNames()
         self._dialogues = DialogueGatherer()
         self._unread: dict[str, str] = {}
-        self._batches = MessageBatches(self._series, self._unread)
+        self._batches = MessageBatches(self._series, self._unread, self._seconds_of)
         self._handlers: dict[str, Callable[[float, str, bytes], None]] = {
             types.POSE_WITH_COVARIANCE: self._pose_with_covariance,
             types.POSE_STAMPED: self._pose,
@@ -164,6 +165,11 @@ class ReportBuilder:
         """Seconds since times count."""
         return 0.0 if self.first_ns is None else (stamp_ns - self.first_ns) / 1e9
 
+    def _seconds_of(self, stamps_ns: NDArray[np.int64]) -> FloatArray:
+        """Seconds since times count, of many stamps."""
+        seconds: FloatArray = (stamps_ns - (self.first_ns or 0)) / 1e9
+        return seconds
+
     def take(self, message: RawMessage) -> None:
         """Take in a message."""
         if self.first_ns is None:
@@ -177,7 +183,7 @@ class ReportBuilder:
             self._unread[message.topic] = f"{message.topic} holds another release's {message.msgtype}"
             return
         if handler is None:
-            self._batches.add(self._seconds(message.stamp_ns), message.topic, msgtype, message.data)
+            self._batches.add(message.stamp_ns, message.topic, msgtype, message.data)
             return
         try:
             handler(self._seconds(message.stamp_ns), message.topic, message.data)
@@ -189,7 +195,7 @@ class ReportBuilder:
         duration = self._seconds(self._last_ns)
         self._batches.flush()
         tracks = self._series.thinned_tracks(duration)
-        left_out = self._series.left_out_sentences()
+        left_out = (*self._series.left_out_sentences(), *(fault for track in tracks for fault in track.faults))
         grid = grid or next((self._grids[name] for name in usual_first(self._grids, (MAP.strip("/"),))), None)
         return Report(
             duration,
@@ -242,9 +248,11 @@ class ReportBuilder:
         if not is_plausible(pose.x, pose.y, pose.theta):
             self._series.left_out[topic] += 1
             return
-        poses.add(time, pose)
+        stamp = self._seconds(message.stamp_ns) if message.stamp_ns else math.nan
+        poses.add(time, stamp, pose)
         if (row := deviations(time, message.covariance)) is not None:
-            poses.deviations.extend(row)
+            _, position, heading = row
+            poses.deviations.extend((time, stamp, position, heading))
 
     def _battery(self, time: float, topic: str, data: bytes) -> None:
         message = unpack.battery_state(data)

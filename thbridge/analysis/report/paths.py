@@ -15,23 +15,29 @@ RELOCATED = 0.5
 message tells of that, the step itself does."""
 
 
-def corrected(odometry: FloatArray, corrections: FloatArray) -> FloatArray:
-    """(n, 4) time and base in map: odometry poses, each with the last correction before it; others are left out."""
-    return _moved(*_with_last(odometry, corrections))
+def corrected(odometry: FloatArray, recorded: FloatArray, corrections: FloatArray) -> FloatArray:
+    """(n, 4) time and base in map: odometry poses, each with the last correction known then; others are left out.
+
+    Args:
+        odometry: (o, 4) time, x, y, theta.
+        recorded: (o,) times of recording. Corrections are stamped ahead, so only these say which were known.
+        corrections: (c, 4) time of recording, x, y, theta of odom in map.
+    """
+    return _moved(*_with_last(odometry, recorded, corrections))
 
 
-def relocations(odometry: FloatArray, corrections: FloatArray) -> FloatArray:
+def relocations(odometry: FloatArray, recorded: FloatArray, corrections: FloatArray) -> FloatArray:
     """(k,) times from which a robot is believed to be elsewhere than its former correction would have it."""
-    odometry, correction = _with_last(odometry, corrections)
+    odometry, correction = _with_last(odometry, recorded, corrections)
     here, stale = _moved(odometry[1:], correction[1:]), _moved(odometry[1:], correction[:-1])
     moved = elementary_arrays.hypot(here[:, 1] - stale[:, 1], here[:, 2] - stale[:, 2])
     times: FloatArray = here[moved > RELOCATED, 0]
     return times
 
 
-def _with_last(odometry: FloatArray, corrections: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _with_last(odometry: FloatArray, recorded: FloatArray, corrections: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Odometry poses, and the last correction before each; poses without one are left out."""
-    last = np.searchsorted(corrections[:, 0], odometry[:, 0], side="right") - 1
+    last = np.searchsorted(corrections[:, 0], recorded, side="right") - 1
     return odometry[last >= 0], corrections[last[last >= 0]]
 
 

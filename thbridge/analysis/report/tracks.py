@@ -3,18 +3,21 @@
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.paths import corrected, distance, errors, relocations
-from thbridge.analysis.report.values import NEVER, GoalAttempt, Track
+from thbridge.analysis.report.sound_paths import RECORDED, STAMPED, SoundPath, sound_path, unfit_stamps
+from thbridge.analysis.report.values import GoalAttempt, Track
 from thbridge.analysis.report.ways_made import WaysMade
 from thbridge.files.disk.spool import SpoolFile
 from thbridge.files.tables.number_rows import NumberRows
 from thbridge.ros.messages.plausible import LARGEST
 from thbridge.ros.names import frame_name
+from thbridge.ros.odometry_faults import FaultKind, fault_sentences
 from thbridge.ros.robots import (
     ODOM_FRAME,
     by_number,
@@ -61,6 +64,8 @@ class TrajectoryTopics:
 
 
 FOUND_BY_NAME = TrajectoryTopics()
+BY_RECORDING = "truth and estimate are compared by the time of recording"
+"""Beginning of the note on headers that are of no use."""
 
 
 @dataclass(slots=True)
@@ -70,9 +75,9 @@ class PoseSeries:
     Attributes:
         frame: the frame of the poses.
         child: the frame whose poses they are; "" where it is unknown.
-        rows: rows of time, x, y, theta.
+        rows: rows of time of recording, stamp, x, y, theta; a stamp of 0 is NaN.
         speeds: rows of time, m/s, rad/s.
-        deviations: rows of time, standard deviations of position (m) and heading (rad).
+        deviations: rows of time of recording, stamp, standard deviations of position (m) and heading (rad).
     """
 
     frame: str
@@ -81,9 +86,9 @@ class PoseSeries:
     speeds: NumberRows
     deviations: NumberRows
 
-    def add(self, time: float, pose: Pose2) -> None:
+    def add(self, time: float, stamp: float, pose: Pose2) -> None:
         """Append a pose."""
-        self.rows.extend((time, pose.x, pose.y, pose.theta))
+        self.rows.extend((time, stamp, pose.x, pose.y, pose.theta))
 
 
 @dataclass(slots=True)
@@ -129,9 +134,9 @@ class SeriesByTopic:
         """An empty series of poses."""
         return PoseSeries(frame, child, self.numbers(), self.numbers(), self.numbers())
 
-    def plausible(self, topic: str, rows: FloatArray) -> FloatArray:
-        """The rows of a topic without those that no figure can show, which are counted."""
-        good = (np.abs(rows) <= LARGEST).all(axis=1)  # NaN fails it
+    def plausible(self, topic: str, rows: FloatArray, times: int = 0) -> FloatArray:
+        """The rows of a topic without those that no figure can show, which are counted; first `times` columns are."""
+        good = (np.abs(rows[:, times:]) <= LARGEST).all(axis=1)  # NaN fails it
         if good.all():
             return rows
         self.left_out[topic] += int(np.count_nonzero(~good))
@@ -165,11 +170,16 @@ class SeriesByTopic:
 
     def _track(self, robot: str, robots: frozenset[str], duration: float) -> Track:
         sources = _Sources(self, robot, robots)
-        truth, odometry = sources.truth(), sources.odometry()
-        estimate, relocated = sources.estimate(odometry)
-        true_path, driven = truth.rows.table(4), odometry.rows.table(4)
-        carried = np.array(self.carried.get(robot, ()), dtype=np.float64)
-        paths = ((true_path, carried), (estimate, relocated), (driven, NEVER))
+        paths = sources.paths()
+        told = np.array(self.carried.get(robot, ()), dtype=np.float64)
+        if len(paths.truth.cuts) and not len(told):
+            sources.notes.append(f"the truth jumps {len(paths.truth.cuts)} times, where the robot was not driven")
+        carried = np.union1d(told, paths.truth.cuts)
+        cut_paths = (
+            (paths.truth.rows, carried),
+            (paths.estimate, paths.relocated),
+            (paths.odometry.rows, paths.odometry.cuts),
+        )
         attempts = [attempt for topic in sources.own(self.attempts) for attempt in self.attempts[topic]]
         attempts += [
             GoalAttempt(start, duration, UNDER_WAY, "")
@@ -178,21 +188,51 @@ class SeriesByTopic:
         ]
         return Track(
             name=robot or "robot",
-            truth=true_path,
-            estimate=estimate,
-            errors=errors(estimate, true_path),
+            truth=paths.truth.rows,
+            estimate=paths.estimate,
+            errors=errors(paths.estimate, paths.truth.rows),
             energy=_first(self.energy, sources.own(self.energy), BATTERIES, 2),
             attempts=tuple(sorted(attempts, key=lambda attempt: attempt.start)),
-            distance=next((distance(path, cuts) for path, cuts in paths if len(path)), 0.0),
-            odometry=driven,
-            speeds=odometry.speeds.table(3),
+            distance=next((distance(path, cuts) for path, cuts in cut_paths if len(path)), 0.0),
+            odometry=paths.odometry.rows,
+            speeds=paths.speeds,
             commands=_first(self.commands, sources.own(self.commands), COMMANDS, 3),
-            deviations=sources.admitted(),
+            deviations=paths.deviations,
             sources=tuple(sources.notes),
             carried=carried,
-            relocated=relocated,
+            relocated=paths.relocated,
             ways_made=self.ways_made.of(robot, duration),
+            reset=paths.odometry.cuts,
+            faults=paths.faults,
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Paths:
+    """One robot's poses over time, as in `Track`.
+
+    Attributes:
+        faults: sentences on poses that are no motion of a robot.
+    """
+
+    truth: SoundPath
+    estimate: FloatArray
+    relocated: FloatArray
+    odometry: SoundPath
+    speeds: FloatArray
+    deviations: FloatArray
+    faults: tuple[str, ...]
+
+
+class _Taken(NamedTuple):
+    """Poses with the name of the topic or transform that they are from."""
+
+    name: str
+    poses: PoseSeries
+
+    @property
+    def rows(self) -> FloatArray:
+        return self.poses.rows.table(5)
 
 
 class _Sources:
@@ -206,7 +246,7 @@ class _Sources:
         self.notes: list[str] = []
         self._robot, self._robots = robot, robots
         self._named, self._all = by_topic.named, {**by_topic.odometry, **by_topic.poses}
-        self._nothing = by_topic.poses_of("", "")
+        self._nothing = _Taken("", by_topic.poses_of("", ""))
         self._odometry = self._own_poses(by_topic.odometry)
         self._poses = self._own_poses(by_topic.poses)
         self._edges = {
@@ -219,7 +259,35 @@ class _Sources:
         """The topics that belong to the robot."""
         return [topic for topic in topics if owner_of(topic, self._robots) == self._robot]
 
-    def truth(self) -> PoseSeries:
+    def paths(self) -> _Paths:
+        """Its poses over time: by their stamps, where those of truth and estimate can be compared."""
+        truth, odometry = self._truth(), self._odometry_taken()
+        estimate, corrections = self._estimate(odometry)
+        believed = odometry if corrections is not None else estimate
+        true_rows, believed_rows = truth.rows, believed.rows
+        unfit = [(each.name, unfit_stamps(rows)) for each, rows in ((truth, true_rows), (believed, believed_rows))]
+        reasons = [f"the headers of {name} {reason}" for name, reason in unfit if reason is not None]
+        if reasons and len(true_rows) and len(believed_rows):
+            self.notes.append(f"{BY_RECORDING}, for {' and '.join(dict.fromkeys(reasons))}")
+        true_path = sound_path(true_rows, not reasons)
+        driven_rows = believed_rows if believed is odometry else odometry.rows
+        driven = sound_path(driven_rows, not reasons if believed is odometry else unfit_stamps(driven_rows) is None)
+        if corrections is None:
+            direct = sound_path(believed_rows, not reasons, believed=True)
+            estimated, relocated = direct.rows, direct.cuts
+        else:
+            known = corrections.rows[:, (RECORDED, 2, 3, 4)]
+            estimated = corrected(driven.rows, driven.recorded, known)
+            relocated = np.union1d(relocations(driven.rows, driven.recorded, known), driven.cuts)
+        moved = (FaultKind.RESET, FaultKind.JUMP)  # of the truth: the robot was carried
+        faults = (
+            *fault_sentences(truth.name, [fault for fault in true_path.faults if fault.kind not in moved], 0),
+            *fault_sentences(odometry.name, driven.faults, 0),
+        )
+        speeds, deviations = odometry.poses.speeds.table(3), self._admitted(not reasons)
+        return _Paths(true_path, estimated, relocated, driven, speeds, deviations, faults)
+
+    def _truth(self) -> _Taken:
         """Its true poses; without rows if there are none."""
         if self._named.truth is not None:
             return self._by_name("truth", self._named.truth)
@@ -228,44 +296,45 @@ class _Sources:
             return is_truth(topic)
 
         truth = self._take("truth", (_chosen(self._odometry, known), ()), (_chosen(self._poses, known), ()))
-        if truth.frame and not is_map_frame(truth.frame):
-            self.notes.append(f"the truth is in the frame {frame_name(truth.frame)}, and is taken as places on the map")
+        frame = truth.poses.frame
+        if frame and not is_map_frame(frame):
+            self.notes.append(f"the truth is in the frame {frame_name(frame)}, and is taken as places on the map")
         return truth
 
-    def odometry(self) -> PoseSeries:
+    def _odometry_taken(self) -> _Taken:
         """Its odometry; without rows if there is none."""
         topics = _chosen(self._odometry, lambda topic, series: not is_truth(topic) and not is_map_frame(series.frame))
         edges = _chosen(self._edges, lambda _, series: is_odom_frame(series.frame))
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
-    def estimate(self, odometry: PoseSeries) -> tuple[FloatArray, FloatArray]:
-        """(n, 4) time, x, y, theta of its estimated pose, and the times at which its localiser found it elsewhere.
-
-        Preferably odometry with the corrections of map -> odom.
-        """
+    def _estimate(self, odometry: _Taken) -> tuple[_Taken, _Taken | None]:
+        """Its estimated poses, or preferably the corrections map -> odom of its odometry, beside no poses."""
         if self._named.estimate is not None:
-            return self._by_name("estimate", self._named.estimate).rows.table(4), NEVER
+            return self._by_name("estimate", self._named.estimate), None
+        frame = frame_name(odometry.poses.frame)
         corrections = _chosen(
-            self._edges,
-            lambda _, series: is_map_frame(series.frame) and frame_name(series.child) == frame_name(odometry.frame),
+            self._edges, lambda _, series: is_map_frame(series.frame) and frame_name(series.child) == frame
         )
-        if odometry.rows and corrections:
-            counted, last = odometry.rows.table(4), self._take("estimate", (corrections, ())).rows.table(4)
-            return corrected(counted, last), relocations(counted, last)
+        if odometry.poses.rows and corrections:
+            return self._nothing, self._take("estimate", (corrections, ()))
         fused = _chosen(self._odometry, lambda topic, series: not is_truth(topic) and is_map_frame(series.frame))
         direct = _chosen(self._edges, lambda _, series: is_map_frame(series.frame) and last_word(series.child) in BASES)
-        found = self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ()))
-        return found.rows.table(4), NEVER
+        return self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ())), None
 
-    def admitted(self) -> FloatArray:
-        """(d, 3) table of the standard deviations that its localiser reports; see `PoseSeries.deviations`."""
+    def _admitted(self, by_stamp: bool) -> FloatArray:
+        """(d, 3) table of time and the standard deviations that its localiser reports."""
         names = usual_first(_estimates(self._poses), ESTIMATES)
-        return self._poses[names[0]].deviations.table(3) if names else np.empty((0, 3))
+        if not names:
+            return np.empty((0, 3))
+        rows = self._poses[names[0]].deviations.table(4)
+        by_stamp = by_stamp and not np.isnan(rows[:, STAMPED]).any()
+        rows = rows[:, (STAMPED if by_stamp else RECORDED, 2, 3)]
+        return rows[np.argsort(rows[:, 0], kind="stable")]
 
-    def _by_name(self, what: str, topic: str) -> PoseSeries:
+    def _by_name(self, what: str, topic: str) -> _Taken:
         """The poses of a topic that somebody has named."""
         self.notes.append(f"{what} from {topic}, as told")
-        return self._all.get(topic, self._nothing)
+        return _Taken(topic, self._all[topic]) if topic in self._all else self._nothing
 
     def _own_poses(self, by_topic: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
         """The poses of the robot: by the prefix of their frame if it is a robot's, else by the namespace."""
@@ -276,13 +345,13 @@ class _Sources:
             if (prefix if (prefix := prefix_of(poses.child)) in named else owner_of(topic, self._robots)) == self._robot
         }
 
-    def _take(self, what: str, *choices: tuple[Mapping[str, PoseSeries], tuple[str, ...]]) -> PoseSeries:
+    def _take(self, what: str, *choices: tuple[Mapping[str, PoseSeries], tuple[str, ...]]) -> _Taken:
         """The poses with the most usual name in the first choice that has any; without rows if no choice has."""
         for candidates, usual in choices:
             if names := usual_first(candidates, usual):
                 others = f"; there is also {', '.join(names[1:])}" if len(names) > 1 else ""
                 self.notes.append(f"{what} from {names[0]}{others}")
-                return candidates[names[0]]
+                return _Taken(names[0], candidates[names[0]])
         return self._nothing
 
 
@@ -329,7 +398,7 @@ def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
 
 
 def deviations(time: float, covariance: FloatArray) -> tuple[float, float, float] | None:
-    """A row of `PoseSeries.deviations`; None when the covariance is not valid."""
+    """Time and standard deviations of position (m) and heading (rad); None when the covariance is not valid."""
     position, heading = covariance[0, 0] + covariance[1, 1], covariance[2, 2]
     if not (0.0 <= position <= LARGEST and 0.0 <= heading <= LARGEST):
         return None

@@ -79,8 +79,10 @@ class Track:
         deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localiser reports.
         sources: sentences on the topics that were used, for people.
         carried: (p,) times at which it was picked up and set elsewhere.
-        relocated: (q,) times at which its localiser found it elsewhere.
+        relocated: (q,) times at which its localiser found it elsewhere, or its odometry was reset.
         ways_made: the times in which it made way for others, in order.
+        reset: (r,) times at which its odometry was reset.
+        faults: sentences on poses that are no motion of a robot.
     """
 
     name: str
@@ -98,6 +100,8 @@ class Track:
     carried: FloatArray
     relocated: FloatArray
     ways_made: tuple[WayMade, ...] = ()
+    reset: FloatArray = field(default_factory=lambda: NEVER)
+    faults: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:

@@ -1,0 +1,167 @@
+"""Truth and estimate are compared at the same stamps; what no robot drove is not driven."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.common.geometry import Pose2
+from tests.thbridge.analysis.planting import ODOM_LINE, Entry, Planted, tf, write
+from tests.thbridge.analysis.planting import TF_LINE as TF
+from tests.thbridge.offline.foreign import TYPES, Header, odometry, stamp, transform
+from thbridge.analysis.export.folder import export_bag
+from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.report.paths import pieces
+from thbridge.analysis.report.values import Track
+from thbridge.files.tables.table_files import TableFormat
+from thbridge.recording.bag.reading.reader import messages
+
+BEGIN = 1_700_000_000_000_000_000
+TENTH = 100_000_000
+LATE = 5 * TENTH
+HOUR = 36_000 * TENTH
+
+
+def pose(stamp_ns: int, x: float) -> object:
+    """geometry_msgs/PoseStamped on the map."""
+    placed = TYPES["geometry_msgs/msg/Pose"](
+        TYPES["geometry_msgs/msg/Point"](x, 0.0, 0.0), TYPES["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
+    )
+    return TYPES["geometry_msgs/msg/PoseStamped"](Header(0, stamp(stamp_ns), "map"), placed)
+
+
+def entry(topic: str, recorded_ns: int, stamp_ns: int, x: float) -> Entry:
+    line = type(ODOM_LINE)(topic, "geometry_msgs/PoseStamped")
+    return Entry(line, recorded_ns, pose(stamp_ns, x))
+
+
+def two(stamp_of_truth: Callable[[int], int], late: int = LATE) -> Planted:
+    """A robot that drives half a metre a second and knows it; its truth is recorded late."""
+    entries = []
+    for number in range(60):
+        ns, x = BEGIN + number * TENTH, 0.05 * number
+        entries += [
+            entry("/robot_pose", ns, ns, x),
+            entry("/vicon/pose", ns + late, stamp_of_truth(ns), x),
+        ]
+    return Planted(sorted(entries, key=lambda each: each.ns))
+
+
+def track_of(tmp_path: Path, planted: Planted) -> Track:
+    (track,) = read_report(messages(write(tmp_path / "a.bag", planted))).tracks
+    return track
+
+
+def driven(samples: list[tuple[int, int, float]], tmp_path: Path) -> Track:
+    """A report of odometry in tf: numbers of tenths when it was recorded and which it is of, metres."""
+    entries = [
+        Entry(TF, BEGIN + at * TENTH, tf(transform(BEGIN + of * TENTH, "odom", "base_link", Pose2(x, 0.0, 0.0))))
+        for at, of, x in samples
+    ]
+    return track_of(tmp_path, Planted(entries))
+
+
+def test_a_truth_that_is_recorded_late_is_compared_by_its_stamps(tmp_path: Path) -> None:
+    late = track_of(tmp_path, two(lambda ns: ns))
+    at_once = track_of(tmp_path, two(lambda ns: ns, late=0))
+    for track in (late, at_once):
+        assert track.errors[:, 0].tolist() == pytest.approx([0.1 * number for number in range(60)])
+        assert track.errors[:, 1].max() == pytest.approx(0.0, abs=1e-6)
+        assert not any("time of recording" in sentence for sentence in track.sources)
+
+
+@pytest.mark.parametrize(
+    ("stamp_of_truth", "reason"),
+    [
+        (lambda ns: 0, "are stamped 0"),
+        (lambda ns: ns - HOUR, "are 3600.5 s before the time of recording"),
+        (lambda ns: ns + HOUR, "are 3599.5 s after the time of recording"),
+        (lambda ns: BEGIN, "have one stamp for many poses"),
+        (lambda ns: ns - 8 * TENTH * (ns > BEGIN + 30 * TENTH) * 10, "are of a clock that was set"),
+    ],
+)
+def test_stamps_of_another_clock_are_not_used_and_it_says_so(
+    stamp_of_truth: Callable[[int], int], reason: str, tmp_path: Path
+) -> None:
+    track = track_of(tmp_path, two(stamp_of_truth))
+    # Half a second at half a metre a second.
+    assert track.errors[:, 1] == pytest.approx(0.25, abs=1e-6)
+    told = f"compared by the time of recording, for the headers of /vicon/pose {reason}"
+    assert any(told in sentence for sentence in track.sources)
+
+
+def test_the_table_of_poses_has_them_at_the_same_stamps_too(tmp_path: Path) -> None:
+    for name, stamp_of_truth, error in (("good", lambda ns: ns, 0.0), ("zero", lambda ns: 0, 0.25)):
+        bag = write(tmp_path / f"{name}.bag", two(stamp_of_truth))
+        done = export_bag(bag, tmp_path / name, (TableFormat.CSV,))
+        table = np.genfromtxt(tmp_path / name / "poses.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+        known = table["error_m"][~np.isnan(table["error_m"])]
+        assert len(known) >= 55
+        assert known == pytest.approx(error, abs=1e-6)
+        assert any("by the time of recording" in sentence for sentence in done.notices) == (name == "zero")
+
+
+def straight(count: int = 60) -> list[tuple[int, int, float]]:
+    return [(number, number, 0.05 * number) for number in range(count)]
+
+
+def test_an_outlier_is_not_driven_and_named(tmp_path: Path) -> None:
+    samples = straight()
+    samples[30] = (30, 30, 1000.0)
+    track = driven(samples, tmp_path)
+    assert track.distance == pytest.approx(59 * 0.05)
+    assert len(track.odometry) == 59
+    (told,) = track.faults
+    assert told.startswith("tf odom -> base_link: left out as outliers")
+
+
+def test_poses_stamped_years_ahead_are_not_driven_and_named(tmp_path: Path) -> None:
+    samples = straight()
+    for after in (45, 30, 15):
+        samples.insert(after + 1, (after, 3_000_000_000, 0.0))
+    track = driven(samples, tmp_path)
+    assert track.distance == pytest.approx(59 * 0.05)
+    (told,) = track.faults
+    assert "with a stamp that does not fit the others: 3" in told
+
+
+def test_odometry_that_is_set_to_0_goes_on_from_there(tmp_path: Path) -> None:
+    samples = [(at, of, x - 1.5 * (at >= 30) + 9.0 * (at < 30)) for at, of, x in straight()]
+    track = driven(samples, tmp_path)
+    assert track.distance == pytest.approx(58 * 0.05)
+    assert [len(piece) for piece in pieces(track.odometry, track.reset)] == [30, 30]
+    (told,) = track.faults
+    assert "resets to 0" in told
+
+
+def test_a_drive_that_is_played_again_is_driven_twice_without_the_way_back(tmp_path: Path) -> None:
+    """Stamps begin again, too."""
+    again = [(at + 60, of, x) for at, of, x in straight()]
+    track = driven(straight() + again, tmp_path)
+    assert track.distance == pytest.approx(2 * 59 * 0.05)
+    assert track.odometry[:, 0] == pytest.approx([0.1 * number for number in range(120)])
+
+
+def test_a_truth_that_jumps_was_carried(tmp_path: Path) -> None:
+    planted = two(lambda ns: ns, late=0)
+    for number, each in enumerate(planted.of("/vicon/pose")[30:], 30):
+        ns = BEGIN + number * TENTH
+        planted.entries[planted.entries.index(each)] = entry("/vicon/pose", ns, ns, 0.05 * number + 20.0)
+    track = track_of(tmp_path, planted)
+    assert track.distance == pytest.approx(58 * 0.05)
+    assert track.carried.tolist() == pytest.approx([3.0])
+    assert any("jumps 1 times" in sentence for sentence in track.sources)
+
+
+def test_a_wrong_estimate_is_an_error_and_not_driven(tmp_path: Path) -> None:
+    entries = []
+    for number in range(60):
+        ns = BEGIN + number * TENTH
+        entries.append(entry("/robot_pose", ns, ns, 0.05 * number + 100.0 * (number in {20, 21})))
+        entries.append(Entry(ODOM_LINE, ns, odometry(ns, "odom", "base_link", Pose2(0.05 * number, 0.0, 0.0))))
+    track = track_of(tmp_path, Planted(entries))
+    assert track.estimate[:, 1].max() == pytest.approx(101.05)
+    assert track.distance == pytest.approx(56 * 0.05)  # without the three steps to, between and from the wrong ones
+    assert math.isclose(track.estimate[20, 1], 101.0)
