@@ -14,6 +14,7 @@ from thbridge.files.disk.new_file import new_file
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
+from thbridge.ros.messages.identification import missing_types
 from thbridge.ros.messages.types import SESSION
 
 COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
@@ -30,12 +31,14 @@ class McapResult:
         messages: number of messages.
         channels: number of publishers.
         session: True when there was a session record of ours.
+        undefined: topics without a whole definition, which readers cannot decode.
     """
 
     path: Path
     messages: int
     channels: int
     session: bool
+    undefined: tuple[str, ...] = ()
 
 
 def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = False) -> McapResult:
@@ -59,7 +62,9 @@ def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = F
         for publisher, stamp_ns, data in recorded(bag):
             conversion.add(publisher, stamp_ns, data)
         conversion.finish()
-    return McapResult(out, conversion.messages, conversion.channels, conversion.session)
+    return McapResult(
+        out, conversion.messages, conversion.channels, conversion.session, tuple(sorted(conversion.undefined))
+    )
 
 
 class _Conversion:
@@ -68,6 +73,7 @@ class _Conversion:
     def __init__(self, file: IO[bytes], compression: CompressionType) -> None:
         self.messages = 0
         self.session = False
+        self.undefined: set[str] = set()
         self._writer = Writer(file, compression=compression)
         self._writer.start(Profile.ROS1, "thbridge")
         self._schemas: dict[tuple[str, str], int] = {}
@@ -94,6 +100,8 @@ class _Conversion:
         self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no annotation there
 
     def _channel(self, publisher: BagConnection) -> int:
+        if missing_types(publisher.msgtype, publisher.md5, publisher.definition):
+            self.undefined.add(publisher.topic)
         kind = (publisher.msgtype, publisher.definition)
         if kind not in self._schemas:
             text = publisher.definition.encode()

@@ -157,9 +157,9 @@ def time_of(ns: int) -> bytes:
 
 
 def connection_record(number: int, line: Line) -> bytes:
-    plain = plain_definition(line.msgtype)
-    said = {"topic": line.topic.encode(), "type": line.msgtype.encode(), "md5sum": (line.md5 or plain.md5).encode()}
-    text = plain.text if line.definition is None else line.definition
+    md5 = plain_definition(line.msgtype).md5 if line.md5 is None else line.md5
+    text = plain_definition(line.msgtype).text if line.definition is None else line.definition
+    said = {"topic": line.topic.encode(), "type": line.msgtype.encode(), "md5sum": md5.encode()}
     said["message_definition"] = text.encode()
     if line.caller is not None:
         said["callerid"] = line.caller.encode()

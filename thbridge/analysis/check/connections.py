@@ -14,6 +14,7 @@ from thbridge.analysis.check.finding import (
 )
 from thbridge.analysis.check.reading import fields_of
 from thbridge.recording.bag.reading.scan import ConnectionRecord
+from thbridge.ros.messages.identification import DefinitionSource, identified, missing_types
 from thbridge.ros.messages.types import OCCUPANCY_GRID, OWN_TYPES, md5_of, plain_definition
 
 READERS = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
@@ -28,14 +29,19 @@ _PART = re.compile(r"^={40,}\r?\nMSG: *(\S+)\r?$", re.MULTILINE)
 def definition_missing(bag: BagStructure) -> Iterator[Finding]:
     """Find definitions that are empty, incomplete or unreadable: without one a message cannot be decoded."""
     for connection in _used(bag):
+        problem = None
+        missing = missing_types(connection.msgtype, connection.md5, connection.definition)
         try:
             fields_of(connection.msgtype, connection.definition)
-            problem = None if connection.definition.strip() or _is_empty(connection) else "its definition is empty"
+            problem = "its definition is empty" if missing else None
         except ValueError as error:
-            problem = str(error)
+            problem = "its definition has no field" if connection.msgtype in missing else str(error)
         if problem:
             what = f"{connection.msgtype}: {problem}"
             remedy = "record it anew with the definitions of all nested types"
+            found = identified(connection.msgtype, connection.md5, connection.definition)
+            if found is not None and found.source is DefinitionSource.MD5:
+                remedy = "run `thbridge bag cut`, which writes the definition that its md5 sum names"
             yield Finding("definition-missing", FindingSeverity.ERROR, READERS, connection.topic, what, remedy)
 
 
@@ -179,11 +185,6 @@ def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:
         if bag.counts.get(connection.number) and kind not in seen:
             seen.add(kind)
             yield connection
-
-
-def _is_empty(connection: ConnectionRecord) -> bool:
-    """True when the type has no fields: this is the md5 sum of an empty text."""
-    return connection.md5 == "d41d8cd98f00b204e9800998ecf8427e"
 
 
 RULES = (

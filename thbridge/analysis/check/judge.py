@@ -25,6 +25,7 @@ from thbridge.recording.bag.reading.scan import (
     MessageRecord,
     UnreadableSpan,
 )
+from thbridge.ros.messages.identification import by_name, identified
 
 _ORDER = tuple(FindingSeverity)
 
@@ -74,11 +75,22 @@ class _ConnectionReader:
 
     def __init__(self, source: ConnectionRecord, rules: Iterable[MessageRule]) -> None:
         self._handlers = [handle for rule in rules if (handle := rule.listen(source)) is not None]
+        self._source = source
+        self._begun = False
         self._layout: MessageReader | None = None
-        with suppress(ValueError):  # the rule `definition_missing` reports it
-            self._layout = MessageReader(source.msgtype, source.definition, contents.numbers_of(source.msgtype))
+
+    def _begin(self, data: bytes) -> None:
+        """Choose a layout for all messages by the first."""
+        self._begun = True
+        kind = self._source.msgtype
+        found = identified(kind, self._source.md5, self._source.definition) or by_name(kind, data)
+        if found is not None:
+            with suppress(ValueError):  # the rule `definition_missing` reports it
+                self._layout = MessageReader(kind, found.definition, contents.numbers_of(kind))
 
     def handle(self, record: MessageRecord) -> None:
+        if not self._begun:
+            self._begin(record.data)
         try:
             reading = Reading() if self._layout is None else self._layout.read(record.data)
             message = CheckedMessage(record.stamp_ns, reading)

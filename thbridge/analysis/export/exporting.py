@@ -15,11 +15,10 @@ from thbridge.analysis.games import OF_A_GAME, GameStart
 from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
+from thbridge.ros.messages.identification import EMPTY_MD5, DefinitionSource
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.types import GAME_EVENT, UTTERANCE
 
-EMPTY_MD5 = "d41d8cd98f00b204e9800998ecf8427e"
-"""Md5 sum of types without fields."""
 PIECE = 4 << 20
 """Bytes of a topic's messages that are converted to rows together, at most."""
 LONGEST_TOPIC = 100
@@ -152,6 +151,10 @@ def _begun(publisher: BagConnection, names: set[str], start_ns: int, notices: li
     except ValueError as error:
         notices.append(f"{publisher.topic} is left out: {error}.")
         return None
+    if publisher.source is not DefinitionSource.BAG:
+        why = "which its md5 sum names" if publisher.source is DefinitionSource.MD5 else "which its messages fit"
+        taken = f"that of {publisher.msgtype} in ROS Noetic is taken, {why}"
+        notices.append(f"{publisher.topic}: the bag has no whole definition of its type; {taken}.")
     return TopicTables(_file_name(publisher.topic, names), publisher.topic, record, start_ns)
 
 

@@ -27,6 +27,7 @@ from thbridge.json_text import json_of
 from thbridge.recording.bag.reading.reader import RawMessage, info
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
+from thbridge.ros.messages.identification import is_md5
 from thbridge.ros.messages.plausible import is_plausible
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 from thbridge.ros.messages.unpack import PoseInFrame
@@ -179,7 +180,7 @@ class ReportBuilder:
         handler = self._handlers.get(msgtype)
         if handler is None and not self._batches.takes(msgtype):
             return
-        if message.md5 != types.plain_definition(msgtype).md5:
+        if message.md5 != types.plain_definition(msgtype).md5 and is_md5(message.md5):
             self._unread[message.topic] = f"{message.topic} holds another release's {message.msgtype}"
             return
         if handler is None:

@@ -14,6 +14,7 @@ import lz4.frame
 from rosbags.rosbag1.reader import RecordType
 
 from thbridge.recording.bag.options import Compression
+from thbridge.ros.messages.identification import DefinitionSource
 
 MAGIC = b"#ROSBAG V2.0\n"
 HEADER_BYTES = 4096
@@ -41,6 +42,7 @@ class BagConnection:
         definition: definition of the type, with those of the types within it.
         caller: name of the publishing node; None where it is not known.
         latching: True when late subscribers get the last message; None where it is not known.
+        source: origin of the definition.
     """
 
     number: int
@@ -50,6 +52,7 @@ class BagConnection:
     definition: str
     caller: str | None
     latching: bool | None
+    source: DefinitionSource = DefinitionSource.BAG
 
 
 def time_bytes(stamp_ns: int) -> bytes:

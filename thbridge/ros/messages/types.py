@@ -232,7 +232,7 @@ def _summed(msgtype: str) -> str:
     constants, fields = [], []
     for line in TEXTS[msgtype].splitlines():
         kind, _, name = " ".join(line.partition("#")[0].split()).partition(" ")
-        inner = _qualified(kind, msgtype)
+        inner = qualified(kind, msgtype)
         if "=" in name:
             constants.append(f"{kind} {name}")
         elif inner:
@@ -280,7 +280,7 @@ def _dependencies(msgtype: str, text: str, text_of: Callable[[str], str | None])
     """Every type that a definition contains, depth first, with repetitions."""
     for line in text.splitlines():
         words = line.partition("#")[0].split()
-        name = _qualified(words[0], msgtype) if words else None
+        name = qualified(words[0], msgtype) if words else None
         if name is None:
             continue
         yield name
@@ -289,7 +289,7 @@ def _dependencies(msgtype: str, text: str, text_of: Callable[[str], str | None])
             yield from _dependencies(name, inner, text_of)
 
 
-def _qualified(kind: str, msgtype: str) -> str | None:
+def qualified(kind: str, msgtype: str) -> str | None:
     """Return the type that a field's type names in the text of another, with its package; None for one built in."""
     name = kind.partition("[")[0]
     if not name or name in _BUILTINS:

@@ -173,6 +173,8 @@ def bag_to_mcap_command(
         return
     with bad_input(), destination(new or bag.with_suffix(".mcap"), ".mcap") as file:
         done = to_mcap(bag, file, compression, overwrite)
+    for topic in done.undefined:
+        note(f"{visible(topic)}: the bag has no definition of its type, and no reader can decode it.")
     if as_json:
         print_json(msgspec.to_builtins(done, enc_hook=str))
     elif new != STANDARD_OUTPUT:

@@ -10,7 +10,7 @@ from thbridge.files.errors import visible
 from ui.options import AsJson
 from ui.outputs import share_outputs
 from ui.recordings import Recording
-from ui.terminal import bad_input, note, print_json, say
+from ui.terminal import FAILED, bad_input, fail, note, print_json, say
 
 
 class ExportFormat(StrEnum):
@@ -61,3 +61,5 @@ def bag_export(
     else:
         total = sum(rows.values())
         say(f"{to}: {len(rows)} {'table' if len(rows) == 1 else 'tables'}, {total} rows, and README.md.")
+    if not rows and exported.notices:
+        fail(FAILED, f"{bag}: no topic of it could be exported.")

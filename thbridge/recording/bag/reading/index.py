@@ -21,6 +21,7 @@ from thbridge.recording.bag.reading.file_end import FileEnd, read_end
 from thbridge.recording.bag.reading.reader import RawMessage
 from thbridge.recording.bag.ros2 import as_ros1
 from thbridge.recording.recordings import parts_of
+from thbridge.ros.messages.identification import identified
 
 CHUNKS_KEPT = 2048
 """Number of chunks whose index is cached."""
@@ -295,10 +296,10 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
                 end = FileEnd()
                 for share in read_end(files[-1], number, part, end):
                     yield (number + share) / len(parts)
-            publishers += [
-                IndexedConnection(number, each.number, each.topic, each.msgtype, each.md5, each.definition)
-                for each in end.connections
-            ]
+            for each in end.connections:
+                better = identified(each.msgtype, each.md5, each.definition)
+                text = each.definition if better is None else better.definition
+                publishers.append(IndexedConnection(number, each.number, each.topic, each.msgtype, each.md5, text))
             chunks += end.chunks
     except BaseException:
         for file in files:

@@ -3,7 +3,7 @@
 from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -16,6 +16,7 @@ from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.ros2 import as_ros1
 from thbridge.recording.bag.ros2_storage import size_of
 from thbridge.recording.recordings import parts_of
+from thbridge.ros.messages.identification import DefinitionSource, IdentifiedType, by_name, identified, missing_types
 
 BYTES_KEPT = 4 * 1024 * 1024
 """Bytes of unpacked chunks that are cached, for those that overlap in time."""
@@ -141,7 +142,8 @@ def recorded(
     Messages with equal stamps come in the order of recording. Memory holds a few chunks, whatever the recording's size.
 
     The parts of a split recording are read as one: the latched messages that a part repeats at its beginning, so that
-    it can be played by itself, are left out. A publisher that is in several parts is one object.
+    it can be played by itself, are left out. A publisher that is in several parts is one object. One without a whole
+    definition gets the one that its md5 sum names, or else its type's name if its first message fits.
 
     Args:
         path: the bag, or the name of a split recording.
@@ -170,8 +172,12 @@ def recorded(
             ) -> Collection[int]:
                 return chunk.counts.keys() & (held if chunk.is_before(since_ns) else publishers.keys())
 
+            undefined = {number for number, publisher in publishers.items() if _lacks(publisher)}
             for number, stamp, data in _in_order(reader, [chunk for chunk in end.chunks if wanted(chunk)], wanted):
                 publisher = publishers[number]
+                if number in undefined:
+                    undefined.remove(number)
+                    publisher = publishers[number] = _named(publisher, data, known)
                 if repeatable and stamp == start_ns and repeatable.pop(publisher.topic, None) == data:
                     continue
                 if publisher.latching:
@@ -188,8 +194,24 @@ def holds(publisher: BagConnection) -> bool:
 
 
 def _publisher(found: BagConnection, known: dict[tuple[str | bool | None, ...], BagConnection]) -> BagConnection:
-    key = (found.topic, found.msgtype, found.md5, found.definition, found.caller, found.latching)
-    return known.setdefault(key, BagConnection(len(known), *key))
+    better = identified(found.msgtype, found.md5, found.definition)
+    if better is None or better.source is DefinitionSource.BAG:
+        better = IdentifiedType(found.definition, found.source)
+    key = (found.topic, found.msgtype, found.md5, better.definition, found.caller, found.latching)
+    return known.setdefault(key, BagConnection(len(known), *key, better.source))
+
+
+def _lacks(publisher: BagConnection) -> bool:
+    """True when a publisher has no whole definition."""
+    return bool(missing_types(publisher.msgtype, publisher.md5, publisher.definition))
+
+
+def _named(
+    publisher: BagConnection, data: bytes, known: dict[tuple[str | bool | None, ...], BagConnection]
+) -> BagConnection:
+    """The publisher with the definition of its type's name, if a message fits; else as it is."""
+    better = by_name(publisher.msgtype, data)
+    return publisher if better is None else _publisher(replace(publisher, **better._asdict()), known)
 
 
 def _in_order(
