@@ -14,7 +14,7 @@ from thbridge.analysis.check.finding import (
     MessageHandler,
     OccurrenceCounter,
 )
-from thbridge.analysis.check.reading import Quaternion
+from thbridge.analysis.check.reading import LEAST, Quaternion
 from thbridge.recording.bag.reading.scan import ConnectionRecord
 from thbridge.ros.messages.types import LASER_SCAN, OCCUPANCY_GRID, ODOMETRY, POSE_WITH_COVARIANCE
 
@@ -199,8 +199,9 @@ _AGREEMENTS: Mapping[str, tuple[tuple[str, ...], Callable[[Numbers], str | None]
 
 
 def numbers_of(msgtype: str) -> tuple[str, ...]:
-    """The fields of a message type whose numbers `ArrayLengths` needs."""
-    return _AGREEMENTS[msgtype][0] if msgtype in _AGREEMENTS else ()
+    """The fields of a message type whose numbers `ArrayLengths` and `ScanHeaders` need."""
+    lengths = _AGREEMENTS[msgtype][0] if msgtype in _AGREEMENTS else ()
+    return (*lengths, *(_SCAN_NUMBERS if msgtype == LASER_SCAN else ()))
 
 
 class ArrayLengths:
@@ -233,6 +234,63 @@ class ArrayLengths:
             yield Finding("length-wrong", FindingSeverity.ERROR, tools, topic, fault, remedy, first, count)
 
 
+_SCAN_NUMBERS = ("range_min", "range_max", "time_increment", "scan_time", f"ranges{LEAST}")
+
+
+def _scan_header_faults(numbers: Numbers) -> Iterator[tuple[FindingSeverity, str]]:
+    """Yield what a scan's header says that cannot be, or that its ranges contradict.
+
+    Sources: REP 117 (Informational Distance Measurements); laser_geometry, which drops ranges outside of range_min
+    and range_max, and adds time_increment to stamps; amcl, which takes range_max for what it does not see.
+    """
+    error, warning = FindingSeverity.ERROR, FindingSeverity.WARNING
+    least, most = numbers["range_min"], numbers["range_max"]
+    for name in ("range_min", "range_max"):
+        if math.isnan(numbers[name]):
+            yield error, f"{name} is not a number, so that no range is valid"
+    if least >= most:
+        yield error, "range_min is not below range_max, so that no range is valid"
+    if least < 0.0 <= most:
+        yield warning, "range_min is negative"
+    for name in ("time_increment", "scan_time"):
+        if not math.isfinite(numbers[name]):
+            yield error, f"{name} is not finite"
+        elif numbers[name] < 0.0:
+            yield warning, f"{name} is negative"
+    if numbers[f"ranges{LEAST}"] < 0.0:
+        yield (
+            warning,
+            "some ranges are negative: ROS writes inf for nothing seen, NaN for no measurement",
+        )
+
+
+class ScanHeaders:
+    """Finds scans whose header contradicts itself or its ranges."""
+
+    def __init__(self) -> None:
+        self._off: OccurrenceCounter[tuple[str, FindingSeverity, str]] = OccurrenceCounter()
+
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
+        """Listen to scans."""
+        if source.msgtype != LASER_SCAN:
+            return None
+        topic = source.topic
+
+        def check(message: CheckedMessage) -> None:
+            if all(name in message.reading.numbers for name in _SCAN_NUMBERS):
+                for severity, fault in _scan_header_faults(message.reading.numbers):
+                    self._off.add((topic, severity, fault), message.stamp_ns)
+
+        return check
+
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
+        """Yield one finding for each topic and fault."""
+        for (topic, severity, fault), first, count in self._off.items():
+            remedy = "mend the driver that fills it in"
+            tools = (BagTool.RVIZ, BagTool.FOXGLOVE)
+            yield Finding("scan-header", severity, tools, topic, fault, remedy, first, count)
+
+
 class LongArrays:
     """Finds arrays too long for PlotJuggler's default setting."""
 
@@ -258,4 +316,4 @@ class LongArrays:
             yield Finding("long-array", FindingSeverity.NOTE, (BagTool.PLOTJUGGLER,), None, what, remedy)
 
 
-RULES = (MessageSizes, UnitQuaternions, FinitePositions, FilledCovariances, ArrayLengths, LongArrays)
+RULES = (MessageSizes, UnitQuaternions, FinitePositions, FilledCovariances, ArrayLengths, ScanHeaders, LongArrays)

@@ -36,6 +36,9 @@ _HEAD = Struct("<IIII")
 _THREE = Struct("<3d")
 _FOUR = Struct("<4d")
 
+LEAST = ":least"
+"""Ending of the name by which the least element of an array is asked for."""
+
 Fields = Mapping[str, Sequence[tuple[str, object]]]
 """The fields of each type, with rosbags' names of types and rosbags' description of each field's type."""
 
@@ -54,7 +57,7 @@ class Reading:
         quaternions: all quaternions; of an array only the one whose length is farthest from one.
         finite: True when all points and vectors are finite.
         covariances: for every field `covariance`, True when it has other numbers than zeros.
-        numbers: the numbers asked for, by dotted name; of arrays the length.
+        numbers: the numbers asked for, by dotted name; of arrays the length, and by `LEAST` the least finite element.
         longest: length of the longest array.
     """
 
@@ -148,6 +151,8 @@ class MessageReader:
     def _array(self, element: object, count: int | None, path: str, above: tuple[str, ...]) -> _Step:
         steps = self._field("", element, f"{path}[]", above)
         asked = path if path in self._numbers else None
+        if path + LEAST in self._numbers and element == (1, ("float32", 0)):
+            return _Least(4, count, asked, path + LEAST)
         if all(isinstance(step, _Skip) for step in steps):
             return _Block(sum(step.size for step in steps if isinstance(step, _Skip)), count, asked)
         if (places := _places(steps)) is not None:
@@ -266,6 +271,25 @@ class _Block:
     def __call__(self, data: bytes, at: int, into: Reading) -> int:
         count, at = _counted(data, at, self.count, self.asked, into)
         return at + count * self.size
+
+
+@dataclass(frozen=True, slots=True)
+class _Least:
+    """An array of float32, of which the least finite element is read."""
+
+    size: int
+    count: int | None
+    asked: str | None
+    name: str
+
+    def __call__(self, data: bytes, at: int, into: Reading) -> int:
+        count, at = _counted(data, at, self.count, self.asked, into)
+        end = at + count * self.size
+        if end > len(data):
+            raise UnreadableMessage("it ends too early")
+        elements = np.frombuffer(data, dtype="<f4", count=count, offset=at)
+        into.numbers[self.name] = float(np.min(elements, where=np.isfinite(elements), initial=np.inf))
+        return end
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,6 @@
 """Each fault is planted into a bag that is clean without it: rules of `contents`."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -106,3 +107,38 @@ def test_data_that_do_not_fit_the_definition(tmp_path: Path, change: object) -> 
     finding = found(judged(tmp_path, planted), "data-wrong")
     assert (finding.topic, finding.count, finding.first_ns) == ("/scan", 1, last.ns)
     assert set(finding.tools) == set(BagTool) - {BagTool.EVO}, "evo does not read scans"
+
+
+@pytest.mark.parametrize(
+    ("changes", "severity", "told"),
+    [
+        ({"range_max": math.nan}, FindingSeverity.ERROR, "range_max is not a number"),
+        ({"range_min": math.nan}, FindingSeverity.ERROR, "range_min is not a number"),
+        ({"range_min": 20.0}, FindingSeverity.ERROR, "range_min is not below range_max"),
+        ({"range_min": -1.0}, FindingSeverity.WARNING, "range_min is negative"),
+        ({"range_max": -1.0}, FindingSeverity.ERROR, "range_min is not below range_max"),
+        ({"time_increment": math.nan}, FindingSeverity.ERROR, "time_increment is not finite"),
+        ({"scan_time": math.inf}, FindingSeverity.ERROR, "scan_time is not finite"),
+        ({"scan_time": -0.1}, FindingSeverity.WARNING, "scan_time is negative"),
+        ({"ranges": np.array([1.0, -1.0] * 45 + [math.nan], dtype=np.float32)}, FindingSeverity.WARNING, "ranges are"),
+    ],
+)
+def test_scans_whose_header_contradicts_itself(
+    changes: dict[str, object], severity: FindingSeverity, told: str, tmp_path: Path
+) -> None:
+    planted = clean()
+    for entry in planted.of("/scan")[3:5]:
+        for name, value in changes.items():
+            setattr(entry.message, name, value)
+    finding = found(judged(tmp_path, planted), "scan-header")
+    assert (finding.severity, finding.topic, finding.count) == (severity, "/scan", 2)
+    assert told in finding.what
+
+
+def test_what_is_not_seen_is_in_order(tmp_path: Path) -> None:
+    planted = clean()
+    nothing = np.array([math.inf, -math.inf, math.nan] * 30 + [0.0], dtype=np.float32)
+    for entry in planted.of("/scan"):
+        entry.message.ranges = nothing  # type: ignore[attr-defined]
+        entry.message.range_max = math.inf  # type: ignore[attr-defined]
+    assert "scan-header" not in rules(judged(tmp_path, planted))
