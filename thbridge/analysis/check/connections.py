@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 
 from thbridge.analysis.check.finding import (
+    ALL,
     EVO_TYPES,
     NO_TRAJECTORY,
     TF_TYPES,
@@ -43,6 +44,15 @@ def definition_missing(bag: BagStructure) -> Iterator[Finding]:
             if found is not None and found.source is DefinitionSource.MD5:
                 remedy = "run `thbridge bag cut`, which writes the definition that its md5 sum names"
             yield Finding("definition-missing", FindingSeverity.ERROR, READERS, connection.topic, what, remedy)
+
+
+def connection_incomplete(bag: BagStructure) -> Iterator[Finding]:
+    """Find connections without a field that every one must have: rosbag and rosbags refuse the whole bag."""
+    for connection in _used(bag):
+        if connection.lacks:
+            what = f"its connection lacks {' and '.join(connection.lacks)}, so that rosbag and evo refuse the whole bag"
+            remedy = "run `thbridge bag reindex`, which writes what is known of the type"
+            yield Finding("connection-incomplete", FindingSeverity.ERROR, ALL, connection.topic, what, remedy)
 
 
 def definition_twice(bag: BagStructure) -> Iterator[Finding]:
@@ -188,6 +198,7 @@ def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:
 
 
 RULES = (
+    connection_incomplete,
     definition_missing,
     definition_twice,
     md5_wrong,

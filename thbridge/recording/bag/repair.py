@@ -1,7 +1,9 @@
 """Repair of a bag: writes all messages that can be read into a new one, with an index."""
 
 import contextlib
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from thbridge.files.disk.synced import sync_folder
@@ -11,6 +13,11 @@ from thbridge.recording.bag.reading.scan import ChunkRecord, ConnectionRecord, M
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.recording.recordings import ACTIVE
+from thbridge.ros.messages.identification import by_name, identified, known_definition, missing_types
+from thbridge.ros.messages.types import md5_of
+
+MOST_SPANS = 1000
+"""Damaged places that are told apart."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +30,7 @@ class RepairResult:
         messages: number of messages recovered.
         end_ns: stamp of the last of them; None when there are none.
         lost_bytes: number of bytes that could not be read.
+        losses: sentences on what they were, in the order of the file.
     """
 
     path: Path
@@ -30,14 +38,16 @@ class RepairResult:
     messages: int
     end_ns: int | None
     lost_bytes: int
+    losses: tuple[str, ...] = ()
 
 
 def reindex(path: Path) -> RepairResult:
     """Write a bag's readable messages into a new bag of the same name, and keep the old one beside it.
 
     `NAME.bag` and `NAME.bag.active` give `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every complete message
-    is recovered: those of a chunk that is cut off, too, and those behind a chunk that cannot be unpacked. The old file
-    stays until the new one is complete.
+    is recovered: those of a chunk that is cut off, too, and those behind a record or chunk that cannot be read. A
+    connection without a definition gets the one that its md5 sum names, or else its type's name if its first message
+    fits. The old file stays until the new one is complete.
 
     Raises:
         BadFile: it is not a ROS 1 bag, a file is in the way, or the disk is full.
@@ -51,7 +61,7 @@ def reindex(path: Path) -> RepairResult:
             raise BadFile(taken, "this file is in the way of the repair", "move it elsewhere first")
     try:
         fresh.unlink(missing_ok=True)
-        messages, end_ns, lost = _copy(path, fresh, compression)
+        messages, end_ns, losses = _copy(path, fresh, compression)
         # BagFile has synced the bytes. At a power cut there is always a file to go on with.
         if repaired == path:
             with contextlib.suppress(OSError):  # Some file systems have no second names.
@@ -69,7 +79,7 @@ def reindex(path: Path) -> RepairResult:
         fresh.unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
         raise BadFile(path, f"it cannot be repaired here: {reason}", "make room beside it") from error
-    return RepairResult(repaired, backup, messages, end_ns, lost)
+    return RepairResult(repaired, backup, messages, end_ns, losses.bytes, tuple(losses.sentences()))
 
 
 def compression_of(path: Path) -> Compression:
@@ -78,44 +88,96 @@ def compression_of(path: Path) -> Compression:
     return Compression(name) if name in set(Compression) else Compression.NONE
 
 
-def _copy(path: Path, fresh: Path, compression: Compression) -> tuple[int, int | None, int]:
-    """Copy the messages. Return their number, the last stamp, and the number of lost bytes."""
-    count, end_ns, lost = 0, None, 0
+@dataclass(slots=True)
+class _Losses:
+    """Losses of a repair: damaged bytes, and messages by the number of a connection that is not known."""
+
+    spans: list[UnreadableSpan] = field(default_factory=list)
+    messages: Counter[int] = field(default_factory=Counter)
+    message_bytes: Counter[int] = field(default_factory=Counter)
+
+    def add(self, span: UnreadableSpan) -> None:
+        """Add bytes; beyond so many spans, to the last one."""
+        if span.lost and len(self.spans) < MOST_SPANS:
+            self.spans.append(span)
+        elif span.lost:
+            self.spans[-1] = replace(self.spans[-1], lost=self.spans[-1].lost + span.lost)
+
+    @property
+    def bytes(self) -> int:
+        return sum(span.lost for span in self.spans) + self.message_bytes.total()
+
+    def sentences(self) -> Iterator[str]:
+        for span in self.spans:
+            yield f"{span.lost} bytes from byte {span.position} on: {span.problem}."
+        for number, count in sorted(self.messages.items()):
+            what = f"{count} messages of connection {number}, {self.message_bytes[number]} bytes"
+            yield f"{what}: no record that can be read says its topic and type."
+
+
+def _copy(path: Path, fresh: Path, compression: Compression) -> tuple[int, int | None, _Losses]:
+    """Copy the messages. Return their number, the last stamp, and what is lost."""
+    count, end_ns, losses = 0, None, _Losses()
     connections: dict[int, BagConnection] = {}
+    undefined: set[int] = set()
     looked_everywhere = False
     target = BagFile(fresh, compression)
     for record in scan(path):
         match record:
             case ConnectionRecord(number):
-                connections.setdefault(number, _connection(record))
+                if number not in connections:
+                    connections[number] = _connection(record)
+                    undefined |= {number} & _undefined(connections)
             case MessageRecord(number, stamp_ns, data):
                 if number not in connections and not looked_everywhere:
                     # The chunk with its connection cannot be read; a later chunk or the index may have it again.
                     connections = _all_connections(path) | connections
+                    undefined |= _undefined({number: connections[number]} if number in connections else {})
                     looked_everywhere = True
                 if number in connections:
+                    if number in undefined:
+                        undefined.remove(number)
+                        connections[number] = _named(connections[number], data)
                     target.write(connections[number], stamp_ns, data)
                     count += 1
                     end_ns = stamp_ns if end_ns is None else max(end_ns, stamp_ns)
                 else:
-                    lost += len(data)
+                    losses.messages[number] += 1
+                    losses.message_bytes[number] += len(data)
             case UnreadableSpan():
-                lost += record.lost
+                losses.add(record)
     target.close()
-    return count, end_ns, lost
+    return count, end_ns, losses
 
 
 def _all_connections(path: Path) -> dict[int, BagConnection]:
     return {record.number: _connection(record) for record in scan(path) if isinstance(record, ConnectionRecord)}
 
 
+def _undefined(connections: Mapping[int, BagConnection]) -> set[int]:
+    """Numbers of the connections without a whole definition."""
+    return {number for number, each in connections.items() if missing_types(each.msgtype, each.md5, each.definition)}
+
+
+def _named(connection: BagConnection, data: bytes) -> BagConnection:
+    """The connection with the definition of its type's name, if a message fits; else as it is."""
+    found, known = by_name(connection.msgtype, data), known_definition(connection.msgtype)
+    if found is None or known is None:
+        return connection
+    return replace(connection, definition=found.definition, md5=connection.md5 or known.md5)
+
+
 def _connection(record: ConnectionRecord) -> BagConnection:
+    found = identified(record.msgtype, record.md5, record.definition)
+    md5 = record.md5
+    if not md5 and record.definition.strip():
+        md5 = md5_of(record.msgtype, record.definition) or ""
     return BagConnection(
         record.number,
         record.topic,
         record.msgtype,
-        record.md5,
-        record.definition,
+        md5,
+        record.definition if found is None else found.definition,
         record.caller,
         record.latched if record.latching is not None else None,
     )

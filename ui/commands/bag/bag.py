@@ -16,6 +16,9 @@ from ui.outputs import STANDARD_OUTPUT, destination, share_no_output
 from ui.recordings import Recording
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json, say
 
+MOST_LOSSES = 20
+"""Losses of a repair that are listed one by one."""
+
 bag_app = typer.Typer(
     cls=CommandGroup,
     help="Look into recordings and mend them.",
@@ -100,12 +103,19 @@ def bag_reindex_command(
 
     with bad_input():
         done = reindex_bag(bag)
+    lost = done.lost_bytes > 0 and done.messages == 0
     if as_json:
         print_json(msgspec.to_builtins(done, enc_hook=str))
-        return
+        raise typer.Exit(FAILED if lost else 0)
     say(f"Recovered {done.messages} messages into {done.path}; the original is {done.backup}.")
     if done.lost_bytes:
-        say(f"{done.lost_bytes} bytes could not be read and are lost.")
+        say(f"{done.lost_bytes} bytes could not be read and are lost:")
+        for loss in done.losses[:MOST_LOSSES]:
+            say(f"  {visible(loss)}")
+        if len(done.losses) > MOST_LOSSES:
+            say(f"  and {len(done.losses) - MOST_LOSSES} more, which --json lists.")
+    if lost:
+        raise typer.Exit(FAILED)
 
 
 @bag_app.command("cut")

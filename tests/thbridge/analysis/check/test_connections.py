@@ -20,6 +20,7 @@ from tests.thbridge.analysis.planting import (
     judged,
     rules,
     tf,
+    write,
 )
 from tests.thbridge.offline.foreign import transform
 from thbridge.analysis.check import BagTool, FindingSeverity, judge
@@ -51,6 +52,17 @@ def test_latching_that_is_neither_0_nor_1(tmp_path: Path, latching: str) -> None
     finding = found(judged(tmp_path, planted), "latching-word")
     assert finding.topic == "/odom"
     assert {BagTool.ROSBAG, BagTool.EVO} <= set(finding.tools)
+
+
+@pytest.mark.parametrize("field", [b"message_definition=", b"md5sum="])
+def test_connections_that_lack_a_field(tmp_path: Path, field: bytes) -> None:
+    bag = write(tmp_path / "a.bag", clean())
+    bag.write_bytes(bag.read_bytes().replace(field, b"x" + field[1:]))
+    judgement = judge(scan(bag))
+    incomplete = [finding for finding in judgement.findings if finding.rule == "connection-incomplete"]
+    assert sorted({str(finding.topic) for finding in incomplete}) == ["/map", "/odom", "/scan", "/tf", "/tf_static"]
+    assert all(field[:-1].decode() in finding.what for finding in incomplete)
+    assert "data-wrong" not in rules(judgement)
 
 
 def test_two_publishers_of_static_transforms(tmp_path: Path) -> None:

@@ -13,15 +13,18 @@ from hypothesis import strategies as st
 from rosbags.rosbag1 import Writer
 from rosbags.rosbag1.reader import RecordType
 from rosbags.typesys import Stores, get_typestore
+from typer.testing import CliRunner
 
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reading.reader import info, messages
-from thbridge.recording.bag.reading.scan import ChunkRecord, MessageRecord, UnreadableSpan, scan
+from thbridge.recording.bag.reading.scan import ChunkRecord, ConnectionRecord, MessageRecord, UnreadableSpan, scan
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writing.writer import BagWriter
+from thbridge.ros.messages.types import plain_definition
 from thbridge.ros.publisher import RosMessage, Topic
+from ui.cli import app
 
 PLAIN = Definitions(())
 TOPICS = [Topic("/chatter", "std_msgs/String"), Topic("/news", "std_msgs/String", latched=True)]
@@ -195,6 +198,64 @@ def test_a_record_of_no_known_kind_does_not_hide_the_others(tmp_path: Path) -> N
     assert read(path)[-1] == expected(3000)[-1]
 
 
+def renamed_in(content: bytes, topic: str, name: bytes) -> bytes:
+    """The bytes of a bag in which all connection records of a topic have another field in place of one."""
+    at, parts = 0, []
+    for piece in content.split(b"topic=" + topic.encode())[:-1]:
+        start = at + len(piece)
+        found = content.index(name + b"=", start)
+        parts.append(found)
+        at = start + len(b"topic=" + topic.encode())
+    data = bytearray(content)
+    for found in parts:
+        data[found : found + 1] = b"x"
+    return bytes(data)
+
+
+def two_types(path: Path) -> bytes:
+    """A bag of one chunk with two topics, one of a type of ROS's."""
+    other = Topic("/other", "std_msgs/Float64")
+    with BagWriter(path, PLAIN) as writer:
+        for number in range(40):
+            writer.write(RosMessage(TOPICS[0], 1_000_000_000 + number * TICK_NS, b"\x02\0\0\0ab"))
+            writer.write(RosMessage(other, 1_000_000_000 + number * TICK_NS, bytes(8)))
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize("field", [b"message_definition", b"md5sum"])
+def test_a_connection_without_definition_or_sum_gets_that_of_its_type(field: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    path.write_bytes(renamed_in(two_types(path), "/other", field))
+    repaired = reindex(path)
+    assert (repaired.messages, repaired.lost_bytes, repaired.losses) == (80, 0, ())
+    plain = plain_definition("std_msgs/Float64")
+    connections = {record.topic: record for record in scan(path) if isinstance(record, ConnectionRecord)}
+    other = connections["/other"]
+    assert (other.md5, other.definition, other.lacks) == (plain.md5, plain.text, ())
+
+
+def test_a_connection_that_cannot_be_read_costs_its_messages_alone(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    path.write_bytes(renamed_in(two_types(path), "/other", b"type"))
+    repaired = reindex(path)
+    assert (repaired.messages, {topic for topic, _, _ in read(path)}) == (40, {"/chatter"})
+    told = " ".join(repaired.losses)
+    assert "the connection of /other lacks its field type" in told
+    assert "40 messages of connection 1, 320 bytes: no record that can be read says its topic and type." in told
+
+
+def test_a_bag_of_which_nothing_can_be_read_is_no_success(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    content = renamed_in(renamed_in(two_types(path), "/other", b"type"), "/chatter", b"type")
+    path.write_bytes(content)
+    done = CliRunner().invoke(app, ["bag", "reindex", str(path)])
+    assert done.exit_code == 1
+    assert "Recovered 0 messages" in done.output
+    assert "the connection of /chatter lacks its field type" in done.output
+    assert "40 messages of connection 0" in done.output
+    assert (tmp_path / "a.orig.bag").read_bytes() == content
+
+
 class BadSector(BytesIO):
     """A file whose byte 60,000 no disk reads any more."""
 
@@ -244,7 +305,9 @@ import time
 from pathlib import Path
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.files.ros.definitions import Definitions
+from thbridge.ros.messages.types import plain_definition
 from thbridge.ros.publisher import RosMessage, Topic
+from ui.cli import app
 
 topic = Topic("/chatter", "std_msgs/String")
 writer = BagWriter(Path(sys.argv[1]), Definitions(()))

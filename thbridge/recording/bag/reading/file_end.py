@@ -76,8 +76,8 @@ def _connection(file: BinaryIO) -> BagConnection:
         outer.get_uint32("conn"),
         normalize(outer.get_string("topic")),
         inner.get_string("type"),
-        inner.get_string("md5sum"),
-        inner.get_string("message_definition"),
+        inner.get_string("md5sum") if "md5sum" in inner else "",
+        inner.get_string("message_definition") if "message_definition" in inner else "",
         inner.get_string("callerid") if "callerid" in inner else None,
         inner["latching"] == b"1" if "latching" in inner else None,
     )

@@ -61,6 +61,7 @@ class ConnectionRecord:
         definition: definition of the type and of all types within it.
         caller: name of the node, or None when it is not recorded.
         latching: the text in the file, normally "0" or "1"; None when it is not recorded.
+        lacks: fields that every connection must have and this one has not; they are empty here.
     """
 
     number: int
@@ -70,6 +71,7 @@ class ConnectionRecord:
     definition: str
     caller: str | None
     latching: str | None
+    lacks: tuple[str, ...] = ()
 
     @property
     def latched(self) -> bool:
@@ -168,7 +170,7 @@ def scan(path: Path) -> Iterator[BagRecord]:
     """Yield every record in the file's order; damaged bytes become an `UnreadableSpan`.
 
     What can be read of a chunk that is cut off or damaged is yielded. After a record that makes no sense the next one
-    follows, unless it is its lengths that make none.
+    follows, within chunks, too, unless it is its lengths that make none.
 
     Raises:
         BadFile: there is no such file, or it does not begin like a bag.
@@ -209,7 +211,7 @@ def _cut_off(
         try:
             for record in _outer(at, kind, fields, data, so_far):
                 if isinstance(record, UnreadableSpan):
-                    lost = record.lost
+                    lost += record.lost
                 else:
                     yield record
         except _Torn:
@@ -258,6 +260,7 @@ def _chunk(at: int, compression: str, packed: bytes, size: int, so_far: Unpacked
         yield UnreadableSpan(at, len(packed), f"a chunk cannot be unpacked ({error})")
         return
     place, problem = 0, "a packed chunk ends too early"
+    odd, odd_bytes = "", 0
     try:
         while place < len(data):
             usual = _usual_message(data, place)
@@ -267,21 +270,31 @@ def _chunk(at: int, compression: str, packed: bytes, size: int, so_far: Unpacked
                 continue
             head, after = _sized(data, place)
             body, place_after = _sized(data, after)
-            fields = _fields(head)
-            match _kind(fields):
-                case RecordType.MSGDATA:
-                    yield MessageRecord(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), body)
-                case RecordType.CONNECTION:
-                    yield _connection(fields, body)
-                case kind:
-                    raise _Torn(f"no record of kind {kind} belongs into a chunk")
+            try:
+                yield _inner(head, body)
+            except _Torn as torn:
+                odd, odd_bytes = odd or str(torn), odd_bytes + place_after - place
             place = place_after
     except _Torn as torn:
         problem = str(torn)
+    if odd:
+        yield UnreadableSpan(at, odd_bytes, odd)
     # A decompressor gives what it has of a stream that is cut off, without an error.
     whole = len(data) if compression == "none" else size
     if place < whole:
         yield UnreadableSpan(at, whole - place, problem)
+
+
+def _inner(head: bytes, body: bytes) -> ConnectionRecord | MessageRecord:
+    """The record in a chunk with this head and these data."""
+    fields = _fields(head)
+    match _kind(fields):
+        case RecordType.MSGDATA:
+            return MessageRecord(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), body)
+        case RecordType.CONNECTION:
+            return _connection(fields, body)
+        case kind:
+            raise _Torn(f"no record of kind {kind} belongs into a chunk")
 
 
 def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
@@ -302,14 +315,18 @@ def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
 
 def _connection(fields: dict[bytes, bytes], data: bytes) -> ConnectionRecord:
     inner = _fields(data)
+    topic = _word(fields if b"topic" in fields else inner, b"topic")
+    if b"type" not in inner:
+        raise _Torn(f"the connection of {topic} lacks its field type")
     return ConnectionRecord(
         _unpack(_UINT32, fields, b"conn"),
-        _word(fields, b"topic"),
+        topic,
         _word(inner, b"type"),
-        _word(inner, b"md5sum"),
-        _word(inner, b"message_definition"),
-        _word(inner, b"callerid") if b"callerid" in inner else None,
-        _word(inner, b"latching") if b"latching" in inner else None,
+        _text(inner, b"md5sum") or "",
+        _text(inner, b"message_definition") or "",
+        _text(inner, b"callerid"),
+        _text(inner, b"latching"),
+        tuple(name for name in ("md5sum", "message_definition") if name.encode() not in inner),
     )
 
 
@@ -370,6 +387,10 @@ def _time(fields: dict[bytes, bytes], name: bytes) -> int:
     except (KeyError, struct.error):
         raise _Torn(f"a record lacks its field {name.decode()}") from None
     return int(seconds) * 1_000_000_000 + int(nanoseconds)
+
+
+def _text(fields: dict[bytes, bytes], name: bytes) -> str | None:
+    return _word(fields, name) if name in fields else None
 
 
 def _word(fields: dict[bytes, bytes], name: bytes) -> str:
