@@ -22,6 +22,7 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 
 GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
 """Grey values of cells, as written by map_saver."""
+UNKNOWN_GREY = GREY_OF_CELL[UNKNOWN]
 OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
 
@@ -83,6 +84,13 @@ def read_grid_file(map_yaml: Path) -> GridFile:
         doubts.append(loaded.fault("image", problem, f"Write image: {image.name}"))
     pixels = read_image(image)
     cells = interpret_image(pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, entry.mode)
+    if entry.mode != "raw" and not entry.negate and entry.free_thresh > 1.0 - UNKNOWN_GREY / 255.0:
+        unknown = (pixels[..., :3].mean(axis=2) if pixels.ndim == 3 else pixels) == UNKNOWN_GREY
+        if unknown.any():
+            share = 100.0 * float(unknown.mean())
+            problem = f"gray {UNKNOWN_GREY}, savers' shade for unknown, counts as free ({share:.0f} % of the image)"
+            remedy = f"Write free_thresh: {FREE_THRESH}, unless it is free; map_server and Nav2 take it for free, too"
+            doubts.append(loaded.fault("free_thresh", problem, remedy))
     whole = replace(loaded, doubts=(*doubts, *loaded.doubts))
     return GridFile(whole, OccupancyGrid(cells, entry.resolution, pose_of(*entry.origin)))
 

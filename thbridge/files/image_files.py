@@ -1,6 +1,7 @@
-"""Images of maps: PGM files are read here, all others by Pillow; pixels have 8 bits."""
+"""Images of maps: PGM files and headers of PBM and PPM are read here, all others by Pillow; pixels have 8 bits."""
 
 import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,10 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         raise BadFile(path, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
     if data[:2] in {b"P2", b"P5"}:
         return _read_pgm(path, data)
+    if data[:2] in {b"P4", b"P6"}:
+        data = _with_plain_header(path, data)
+    elif data[:2] in {b"P1", b"P3"}:
+        data = _COMMENT.sub(b"", data)  # Pillow lets a comment end with LF alone
     # Imported here because it is slow and few maps need it.
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415
 
@@ -61,9 +66,20 @@ def _too_large(path: Path, width: int, height: int) -> BadFile:
     return BadFile(path, problem, "Save the map with a coarser resolution")
 
 
+def _with_plain_header(path: Path, data: bytes) -> bytes:
+    """A binary PBM or PPM with a header as Pillow reads it, which ends the header at the first byte of a line's end."""
+    kind, count = data[:2], _HEADER_NUMBERS[data[:2]]
+    numbers, end = _netpbm_header(path, data, count)
+    if numbers[0] * numbers[1] > MOST_PIXELS:
+        raise _too_large(path, numbers[0], numbers[1])
+    # Of a PPM with values above 255 each takes two bytes.
+    row = (numbers[0] + 7) // 8 if count == 2 else 3 * numbers[0] * (1 + (numbers[2] > 255))
+    begin = _raster_begin(data, end, row * numbers[1])
+    return kind + b"\n" + b" ".join(str(number).encode() for number in numbers) + b"\n" + data[begin:]
+
+
 def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
-    tokens = _pgm_header(path, data)
-    (width, _), (height, _), (deepest, end) = tokens
+    (width, height, deepest), end = _netpbm_header(path, data, _HEADER_NUMBERS[data[:2]])
     if width < 1 or height < 1:
         raise BadFile(path, f"the picture is {width} x {height} pixels", "Save it anew")
     if not 1 <= deepest <= 65535:
@@ -75,9 +91,10 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
         raise BadFile(path, problem, "Save the map as a binary PGM (P5), or as PNG")
     if data[:2] == b"P5":
         depth = np.dtype(np.uint8) if deepest < 256 else np.dtype(">u2")
-        # Exactly one blank ends the header; the byte after it is a pixel, even if it is a blank, too.
-        raster = data[end + 1 : end + 1 + width * height * depth.itemsize]
-        if len(raster) < width * height * depth.itemsize:
+        size = width * height * depth.itemsize
+        begin = _raster_begin(data, end, size)
+        raster = data[begin : begin + size]
+        if len(raster) < size:
             found = len(raster) // (width * depth.itemsize)
             raise _truncated(path, width, height, f"{found} rows")
         values = np.frombuffer(raster, dtype=depth)
@@ -102,22 +119,41 @@ def _truncated(path: Path, width: int, height: int, found: str) -> BadFile:
     return BadFile(path, problem, "Copy or save it anew")
 
 
-def _pgm_header(path: Path, data: bytes) -> list[tuple[int, int]]:
-    """Width, height and greatest value, each with the offset of its end."""
-    numbers: list[tuple[int, int]] = []
+_HEADER_NUMBERS = {b"P2": 3, b"P4": 2, b"P5": 3, b"P6": 3}
+"""Numbers in the header of a kind: width, height and, but for black and white, the greatest value."""
+_COMMENT = re.compile(rb"#[^\r\n]*")
+_LINE_END = re.compile(rb"[\r\n]")
+
+
+def _raster_begin(data: bytes, end: int, size: int) -> int:
+    """Offset of the first pixel of so many bytes, behind a header whose last number ends at an offset.
+
+    Exactly one blank ends the header; the byte after it is a pixel, even if it is a blank, too. But where an editor has
+    written CR LF for each line's end, both end it. A comment right behind the number goes up to its line's end.
+    """
+    if data[end : end + 1] == b"#":
+        found = _LINE_END.search(data, end)
+        end = len(data) if found is None else found.start()
+    both = data[end : end + 2] == b"\r\n" and len(data) >= end + 2 + size
+    return end + 2 if both else end + 1
+
+
+def _netpbm_header(path: Path, data: bytes, count: int) -> tuple[list[int], int]:
+    """The numbers of a header, and the offset of the end of the last."""
+    numbers: list[int] = []
     position = 2
-    while len(numbers) < 3:
+    while len(numbers) < count:
         if data[position : position + 1].isspace():
             position += 1
         elif data[position : position + 1] == b"#":
-            newline = data.find(b"\n", position)
-            position = len(data) if newline < 0 else newline
+            found = _LINE_END.search(data, position)
+            position = len(data) if found is None else found.start()
         else:
             end = position
             while data[end : end + 1].isdigit() and end - position < 10:
                 end += 1
             if end == position:
                 raise BadFile(path, "the PGM header is damaged", "Save the picture anew as PGM")
-            numbers.append((int(data[position:end]), end))
+            numbers.append(int(data[position:end]))
             position = end
-    return numbers
+    return numbers, position

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.common.geometry import IDENTITY
-from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from thbridge.files.errors import BadFile
 from thbridge.files.grid_files import read_grid, read_grid_file, write_grid
 
@@ -92,3 +92,30 @@ def test_a_misspelt_key_is_named_with_the_right_one(folder: Path) -> None:
     path.write_text(path.read_text().replace("resolution", "resolutoin"))
     with pytest.raises(BadFile, match=r"line 2, resolutoin: unknown key\. The nearest right name is resolution"):
         read_grid(path)
+
+
+def with_unknown(folder: Path, **lines: str) -> Path:
+    cells = np.full((10, 10), FREE, dtype=np.int8)
+    cells[:3] = UNKNOWN
+    write_grid(folder, OccupancyGrid(cells, 0.05, IDENTITY))
+    return written(folder, **lines)
+
+
+@pytest.mark.parametrize("mode", ["trinary", "scale"])
+def test_unknown_space_that_counts_as_free_is_told(folder: Path, mode: str) -> None:
+    """As in every map that Nav2's saver writes."""
+    file = read_grid_file(with_unknown(folder, free_thresh="0.25", mode=mode))
+    assert (file.grid.cells == FREE).all()
+    (doubt,) = file.doubts
+    assert (doubt.key, doubt.line) == ("free_thresh", 6)
+    assert "counts as free (30 % of the image)" in str(doubt)
+    assert "Write free_thresh: 0.196" in str(doubt)
+
+
+@pytest.mark.parametrize("lines", [{}, {"free_thresh": "0.25", "mode": "raw"}, {"free_thresh": "0.25", "negate": "1"}])
+def test_unknown_space_that_does_not_count_as_free_is_not(folder: Path, lines: dict[str, str]) -> None:
+    assert read_grid_file(with_unknown(folder, **lines)).doubts == ()
+
+
+def test_a_map_without_unknown_space_may_have_any_threshold(folder: Path) -> None:
+    assert read_grid_file(written(folder, free_thresh="0.25")).doubts == ()
