@@ -50,8 +50,9 @@ CHALLENGED = 0.15
 WON = 1.0
 """Lead with which a rival takes the place: four scans at least."""
 DOUBT = 0.5
-"""Lead of the best other place when a search ends. The robot is lost until scans have used it up: two scans that
-explain the other place much worse, or seventeen that explain it as well because it is a twin."""
+"""Lead of the best other place when a search ends, or when a rival has taken the place. The robot is lost until scans
+have used it up: two scans that explain the other place much worse, or seventeen that explain it as well because it is a
+twin."""
 PROVEN_SCANS = 100
 """Scans for which a place that was found by searching must be tracked to be as sure as one that was told. Until then it
 may be a twin of the right one, and the robot is lost as soon as the place explains less than usual."""
@@ -263,17 +264,17 @@ class Amcl:
         besides = None if belief.proven else place.mean
         if rival is not None:
             rival = self._clouds.followed(rival, left, reached, view, self._rival_noise, SEARCH_SHARE, besides)
-        elif len(view.points) and self._seeks_rival(belief.anywhere, place):
+        elif len(view.points) and self._seeks_rival(belief, place):
             rival = self._clouds.looked_for(view, self._rival_noise, besides)
         now = replace(belief, tick=odometry.tick, base_in_odom=reached, place=place, rival=rival, requested=False)
         now = _found(now) if belief.anywhere else _compared(now)
         return replace(now, p_wrong=probability(PARTICLES, evidence_of(now)))
 
-    def _seeks_rival(self, anywhere: bool, place: Hypothesis) -> bool:
+    def _seeks_rival(self, belief: ParticleBelief, place: Hypothesis) -> bool:
         """Return True when a search has a result, which may be a twin of the right place, or scans are suspicious."""
-        if anywhere:
+        if belief.anywhere:
             return place.settled >= SETTLED_SCANS
-        return self._parameters.recovers and place.agreement.suspicious
+        return belief.lead > 0.0 or (self._parameters.recovers and place.agreement.suspicious)
 
 
 def evidence_of(now: ParticleBelief) -> ParticleEvidence:
@@ -298,9 +299,9 @@ def _compared(now: ParticleBelief) -> ParticleBelief:
         apart = elsewhere(rival.mean.array()[np.newaxis], place.mean.x, place.mean.y, place.mean.theta)[0]
         lead = max(0.0, lead + (better if apart else -MOST_OF_ONE_SCAN))
     if rival is not None and now.lost and lead >= WON and rival.settled >= SETTLED_SCANS:
-        # The robot stays lost until one more scan has spoken for the new place: no jump is told as certain.
+        # The robot stays lost while the new place is compared with the best other one: no jump is told as certain.
         place = replace(rival, settled=SETTLED_SCANS - 1)
-        return replace(now, place=place, rival=None, lead=0.0, proven=False)
+        return replace(now, place=place, rival=None, lead=DOUBT, proven=False)
     if now.lost:
         lost = place.settled < SETTLED_SCANS or lead > 0.0
     else:

@@ -266,6 +266,20 @@ def test_a_jump_is_never_told_as_certain(drive):
     assert jumps >= 2
 
 
+def test_a_rival_that_takes_the_place_leaves_the_robot_lost_until_it_is_compared_with_other_places(drive):
+    tour = drive(seconds=120)
+    amcl = amcl_of(tour, seed=4)
+    run(amcl, tour.moments[:750])
+    updates = [estimate for estimate in run(amcl, kidnapped(tour, 750, 2000)) if estimate.updated]
+    lost = [
+        [now.lost for now in updates[number + 1 :]]
+        for number, (before, now) in enumerate(pairwise(updates))
+        if before.base_in_map.distance(now.base_in_map) > 1.0
+    ]
+    # One scan finds the best other place, two speak against it.
+    assert [after[:4] for after in lost] == [[True, True, True, False]]
+
+
 def test_a_second_behind_something_unmapped_changes_little_and_is_no_loss(drive):
     tour = drive(seconds=30, furnished=True)
     amcl = amcl_of(tour)
