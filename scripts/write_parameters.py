@@ -38,9 +38,14 @@ the classes in `sim/parameters`, which the study file's reader and its error mes
   of a study leave out.
 * Files of ROS 2's Nav2 are read by the same options: amcl, the costmaps, navfn, DWB (as DWAPlannerROS) and its
   checkers, under their own names and with Nav2's defaults, which are told. DWB's weights of paths and goals are halved,
-  as DWB takes half of a cell's side for them. What has no counterpart is named, and has no effect: other planners
-  (MPPI, Smac), nodes, critics and ranges.
-* Layers and sensors are as in ROS, too: without `plugins`, a costmap has the map only by `static_map: true`, without
+  as DWB takes half of a cell's side for them; a critic that `critics` does not list has the weight 0. A costmap without
+  `plugins` has the static, obstacle and inflation layers there; without `track_unknown_space: true` it takes the map's
+  unknown cells for free. The first goal checker and progress checker hold, also Nav2's by default (0.25 m
+  and 0.25 rad; 10 s for 0.5 m). Told, and not as in Nav2: limits of speed and acceleration left out (0 there, so
+  that the robot stands), and heights of obstacles (lasers here see in one plane). `move_base` plans anew by its own
+  `planner_frequency`, where Nav2's behavior tree does once a second. What has no counterpart is named, and has no
+  effect: other planners (MPPI, Smac), nodes, critics and ranges.
+* Layers and sensors are as in ROS 1, too: without `plugins`, a costmap has the map only by `static_map: true`, without
   `observation_sources` it sees nothing. A costmap of which no file says anything keeps map, laser and the robot's body.
 """
 

@@ -4,7 +4,7 @@ Nav2's nodes are the successors of amcl and move_base, with other names, units a
 node that it describes is as in Nav2; what has no counterpart is named, and has no effect.
 
 Source: the declarations in ros-navigation/navigation2: nav2_amcl/src/amcl_node.cpp, nav2_costmap_2d/src and /plugins,
-nav2_navfn_planner, nav2_controller, nav2_dwb_controller/dwb_plugins and dwb_critics.
+nav2_navfn_planner, nav2_controller/src and /plugins, nav2_dwb_controller/dwb_plugins and dwb_critics.
 """
 
 from collections.abc import Iterator, Mapping
@@ -84,14 +84,35 @@ _DWB: Mapping[str, str] = {
 """Names of DWAPlannerROS's parameters, by those of Nav2's DWB."""
 _HALVED: Mapping[str, str] = {"PathDist.scale": "path_distance_bias", "GoalDist.scale": "goal_distance_bias"}
 """Weights per cell: DWB takes half of a cell's side for them, ROS 1 the whole (dwb_critics, map_grid.cpp)."""
+_SCALE = "1.0"
+"""DWB's weight of a critic that is listed without one."""
+_OBSTACLES = ("BaseObstacle", "ObstacleFootprint")
+_DWB_STANDS: tuple[str, ...] = ("max_speed_xy", "max_vel_x", "max_vel_theta", "acc_lim_x", "acc_lim_theta")
+"""Limits that are 0 by default: a robot under Nav2 does not move without them."""
+_GOAL_CHECKER: Mapping[str, str] = {
+    "xy_goal_tolerance": "xy_goal_tolerance",
+    "yaw_goal_tolerance": "yaw_goal_tolerance",
+    "stateful": "latch_xy_goal_tolerance",
+}
+_GOAL_CHECKER_DEFAULTS: Mapping[str, str] = {
+    "xy_goal_tolerance": "0.25",
+    "yaw_goal_tolerance": "0.25",
+    "stateful": "true",
+}
+_PROGRESS_CHECKER: Mapping[str, str] = {
+    "required_movement_radius": "oscillation_distance",
+    "movement_time_allowance": "oscillation_timeout",
+}
+_PROGRESS_CHECKER_DEFAULTS: Mapping[str, str] = {"required_movement_radius": "0.5", "movement_time_allowance": "10.0"}
 _DWB_DEFAULTS: Mapping[str, str] = {
+    "min_speed_xy": "0.0",
+    "min_speed_theta": "0.0",
     "sim_time": "1.7",
     "linear_granularity": "0.5",
     "angular_granularity": "0.025",
     "vx_samples": "20",
     "vtheta_samples": "20",
     "trans_stopped_velocity": "0.25",
-    "xy_goal_tolerance": "0.25",
 }
 _DWB_ONLY = ("critics", "debug_trajectory_details", "plugin", "trajectory_generator_name")
 
@@ -104,7 +125,19 @@ _NAVFN_DEFAULTS: Mapping[str, str] = {"tolerance": "0.5"}
 
 _SOURCE: Mapping[str, str] = {"obstacle_max_range": "obstacle_range", "raytrace_max_range": "raytrace_range"}
 _SOURCE_ONLY = ("obstacle_min_range", "raytrace_min_range", "transport_type")
-_COSTMAP_DEFAULTS: Mapping[str, str] = {"robot_radius": "0.1", "width": "5", "height": "5", "publish_frequency": "1.0"}
+_COSTMAP_DEFAULTS: Mapping[str, str] = {
+    "robot_radius": "0.1",
+    "width": "5",
+    "height": "5",
+    "publish_frequency": "1.0",
+    "track_unknown_space": "false",
+}
+_COSTMAP_PLUGINS: Mapping[str, str] = {
+    "static_layer": "nav2_costmap_2d::StaticLayer",
+    "obstacle_layer": "nav2_costmap_2d::ObstacleLayer",
+    "inflation_layer": "nav2_costmap_2d::InflationLayer",
+}
+"""Layers of a costmap that has no `plugins`."""
 _COSTMAP_ONLY = (
     *(
         "filters",
@@ -248,11 +281,18 @@ class _Translation:
     def _costmap(self, node: Scalar, parameters: Section) -> Section:
         """A costmap with its layers listed as in ROS 1."""
         inner = {key.text: child for key, child in parameters.entries}
-        listing = inner.get("plugins")
+        given = list(parameters.entries)
+        if "plugins" not in inner:
+            names_of_all = [_scalar(name, parameters.line) for name in _COSTMAP_PLUGINS]
+            inner["plugins"] = Listing(parameters.line, [*names_of_all])
+            given.insert(0, (_scalar("plugins", parameters.line), inner["plugins"]))
+            listed = ", ".join(_COSTMAP_PLUGINS)
+            self._tell(f"{node.text} leaves out plugins, which Nav2 takes by default: {listed}")
+        listing = inner["plugins"]
         plugins = [item for item in listing.items if isinstance(item, Scalar)] if isinstance(listing, Listing) else []
         names = {each.text for each in plugins}
         entries: list[Entry] = []
-        for key, child in parameters.entries:
+        for key, child in given:
             if key.text == "plugins":
                 entries.append(
                     (key, Listing(child.line, [self._plugin(each, inner.get(each.text)) for each in plugins]))
@@ -274,7 +314,8 @@ class _Translation:
     def _plugin(self, name: Scalar, layer: Node | None) -> Node:
         """A layer's line in the list of ROS 1: {name, type}."""
         own = layer.entries if isinstance(layer, Section) else []
-        kind = next((child for key, child in own if key.text == "plugin" and isinstance(child, Scalar)), name)
+        usual = _scalar(_COSTMAP_PLUGINS.get(name.text, name.text), name.line)
+        kind = next((child for key, child in own if key.text == "plugin" and isinstance(child, Scalar)), usual)
         # Layers are told by their types: nav2_costmap_2d::ObstacleLayer as by costmap_2d::ObstacleLayer.
         return Section(name.line, [(_scalar("name", name.line), name), (_scalar("type", name.line), kind)])
 
@@ -291,6 +332,9 @@ class _Translation:
         return Section(layer.line, entries)
 
     def _source(self, place: str, source: Section) -> Section:
+        if all(key.text != "max_obstacle_height" for key, _ in source.entries):
+            height = "0 m in Nav2, so that it marks nothing higher; here heights do not count"
+            self._tell(f"{place} leaves out max_obstacle_height, which is {height}")
         entries: list[Entry] = []
         for key, child in source.entries:
             if key.text in _SOURCE_ONLY:
@@ -300,7 +344,10 @@ class _Translation:
         return Section(source.line, entries)
 
     def _first_plugin(self, parameters: Section, listed: str, kind: str, default: str) -> tuple[Scalar, Section] | None:
-        """The first plugin of a list that is of a kind, with its parameters; the others are named."""
+        """The first plugin of a list that is of a kind, with its parameters; the others are named.
+
+        Where there is no list, the default one need not say its type.
+        """
         inner = {key.text: (key, child) for key, child in parameters.entries}
         names = inner[listed][1] if listed in inner else None
         wanted = (
@@ -311,7 +358,8 @@ class _Translation:
             key, child = inner.get(name, (None, None))
             own = child.entries if isinstance(child, Section) else []
             plugin = next(
-                (value.text for word, value in own if word.text == "plugin" and isinstance(value, Scalar)), ""
+                (value.text for word, value in own if word.text == "plugin" and isinstance(value, Scalar)),
+                "" if listed in inner else kind,
             )
             if found is None and key is not None and isinstance(child, Section) and kind in plugin.lower():
                 found = key, child
@@ -321,6 +369,8 @@ class _Translation:
 
     def _planner(self, parameters: Section) -> Iterator[Entry]:
         found = self._first_plugin(parameters, "planner_plugins", "navfn", "GridBased")
+        if found is None and not {"planner_plugins", "GridBased"} & {key.text for key, _ in parameters.entries}:
+            found = _scalar("GridBased", parameters.line), Section(parameters.line, [])
         if found is None:
             self._tell("the global planner is navfn, for none of those in planner_plugins is here")
             return
@@ -339,23 +389,14 @@ class _Translation:
         ]
         if "controller_frequency" in inner:
             base.append(inner["controller_frequency"])
-        for name, (_, child) in inner.items():
-            if "progress_checker" in name and isinstance(child, Section):
-                words = {
-                    "required_movement_radius": "oscillation_distance",
-                    "movement_time_allowance": "oscillation_timeout",
-                }
-                rest = Section(child.line, [entry for entry in child.entries if entry[0].text != "plugin"])
-                base += self._renamed(name, rest, words, {})
+        name, checker = self._checker(parameters, "progress_checker")
+        rest = Section(checker.line, [entry for entry in checker.entries if entry[0].text != "plugin"])
+        base += self._renamed(name, rest, _PROGRESS_CHECKER, _PROGRESS_CHECKER_DEFAULTS)
         yield _scalar("move_base", parameters.line), Section(parameters.line, base)
         found = self._first_plugin(parameters, "controller_plugins", "dwb", "FollowPath")
-        tolerances = [
-            (name, value)
-            for checker, (_, child) in inner.items()
-            if "goal_checker" in checker and isinstance(child, Section)
-            for name, value in child.entries
-            if name.text in {"xy_goal_tolerance", "yaw_goal_tolerance"}
-        ]
+        name, checker = self._checker(parameters, "goal_checker")
+        rest = Section(checker.line, [entry for entry in checker.entries if entry[0].text in _GOAL_CHECKER])
+        tolerances = self._renamed(name, rest, _GOAL_CHECKER, _GOAL_CHECKER_DEFAULTS)
         if found is None:
             self._tell(
                 "the local planner is DWAPlannerROS as in ROS 1, for none of those in controller_plugins is here"
@@ -363,19 +404,58 @@ class _Translation:
             yield _scalar("DWAPlannerROS", parameters.line), Section(parameters.line, list(tolerances))
             return
         key, own = found
-        weights = [(name, child) for name, child in _dotted(own) if name.text in _HALVED and isinstance(child, Scalar)]
+        written = self._with_critics(key.text, own)
+        weights = [(name, child) for name, child in written if name.text in _HALVED and isinstance(child, Scalar)]
         silent = {*_HALVED, *_DWB_ONLY}
-        rest = Section(own.line, [entry for entry in _dotted(own) if entry[0].text not in silent])
-        defaults = dict(_DWB_DEFAULTS)
-        if any(name.text == "xy_goal_tolerance" for name, _ in tolerances):
-            del defaults["xy_goal_tolerance"]
-        entries = [*self._renamed(key.text, rest, _DWB, defaults)]
+        rest = Section(own.line, [entry for entry in written if entry[0].text not in silent])
+        entries = [*self._renamed(key.text, rest, _DWB, _DWB_DEFAULTS)]
+        if stands := [name for name in _DWB_STANDS if all(entry[0].text != name for entry in written)]:
+            self._tell(f"{key.text} leaves out {', '.join(stands)}, which are 0 in Nav2; here they are as in ROS 1")
         # The goal checker decides in Nav2 when the robot has arrived.
         entries = [
             entry for entry in entries if entry[0].text not in {name.text for name, _ in tolerances}
         ] + tolerances
         entries += [(_scalar(_HALVED[name.text], name.line), self._half(weight)) for name, weight in weights]
         yield _scalar("DWAPlannerROS", key.line), Section(own.line, entries)
+
+    def _checker(self, parameters: Section, kind: str) -> tuple[str, Section]:
+        """The first checker of a kind; Nav2's own, without parameters, where there is none. The others are named."""
+        inner = {key.text: child for key, child in parameters.entries}
+        listing = inner.get(f"{kind}_plugins")
+        names = (
+            [item.text for item in listing.items if isinstance(item, Scalar)] if isinstance(listing, Listing) else []
+        )
+        names = names or [name for name in inner if kind in name and isinstance(inner[name], Section)]
+        self._strange += names[1:]
+        first = inner.get(names[0]) if names else None
+        return (names or [kind])[0], first if isinstance(first, Section) else Section(parameters.line, [])
+
+    def _with_critics(self, planner: str, own: Section) -> list[Entry]:
+        """DWB's parameters with the weights that hold: of critics that are not listed 0, of others 1 by default."""
+        entries = [*_dotted(own)]
+        listing = next((child for key, child in entries if key.text == "critics"), None)
+        if not isinstance(listing, Listing):
+            self._tell(f"{planner} leaves out critics, without which DWB does not start; weights are as in ROS 1")
+            return entries
+        listed = {item.text for item in listing.items if isinstance(item, Scalar)}
+        obstacles = next((name for name in _OBSTACLES if name in listed), _OBSTACLES[0])
+        scales = {f"{name}.scale": name for name in ("PathDist", "GoalDist", obstacles)}
+        names = {f"{obstacles}.{word}": f"{_OBSTACLES[0]}.{word}" for word in ("scale", "sum_scores")}
+        weighed: list[Entry] = []
+        for key, child in entries:
+            if key.text in scales and scales[key.text] not in listed:
+                self._strange.append(f"{planner}.{key.text} (not in critics)")
+            else:
+                weighed.append((_scalar(names.get(key.text, key.text), key.line), child))
+        present = {key.text for key, _ in weighed}
+        for scale, name in scales.items():
+            weight = names.get(scale, scale)
+            if weight not in present:
+                value = _SCALE if name in listed else "0.0"
+                why = f"critics {'list' if name in listed else 'leave out'} {name}"
+                self._tell(f"{planner}.{scale} is {value} in Nav2, for {why}")
+                weighed.append((_scalar(weight, own.line), _scalar(value, own.line)))
+        return weighed
 
     def _half(self, weight: Scalar) -> Scalar:
         try:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from sim.parameters import RobotParameters
+from sim.parameters.local_planners import DwaPlannerParameters
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.parameters import RosParameters, read_ros_parameters
 
@@ -51,7 +52,7 @@ controller_server:
       vtheta_samples: 30
       linear_granularity: 0.05
       xy_goal_tolerance: 0.9
-      critics: ["RotateToGoal", "BaseObstacle", "PathDist"]
+      critics: ["RotateToGoal", "BaseObstacle", "PathDist", "GoalDist"]
       BaseObstacle.scale: 0.02
       PathDist: {scale: 32.0}
       GoalDist.scale: 24.0
@@ -172,6 +173,84 @@ def test_navfn_keeps_its_parameters_and_other_nodes_are_named(tmp_path: Path) ->
     navfn = found.value.NavfnROS
     assert (navfn.use_astar, navfn.allow_unknown, navfn.default_tolerance) == (True, False, 0.5)
     assert "no counterpart here: bt_navigator" in told(found)
+
+
+@pytest.mark.parametrize("costmap", ["local_costmap", "global_costmap"])
+def test_a_costmap_without_plugins_has_the_map_obstacles_and_inflation(tmp_path: Path, costmap: str) -> None:
+    text = f"{costmap}:\n  {costmap}:\n    ros__parameters:\n      robot_radius: 0.2\n"
+    text += "      obstacle_layer: {observation_sources: scan, scan: {topic: /scan}}\n"
+    found = read(tmp_path, text)
+    value = getattr(found.value, costmap)
+    layers = (value.static_layer, value.obstacle_layer, value.inflation_layer)
+    assert [layer.enabled for layer in layers] == [True, True, True]
+    assert [source.name for source in value.obstacle_layer.observation_sources] == ["scan"]
+    assert f"{costmap} leaves out plugins, which Nav2 takes by default: static_layer, obstacle_layer" in told(found)
+    assert "obstacle_layer.scan leaves out max_obstacle_height, which is 0 m in Nav2" in told(found)
+
+
+def test_an_empty_list_of_plugins_is_no_layer(tmp_path: Path) -> None:
+    found = read(tmp_path, "global_costmap:\n  global_costmap:\n    ros__parameters: {plugins: []}\n")
+    value = found.value.global_costmap
+    assert not any(layer.enabled for layer in (value.static_layer, value.obstacle_layer, value.inflation_layer))
+
+
+@pytest.mark.parametrize(("written", "tracked"), [("", False), ("track_unknown_space: true", True)])
+def test_unknown_space_of_the_map_is_free_unless_the_costmap_tracks_it(
+    tmp_path: Path, written: str, tracked: bool
+) -> None:
+    """ROS 1's static layer tracks it by default."""
+    text = f"global_costmap:\n  global_costmap:\n    ros__parameters:\n      robot_radius: 0.2\n      {written}\n"
+    text += "      static_layer: {enabled: true}\n"
+    assert read(tmp_path, text).value.global_costmap.static_layer.track_unknown_space is tracked
+
+
+def test_a_planner_that_is_left_out_is_navfn_with_its_tolerance(tmp_path: Path) -> None:
+    for text in ("{expected_planner_frequency: 5.0}", "{GridBased: {use_astar: true}}"):
+        found = read(tmp_path, f"planner_server:\n  ros__parameters: {text}\n")
+        assert found.value.NavfnROS.default_tolerance == 0.5
+        assert found.value.NavfnROS.use_astar is ("use_astar" in text)
+        assert "none of those" not in told(found)
+
+
+def test_checkers_that_are_left_out_are_those_of_nav2(tmp_path: Path) -> None:
+    found = read(tmp_path, "controller_server:\n  ros__parameters: {controller_frequency: 15.0}\n")
+    move_base, planner = found.value.move_base, found.value.DWAPlannerROS
+    assert (move_base.oscillation_distance, move_base.oscillation_timeout) == (0.5, 10.0)
+    assert (planner.xy_goal_tolerance, planner.yaw_goal_tolerance) == (0.25, 0.25)
+    assert planner.latch_xy_goal_tolerance
+    assert "goal_checker leaves out what Nav2 takes by default" in told(found)
+
+
+def test_of_several_checkers_the_first_holds(tmp_path: Path) -> None:
+    text = CONTROLLER.replace('["general_goal_checker"]', '["exact", "general_goal_checker"]')
+    text = text.replace(
+        "    controller_plugins", "    exact: {xy_goal_tolerance: 0.05, stateful: false}\n    controller_plugins"
+    )
+    found = read(tmp_path, text)
+    planner = found.value.DWAPlannerROS
+    assert (planner.xy_goal_tolerance, planner.yaw_goal_tolerance) == (0.05, 0.25)
+    assert not planner.latch_xy_goal_tolerance
+    assert "no counterpart: general_goal_checker" in told(found)
+
+
+def test_dwb_has_its_own_defaults_and_weights_by_its_critics(tmp_path: Path) -> None:
+    text = """
+controller_server:
+  ros__parameters:
+    FollowPath:
+      max_vel_x: 0.3
+      critics: ["ObstacleFootprint", "PathDist"]
+      GoalDist.scale: 24.0
+"""
+    found = read(tmp_path, text)
+    planner, ros1 = found.value.DWAPlannerROS, DwaPlannerParameters()
+    assert (planner.min_vel_trans, planner.min_vel_theta, planner.vx_samples) == (0.0, 0.0, 20)
+    assert (planner.path_distance_bias, planner.goal_distance_bias, planner.occdist_scale) == (0.5, 0.0, 1.0)
+    assert (planner.max_vel_x, planner.max_vel_theta) == (0.3, ros1.max_vel_theta)
+    assert "FollowPath leaves out max_speed_xy, max_vel_theta, acc_lim_x, acc_lim_theta, which are 0 in Nav2" in told(
+        found
+    )
+    assert "FollowPath.GoalDist.scale (not in critics)" in told(found)
 
 
 @pytest.mark.parametrize("namespace", ["robot1:\n", "/robot1:\n"])
