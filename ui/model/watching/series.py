@@ -6,15 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from sim.common.geometry import Pose2
-from sim.numerics.elementary import wrap_angle
 from thbridge.analysis.report.paths import RELOCATED
 from thbridge.analysis.report.tracks import deviations
-from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages import unpack
 from thbridge.ros.messages.unpack import BatteryCharge
 from thbridge.ros.robots import is_map_frame
 from ui.model.watching.curves import Curve
 from ui.model.watching.frames import Frames, children_of, namespace_of_tf
 from ui.model.watching.messages import TF_TYPES, WatchedMessage
+from ui.model.watching.pose_errors import PoseErrors, pose_of
 from ui.model.watching.robots import WatchedRobot
 
 PERIOD = 0.1
@@ -24,10 +24,6 @@ ODOMETRY_TIMEOUT = 1.0
 JUMPS_KEPT = 1000
 """Jumps of an estimate that are remembered, and gaps; a robot that is lost for long may have many jumps."""
 _SLACK = 1e-6
-_WAITING = 64
-"""Samples that wait for the truth at their time, before the oldest is given up."""
-_STALE = 1.0
-"""Seconds between two samples of the truth, beyond which nothing is known of the time between."""
 
 
 @dataclass(slots=True)
@@ -152,46 +148,16 @@ class _SeriesBuilder:
         self.series = RobotSeries()
         self.robot: WatchedRobot | None = None
         self._tf = tf
-        self._undecoded: tuple[float, WatchedMessage] | None = None
-        self._decoded: tuple[float, Pose2] | None = None
-        self._waiting: list[tuple[float, Pose2]] = []
+        self._errors = PoseErrors(self.series.errors)
         self._alone_since = math.inf
         self._correction: Pose2 | None = None
 
     def truth(self, message: WatchedMessage, time: float) -> None:
-        """Take a true pose; estimates that waited for the truth at their time are compared with it, interpolated."""
-        due = _due(self.series.truth, time)
-        if not due and not self._waiting:
-            self._undecoded, self._decoded = (time, message), None  # decoded when it is needed
-            return
-        before, pose = self._last_truth(), _pose_of(message)
-        if due:
+        """Take a true pose."""
+        if _due(self.series.truth, time):
+            pose = pose_of(message)
             self.series.truth.append(time, pose.x, pose.y, pose.theta)
-        while self._waiting and self._waiting[0][0] <= time:
-            then, estimate = self._waiting.pop(0)
-            self._compare(then, estimate, before, (time, pose))
-        self._undecoded, self._decoded = None, (time, pose)
-
-    def _last_truth(self) -> tuple[float, Pose2] | None:
-        if self._decoded is None and self._undecoded is not None:
-            self._decoded = (self._undecoded[0], _pose_of(self._undecoded[1]))
-        return self._decoded
-
-    def _compare(
-        self, time: float, estimate: Pose2, before: tuple[float, Pose2] | None, after: tuple[float, Pose2]
-    ) -> None:
-        if time == after[0]:
-            truth = after[1]
-        elif before is None or not before[0] <= time or after[0] - before[0] > _STALE:
-            return
-        else:
-            share = (time - before[0]) / (after[0] - before[0])
-            one, other = before[1], after[1]
-            turned = wrap_angle(other.theta - one.theta)
-            x, y = one.x + share * (other.x - one.x), one.y + share * (other.y - one.y)
-            truth = Pose2(x, y, wrap_angle(one.theta + share * turned))
-        heading = abs(wrap_angle(estimate.theta - truth.theta))
-        self.series.errors.append(time, estimate.distance(truth), heading)
+        self._errors.truth(message, time)
 
     def odometry(self, message: WatchedMessage, time: float) -> None:
         """Take odometry, and with it the estimated pose."""
@@ -202,7 +168,7 @@ class _SeriesBuilder:
         self.series.odometry.append(time, pose.x, pose.y, pose.theta)
         self.series.speeds.append(time, driven.twist.linear, driven.twist.angular)
         if is_map_frame(driven.frame):
-            self._believe(time, pose)
+            self._believe(message, time, pose)
             return
         odom_in_map = self._tf.frames().planar(driven.frame, self.robot.key)
         if odom_in_map is not None:
@@ -210,7 +176,7 @@ class _SeriesBuilder:
             estimate = odom_in_map.compose(pose)
             if before is not None and before.compose(pose).distance(estimate) > RELOCATED:
                 self.series.relocations.append(time)
-            self._believe(time, estimate)
+            self._believe(message, time, estimate)
 
     def frames(self, time: float) -> None:
         """Take the estimated pose from tf alone, where neither odometry nor a localiser has a topic."""
@@ -221,7 +187,7 @@ class _SeriesBuilder:
         if time - self._alone_since >= ODOMETRY_TIMEOUT and _due(self.series.estimate, time):
             base_in_map = self._tf.frames().planar(robot.base, robot.key)
             if base_in_map is not None:
-                self._believe(time, base_in_map)
+                self._believe(None, time, base_in_map)
 
     def belief(self, message: WatchedMessage, time: float) -> None:
         """Take the pose of the localiser, and its covariance."""
@@ -231,7 +197,7 @@ class _SeriesBuilder:
             self.series.deviations.append(*admitted)
         # Where there is odometry, it tells every step; this would only repeat some of them.
         if self.robot is not None and self.robot.odom is None and is_map_frame(localised.frame):
-            self._believe(time, localised.pose)
+            self._believe(message, time, localised.pose)
 
     def energy(self, message: WatchedMessage, time: float) -> None:
         """Take the energy left."""
@@ -239,15 +205,9 @@ class _SeriesBuilder:
         if left is not None:
             self.series.energy.append(time, left)
 
-    def _believe(self, time: float, pose: Pose2) -> None:
+    def _believe(self, message: WatchedMessage | None, time: float, pose: Pose2) -> None:
         self.series.estimate.append(time, pose.x, pose.y, pose.theta)
-        known = self._last_truth()
-        if known is not None and known[0] == time:
-            self._compare(time, pose, None, known)
-            return
-        self._waiting.append((time, pose))
-        if len(self._waiting) > _WAITING:
-            self._waiting.pop(0)
+        self._errors.estimate(message, time, pose)
 
 
 def energy_of(charge: BatteryCharge) -> float | None:
@@ -258,13 +218,3 @@ def energy_of(charge: BatteryCharge) -> float | None:
 
 def _due(curve: Curve, time: float) -> bool:
     return time - curve.time >= PERIOD - _SLACK
-
-
-def _pose_of(message: WatchedMessage) -> Pose2:
-    match message.msgtype:
-        case types.ODOMETRY:
-            return unpack.odometry(message.data).pose
-        case types.POSE_STAMPED:
-            return unpack.pose_stamped(message.data).pose
-        case _:
-            return unpack.pose_with_covariance(message.data).pose
