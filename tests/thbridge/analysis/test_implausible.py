@@ -1,11 +1,12 @@
 """Bags with numbers that are none: NaN, inf, and such as no robot drives."""
 
 import math
+import struct
 from pathlib import Path
 
 import pytest
 
-from tests.thbridge.analysis.planting import Planted, clean, write
+from tests.thbridge.analysis.planting import START, STEP, Entry, Line, Planted, clean, write
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.plot.figures import FigureKind, draw
 from thbridge.analysis.plot.style import ONE_COLUMN, FigureFormat
@@ -85,3 +86,11 @@ def test_a_path_does_not_claim_billions_of_poses() -> None:
 def test_no_odometry_is_left_out_of_a_clean_bag(tmp_path: Path) -> None:
     bag = write(tmp_path / "clean.bag", clean())
     assert read_report(message for message in messages(bag) if message.msgtype == ODOMETRY).left_out == ()
+
+
+@pytest.mark.parametrize("msgtype", [ODOMETRY, "geometry_msgs/PoseStamped", "geometry_msgs/TransformStamped"])
+def test_a_type_of_a_known_name_with_other_fields_is_a_table_without_poses(msgtype: str, tmp_path: Path) -> None:
+    line = Line("/p", msgtype, md5="1" * 32, definition="float64 x\n")
+    entries = [Entry(line, START + number * STEP, data=struct.pack("<d", number)) for number in range(5)]
+    done = export_bag(write(tmp_path / "a.bag", Planted(entries)), tmp_path / "tables", (TableFormat.CSV,))
+    assert list(done.tables) == ["p"]

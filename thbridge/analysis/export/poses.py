@@ -19,6 +19,7 @@ from thbridge.ros.messages.types import ODOMETRY, POSE_STAMPED, POSE_WITH_COVARI
 from thbridge.ros.robots import is_map_frame, is_odom_frame
 
 NAME = "poses"
+_NEEDED = {"t_s", "recorded_ns", "stamp_ns", "frame_id", "x_m", "y_m", "yaw_rad"}
 _TRANSFORM = "geometry_msgs/TransformStamped"
 _KINDS = (
     ("true", "true pose"),
@@ -59,12 +60,13 @@ class PosesTable:
         if table.msgtype not in {ODOMETRY, POSE_WITH_COVARIANCE, POSE_STAMPED, _TRANSFORM} or not piece.rows:
             return
         named = {column.name: values for column, values in zip(table.columns, piece.values, strict=True)}
-        if "recorded_ns" not in named:  # poses in arrays, such as those of a path
+        # Poses in arrays were not recorded by themselves, and types of others may have these names, too.
+        if not named.keys() >= _NEEDED:
             return
         times, recorded, stamps = (np.asarray(named[name]) for name in ("t_s", "recorded_ns", "stamp_ns"))
         stamped = np.where(stamps == 0, np.nan, times + (stamps - recorded) / 1e9)
         rows = np.column_stack([times, stamped, *(np.asarray(named[name]) for name in ("x_m", "y_m", "yaw_rad"))])
-        frames, children = _texts(named["frame_id"]), _texts(named.get("child_frame_id", []))
+        frames, children = _texts(named["frame_id"]), _texts(named.get("child_frame_id", [""] * piece.rows))
         if table.msgtype == _TRANSFORM:
             self._add_frames(table.source.partition(":")[0], frames, children, rows)
         elif table.msgtype == ODOMETRY:
