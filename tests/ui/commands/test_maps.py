@@ -9,10 +9,11 @@ from typer.testing import CliRunner
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from thbridge.files.grid_files import write_grid
+from tests.thbridge.offline.plans import plan
+from thbridge.files.grid_files import read_grid, write_grid
 from thbridge.hunt.rooms import Room
 from thbridge.offline.measure import TripTimes
-from ui.actions.maps.new import unreached_words
+from ui.actions.maps.new import read_left_out, unreached_words
 from ui.cli import app
 
 ROOMS = """\
@@ -178,13 +179,13 @@ class TestNew:
     @pytest.mark.parametrize(
         ("words", "told"),
         [
-            (("two.png",), "an image does not say how large it is. Say by --resolution"),
+            (("two.png",), "an image does not say how large it is. Say by --width"),
             (("none.png", "--resolution", "0.1"), "none.png: there is no such file"),
             (("two/map.yaml", "--resolution", "0.1", "--to", "x"), "--resolution: two/map.yaml says that itself"),
             (("two/map.yaml", "--negate", "--to", "x"), "--negate: two/map.yaml says that itself"),
             (("two/map.yaml", "--to", "two"), "--to: two is there already"),
             (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,,B"), "--names: 'A,,B' has an empty name"),
-            (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,B,C"), "3 names for 2 rooms"),
+            (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,B,C"), "3 names, but 2 rooms were found"),
         ],
     )
     def test_what_is_missing_is_told_and_nothing_is_written(
@@ -225,3 +226,38 @@ def test_where_no_window_can_be_opened_the_way_by_text_is_told(here: Path, monke
     assert (done.exit_code, (here / "x").exists()) == (2, False)
     assert "leave --draw out" in done.stderr
     assert "edit two/rooms.yaml as text" in maps("edit", "two").stderr
+
+
+class TestPlans:
+    """Architects' drawings, from the command line."""
+
+    def test_doors_that_are_drawn_shut_are_told_with_what_opens_them(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        plan().resize((650, 450), Image.Resampling.NEAREST).save("plan.png")
+        command = ["maps", "new", "plan.png", "--width", "32.5", "--no-times"]
+        told = CliRunner().invoke(app, command)
+        assert told.exit_code == 1
+        assert "plan.png: only 2" in told.stderr and "% of the floor can be reached. Lines thinner than " in told.stderr
+        assert not Path("plan").exists()
+        opened = CliRunner().invoke(app, [*command, "--thinner", "3"])
+        assert opened.exit_code == 0, opened.stderr
+        assert "Rooms: 8 found" in opened.stdout
+        assert "Left out: lines and letters thinner than 3 pixels" in opened.stdout
+        left_out = read_left_out(Path("plan"), read_grid(Path("plan", "map.yaml")))
+        assert left_out is not None and left_out.any()
+
+    @pytest.mark.parametrize(
+        ("options", "told"),
+        [
+            (("--width", "3250"), "--width: a pixel would be 2.5 m wide, which is not between 0.001 and 0.5 m."),
+            (("--resolution", "3"), "'3' is out of range. Write a number, 0.001 to 0.5."),
+            (("--width", "30", "--resolution", "0.05"), "--width, --resolution: each says how large the image is."),
+            ((), "Say by --width how many metres the whole image is wide"),
+        ],
+    )
+    def test_sizes_are_checked(self, tmp_path, monkeypatch, options, told):
+        monkeypatch.chdir(tmp_path)
+        plan().save("plan.png")
+        done = CliRunner().invoke(app, ["maps", "new", "plan.png", "--no-times", *options])
+        assert done.exit_code == 2
+        assert told in " ".join(done.stderr.replace("│", "").split())

@@ -2,12 +2,14 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, interpret_image
+from sim.common.traversability import Mask
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import radii
 from thbridge.files.disk.whole import new_folder, write_whole
@@ -18,6 +20,7 @@ from thbridge.files.map_files import FOOTPRINT, Map, check_map, write_rooms
 from thbridge.files.map_times import MAP_TIMES, map_times
 from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, arena_of
+from thbridge.offline.drawings import CleanedDrawing, closed_ways, squared, turned, without_thin_lines
 from thbridge.offline.measure import MeasurementSetup, TripTimes
 from thbridge.offline.room_finding import find_rooms
 from ui.actions.maps.measure import measure_trips, times_matrix
@@ -25,17 +28,48 @@ from ui.grids import grid_at
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, say
 
 SEED = 1
+LEFT_OUT = "left-out.pgm"
+"""File beside map.yaml: black what was left out of the plan, white all else."""
+MOST_FLOOR = 0.5
+"""Share of the floor that must be reached, unless it is said that thin lines are walls."""
+MOST_PLACES = 4
+"""Closed ways that are named."""
+LEAST_CELL, LARGEST_CELL = 0.001, 0.5
+"""Sizes of cells, metres: in larger ones a door is not to be seen."""
+WIDEST = 300.0
+"""Metres beyond which a map's size is in doubt."""
 
 
-def read_drawing(source: Path, resolution: float | None, negate: bool) -> OccupancyGrid:
-    """The grid of a map.yaml, or of a bare image with the size of its cells.
+@dataclass(frozen=True, slots=True)
+class PaperSize:
+    """The size of a bare image, as options say.
+
+    Attributes:
+        resolution: metres a pixel; None: by `width`.
+        width: metres across the whole image; None: by `resolution`.
+        height: metres from its top to its bottom; None: its pixels are square.
+        turn: degrees by which it is turned counterclockwise.
+    """
+
+    resolution: float | None = None
+    width: float | None = None
+    height: float | None = None
+    turn: float = 0.0
+
+    @property
+    def given(self) -> str | None:
+        """Return the first option that says something."""
+        return next((f"--{each.name}" for each in fields(self) if getattr(self, each.name) not in {None, 0.0}), None)
+
+
+def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
+    """The grid of a map.yaml, or of a bare image with its size.
 
     Raises:
         BadFile: it cannot be read.
     """
     if source.suffix.lower() in {".yaml", ".yml"}:
-        if resolution is not None or negate:
-            option = "--negate" if resolution is None else "--resolution"
+        if (option := size.given or ("--negate" if negate else None)) is not None:
             fail(BAD_INPUT, f"{option}: {source} says that itself. Leave the option out, or change the file.")
         grid = grid_at(source)
         decided = np.isin(grid.cells, (FREE, OCCUPIED))
@@ -43,10 +77,11 @@ def read_drawing(source: Path, resolution: float | None, negate: bool) -> Occupa
     if not source.is_file():
         raise BadFile(source, "there is no such file", "Give a map.yaml or an image")
     pixels = read_image(source)
+    rows, cols = pixels.shape[:2]
+    resolution = size.resolution if size.width is None else size.width / cols
     if resolution is None:
-        rows, cols = pixels.shape[:2]
         remedy = (
-            "Say by --resolution how many metres a pixel is: the length of a wall in metres, divided by its pixels; "
+            "Say by --width how many metres the whole image is wide, or by --resolution how many a pixel is: "
             f"with 0.05 this image is {cols * 0.05:.1f} m x {rows * 0.05:.1f} m"
         )
         raise BadFile(source, "an image does not say how large it is", remedy)
@@ -55,7 +90,36 @@ def read_drawing(source: Path, resolution: float | None, negate: bool) -> Occupa
         # What is transparent is white paper.
         opaque = pixels[..., 3] / 255.0 if pixels.shape[2] == 4 else 1.0
         pixels = np.rint(colours * opaque + 255.0 * (1.0 - opaque)).astype(np.uint8)
+    if not LEAST_CELL <= resolution <= LARGEST_CELL:
+        told = f"a pixel would be {resolution:g} m wide, which is not between {LEAST_CELL} and {LARGEST_CELL} m"
+        fail(BAD_INPUT, f"--width: {told}. Write how many metres the whole image is wide.")
+    if size.height is not None:
+        pixels = squared(pixels, size.height / rows / resolution)
+    if size.turn:
+        pixels = turned(pixels, size.turn)
     return OccupancyGrid(interpret_image(pixels, negate, OCCUPIED_THRESH, FREE_THRESH), resolution, IDENTITY)
+
+
+def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDrawing:
+    """The plan without lines thinner than this many pixels; None: whole, unless such lines close most ways."""
+    if thinner:
+        drawing = without_thin_lines(grid, thinner)
+        say(f"Left out: lines and letters thinner than {thinner} pixels, {drawing.left_out.mean():.1%} of the image")
+        return drawing
+    closed = closed_ways(grid, radii(np.array(FOOTPRINT))[0]) if thinner is None else None
+    if closed is not None:
+        places = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in closed.places[:MOST_PLACES])
+        more = len(closed.places) - MOST_PLACES
+        told = (
+            f"{source}: only {closed.reached:.0%} of the floor can be reached. Lines thinner than {closed.thinner} "
+            f"pixels close ways at {places}{f' and {more} more places' if more > 0 else ''}. If they are doors, "
+            f"furniture or letters, leave them out by --thinner {closed.thinner}; if they are walls, keep them by "
+            "--thinner 0."
+        )
+        if closed.reached < MOST_FLOOR:
+            fail(FAILED, told)
+        note(told)
+    return CleanedDrawing(grid, np.zeros(grid.cells.shape, dtype=np.bool_))
 
 
 def find_arena(grid: OccupancyGrid, rooms: int | None, robots: int, names: Sequence[str]) -> Arena:
@@ -85,7 +149,27 @@ def require_rooms(arena: Arena, grid: OccupancyGrid, source: Path, *, negated: b
     fail(FAILED, f"{source}: no rooms were found; {seen}. {remedy}.")
 
 
-def write_map(folder: Path, grid: OccupancyGrid, arena: Arena) -> None:
+def note_size(grid: OccupancyGrid) -> None:
+    """Tell the size of a map, and a doubt about it."""
+    width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
+    say(f"Map: {width:.1f} m x {height:.1f} m, {grid.cols} x {grid.rows} cells of {grid.resolution:g} m")
+    if max(width, height) > WIDEST:
+        door = 1.0 / grid.resolution
+        note(f"Is that meant? A door of 1 m is {door:.1f} pixels wide. --width says how many metres the image is wide.")
+
+
+def read_left_out(folder: Path, grid: OccupancyGrid) -> Mask | None:
+    """Cells that were left out of the plan of a map; None where nothing is told of them.
+
+    Raises:
+        BadFile: it cannot be read.
+    """
+    path = folder / LEFT_OUT
+    pixels = read_image(path) if path.is_file() else None
+    return None if pixels is None or pixels.shape != grid.cells.shape else pixels[::-1] == 0
+
+
+def write_map(folder: Path, drawing: CleanedDrawing, arena: Arena) -> None:
     """Write the folder.
 
     Raises:
@@ -96,7 +180,11 @@ def write_map(folder: Path, grid: OccupancyGrid, arena: Arena) -> None:
         write_rooms(folder, arena.rooms, arena.starts)
     else:
         with new_folder(folder, "choose another place by --to") as new:
-            write_grid(new, grid)
+            write_grid(new, drawing.grid)
+            if drawing.left_out.any():
+                header = f"P5\n{drawing.grid.cols} {drawing.grid.rows}\n255\n".encode("ascii")
+                shades = np.where(drawing.left_out[::-1], 0, 255).astype(np.uint8)
+                write_whole(new / LEFT_OUT, header + shades.tobytes())
             write_rooms(new, arena.rooms, arena.starts)
     say(f"Wrote {folder}: map.yaml, map.pgm, rooms.yaml")
 

@@ -18,7 +18,26 @@ def maps_new(
         Path | None, typer.Option("--to", help="The folder to make; by default named as the file. Must not exist.")
     ] = None,
     resolution: Annotated[
-        float | None, typer.Option(help="Metres a pixel; for images without a map.yaml.", min=0.001, max=10)
+        float | None, typer.Option(help="Metres a pixel; for images without a map.yaml.", min=0.001, max=0.5)
+    ] = None,
+    width: Annotated[
+        float | None, typer.Option(help="Metres that the whole image is wide, in the place of --resolution.", min=0.1)
+    ] = None,
+    height: Annotated[
+        float | None,
+        typer.Option(help="Metres that it is high, where its scale is another that way.", min=0.1),
+    ] = None,
+    turn: Annotated[
+        float, typer.Option(help="Degrees to turn the image by, counterclockwise, so that walls lie along x and y.")
+    ] = 0.0,
+    thinner: Annotated[
+        int | None,
+        typer.Option(
+            help="Leave out lines and letters thinner than so many pixels: doors, furniture, labels; and fill "
+            "hatching. 0: all lines are walls.",
+            min=0,
+            max=100,
+        ),
     ] = None,
     negate: Annotated[bool, typer.Option("--negate", help="The image's walls are bright, its floor is dark.")] = False,
     rooms: Annotated[
@@ -38,7 +57,17 @@ def maps_new(
 ) -> None:
     """Make an arena of any map: find its rooms, put goals and start poses, check it, measure its trips."""
     from thbridge.files.map_files import read_map
-    from ui.actions.maps.new import check_written, find_arena, measure_map, read_drawing, require_rooms, write_map
+    from ui.actions.maps.new import (
+        PaperSize,
+        check_written,
+        cleaned,
+        find_arena,
+        measure_map,
+        note_size,
+        read_drawing,
+        require_rooms,
+        write_map,
+    )
     from ui.first_start import announce_compiling, usable_cores
 
     if draw:
@@ -49,24 +78,34 @@ def maps_new(
     called = [name.strip() for name in names.split(",")] if names else []
     if "" in called or len(set(called)) < len(called):
         fail(BAD_INPUT, f"--names: {names!r} has an empty name or one twice. Give every room its own name.")
+    if width is not None and resolution is not None:
+        fail(BAD_INPUT, "--width, --resolution: each says how large the image is. Leave one of the two out.")
     with bad_input():
-        grid = read_drawing(source, resolution, negate)
-    width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
-    say(f"Map: {width:.1f} m x {height:.1f} m, {grid.cols} x {grid.rows} cells of {grid.resolution:g} m")
+        whole = read_drawing(source, PaperSize(resolution, width, height, turn), negate)
+    note_size(whole)
+    drawing = cleaned(source, whole, thinner)
+    grid = drawing.grid
     arena = find_arena(grid, rooms, robots, called)
     if len(called) > len(arena.rooms):
-        many = len(called) - len(arena.rooms)
-        fail(BAD_INPUT, f"--names: {len(called)} names for {len(arena.rooms)} rooms. Leave {many} out.")
+        problem = f"{len(called)} names, but {len(arena.rooms)} rooms were found"
+        fail(BAD_INPUT, f"--names: {problem}. Give fewer; or add rooms by --draw, and name them there.")
     if draw:
         from ui.windows.arena import draw_arena
 
-        draw_arena(folder.name, grid, arena, lambda drawn: _why_not(write_map, folder, grid, drawn), look.value)
+        draw_arena(
+            folder.name,
+            grid,
+            arena,
+            lambda drawn: _why_not(write_map, folder, drawing, drawn),
+            look.value,
+            left_out=drawing.left_out,
+        )
         if not folder.exists():
             fail(FAILED, f"Nothing was saved, so there is no {folder}.")
     else:
         require_rooms(arena, grid, source, negated=negate)
         with bad_input():
-            write_map(folder, grid, arena)
+            write_map(folder, drawing, arena)
     check_written(folder)
     with bad_input():
         place = read_map(folder)
@@ -92,7 +131,7 @@ def maps_edit(
     from thbridge.files.map_files import check_map, write_rooms
     from thbridge.files.map_times import MAP_TIMES
     from thbridge.offline.arena import Arena
-    from ui.actions.maps.new import check_written, same_trips
+    from ui.actions.maps.new import check_written, read_left_out, same_trips
 
     _require_window(f"Or edit {folder / 'rooms.yaml'} as text, and check it by `thbridge maps check`")
     if not folder.is_dir():
@@ -119,7 +158,17 @@ def maps_edit(
             old.replace(times)
         saved = drawn
 
-    draw_arena(check.map.name, check.map.grid, arena, lambda drawn: _why_not(write, drawn), look.value, is_saved=True)
+    with bad_input():
+        left_out = read_left_out(folder, check.map.grid)
+    draw_arena(
+        check.map.name,
+        check.map.grid,
+        arena,
+        lambda drawn: _why_not(write, drawn),
+        look.value,
+        is_saved=True,
+        left_out=left_out,
+    )
     if rooms.read_bytes() == before:
         return
     say(f"Wrote {rooms}")

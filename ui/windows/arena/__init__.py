@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from sim.common.grid import OccupancyGrid
+from sim.common.traversability import Mask
 from thbridge.offline.arena import Arena
 from ui.windows.application import application
 from ui.windows.arena.window import ArenaWindow
@@ -18,6 +19,7 @@ def draw_arena(
     choice: Choice = "system",
     *,
     is_saved: bool = False,
+    left_out: Mask | None = None,
 ) -> int:
     """Open the window and wait until it is closed; return the program's exit code.
 
@@ -28,10 +30,11 @@ def draw_arena(
         write: writes what was drawn; returns why it cannot, or None.
         choice: light, dark or as the system is.
         is_saved: True when the arena to begin with is in a file already.
+        left_out: (rows, cols) cells of lines that were left out of the plan, to be shown; or None.
     """
     app = application()
     preferences = preferences_of(app, "arena", choice)
-    window = ArenaWindow(name, grid, arena, write, is_saved=is_saved)
+    window = ArenaWindow(name, grid, arena, write, is_saved=is_saved, left_out=left_out)
     preferences.changed.connect(window.repaint_all)
     preferences.add_keys(window)
     preferences.keep_place(window)

@@ -5,6 +5,7 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
+import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QObject, QSignalBlocker, QSize, Qt, QTimer, Slot
 from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
@@ -21,6 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from sim.common.grid import OccupancyGrid
+from sim.common.traversability import Mask
 from thbridge.files.map_files import FOOTPRINT
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.arena import Arena
@@ -30,6 +32,7 @@ from ui.model.scene import RobotMark, RoomMark
 from ui.windows.arena.marks import ArenaMarks
 from ui.windows.look import GAP, FoldingRow, colours, label, open_within_screen, px, spaced
 from ui.windows.map import MapView
+from ui.windows.map.item import CellImage
 from ui.windows.words_of_others import title_text
 
 REACH = 12.0
@@ -65,6 +68,7 @@ class ArenaWindow(QMainWindow):
         arena: rooms and start poses to begin with.
         write: writes what was drawn; returns why it cannot, or None.
         is_saved: True when the arena to begin with is in a file already.
+        left_out: (rows, cols) cells of lines that were left out of the plan, to be shown; or None.
     """
 
     def __init__(
@@ -75,14 +79,19 @@ class ArenaWindow(QMainWindow):
         write: Callable[[Arena], str | None],
         *,
         is_saved: bool = False,
+        left_out: Mask | None = None,
     ) -> None:
         super().__init__()
+        self._left_out = left_out
+        self._lines = CellImage()
         self.draft = ArenaDraft(grid, arena, is_saved=is_saved)
         self.pointer = ArenaPointer(self.draft)
         self._write = write
         self._name = name
         self.map = MapView(colours(), axes=True)
         self.map.show_floor_plan(floor_plan_of(name, grid, (), FOOTPRINT))
+        self.map.box.addItem(self._lines, ignoreBounds=True)
+        self._show_left_out()
         self._marks = ArenaMarks(self.map.box, self.pointer)
         self.list = QListWidget()
         self.list.setAccessibleName("Rooms and start poses")
@@ -144,7 +153,16 @@ class ArenaWindow(QMainWindow):
     def repaint_all(self) -> None:
         """Use other colours."""
         self.map.set_palette(colours())
+        self._show_left_out()
         self.show_all()
+
+    def _show_left_out(self) -> None:
+        """Show the lines that are not in the map, in the colour of findings, so that nobody misses a wall."""
+        grid = self.draft.grid
+        if self._left_out is not None:
+            table = np.zeros((256, 4), dtype=np.uint8)
+            table[1] = pg.mkColor(colours().accent).getRgb()
+            self._lines.show_cells(self._left_out.astype(np.uint8), table, grid.origin, grid.resolution)
 
     def take_tool(self, tool: ArenaTool) -> None:
         """Give the pointer another tool."""
