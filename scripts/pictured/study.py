@@ -5,6 +5,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
 
@@ -45,9 +46,12 @@ def edited() -> Iterator[Shot]:
     window.open_field("map")
     window.fields.rows["map"].open_list()
     shown = window.fields.rows["map"].findChild(ResourceList)
+    if shown is not None:
+        # Where nothing appears on a screen, no window has the focus, and lists close by themselves.
+        shown.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose, False)
     yield Shot("study-list", window, lambda _: window.repaint_all(), over=shown)
     if shown is not None:
-        shown.close()
+        shown.deleteLater()
     _type(window, "game.energy", "-3")
     yield shot("study-fault", window)
     _type(window, "game.energy", "120")
