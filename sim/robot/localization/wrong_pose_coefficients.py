@@ -3,22 +3,22 @@
 from sim.robot.localization.wrong_pose import GaussianEvidence, ParticleEvidence
 
 PARTICLES = ParticleEvidence(
-    always=-3.9026,
-    lost=0.5537,
-    anywhere=-2.5264,
-    unproven=5.5924,
-    unproven_updates=-0.6118,
-    updates=-0.5449,
-    unexplained=8.0640,
-    lately_unexplained=-3.6831,
-    below_usual=0.5478,
-    misfit=-1.6122,
-    lead=4.4370,
-    rival=0.9010,
-    unsettled=2.3817,
-    outside=-2.4182,
-    deviation=-0.0135,
-    turn_deviation=0.6115,
+    always=-3.9823,
+    lost=1.6353,
+    anywhere=-1.3299,
+    unproven=1.6412,
+    unproven_updates=0.3834,
+    updates=-0.5970,
+    unexplained=7.5077,
+    lately_unexplained=-3.1489,
+    below_usual=0.5931,
+    misfit=-0.7976,
+    lead=1.3570,
+    rival=0.8186,
+    unsettled=2.5552,
+    outside=-1.6444,
+    deviation=-0.1935,
+    turn_deviation=0.5538,
 )
 
 GAUSSIANS = GaussianEvidence(
