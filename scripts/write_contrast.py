@@ -129,6 +129,7 @@ PAIRS = (
     Pair("map/robots.py", "trail, at its newest", "robots", f"floor {FLOORS}", "told besides", 0.5, "it drove there"),
     Pair("map/robots.py", "inside of the ellipse", "robots", "floor", "told besides", 40 / 255, "its outline"),
     Pair("researcher/map/overlays.py", "scans, plans, goals", "robots", f"floor {FLOORS}", "sign"),
+    Pair("arena/window.py", "lines that were left out of a plan", "accent", "floor", "sign"),
     Pair("arena/marks.py", "outlines, goals and start poses", "text accent bad", f"panel floor {FLOORS}", "sign"),
     Pair("researcher/map/preview.py", "what a tool is about to do", "accent", f"floor {FLOORS}", "sign"),
     Pair("researcher/map/overlays.py", "things in the way", "bad", f"floor {FLOORS}", "sign"),

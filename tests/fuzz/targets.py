@@ -226,7 +226,7 @@ LANGUAGE = ROOT / "thbridge" / "dialogue" / "wording" / "languages" / "en"
 def _sweeps(folder: Path) -> tuple[str, ...]:
     (folder / "study.yaml").write_text("map: arena8\nrobots: 2\n")
     (folder / "sweep.yaml").write_text(
-        "study: study.yaml\nreplicates: 3\nverify: 1\nchunk: 20\nbase: {game: {energy: 50}}\n"
+        "study: study.yaml\nreplicates: 3\nverify: 1\nchunk: 20\nbase: {game: {picture_cost: 3}}\n"
         "factors: {robots: [1, 2], game.energy: [40, 90.5]}\n"
     )
     return "sweep.yaml", "study.yaml"

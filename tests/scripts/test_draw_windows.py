@@ -33,7 +33,7 @@ def test_a_window_is_drawn_light_and_dark_and_the_important_ones_at_all_sizes(tm
     light, dark = (Image.open(tmp_path / f"connecting-{look}.png").convert("L") for look in ("light", "dark"))
     assert light.size == dark.size == (1200, 800)
     assert light.getpixel((5, 5)) > 200 > 60 > dark.getpixel((5, 5))
-    for text in (100, 150):
-        for size in ((1024, 600), (1200, 800), (1920, 1080)):
+    for text in (100, 125, 150):
+        for size in ((800, 500), (1024, 600), (1366, 768), (1920, 1080)):
             assert Image.open(tmp_path / f"start-{size[0]}x{size[1]}-{text}.png").size == size
-    assert len(list(tmp_path.iterdir())) == 4 + 6
+    assert len(list(tmp_path.iterdir())) == 4 + 12
