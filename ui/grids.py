@@ -11,7 +11,7 @@ MAP_YAML = "map.yaml"
 
 
 def grid_at(named: Path) -> OccupancyGrid:
-    """The occupancy grid of a map; what is odd in its file is told.
+    """The occupancy grid of a map; doubts about its file are printed.
 
     Raises:
         BadFile: it cannot be read.

@@ -19,12 +19,12 @@ _umask_of_account: list[int] = []
 
 
 def keep_to_owner() -> None:
-    """Let nobody but the owner read what is written: it tells of people, and of treasures that are not found yet."""
+    """Make new files readable by their owner alone: they contain data about people, and treasures not yet found."""
     _umask_of_account.append(os.umask(Readers.OWNER.umask))
 
 
 def share_outputs() -> None:
-    """Give what is written the permissions that the account's umask leaves: it tells of no people, or was asked for."""
+    """Create new files with the account's umask: they contain no data about people, or were named by --to."""
     if _umask_of_account:
         os.umask(_umask_of_account[-1])
 

@@ -94,7 +94,7 @@ def setting_of(study: Study, file: Path | None) -> StudySetting:
 
 
 def note_doubts(setting: StudySetting) -> None:
-    """Tell of what is allowed in a setting's map and templates, but looks like a slip."""
+    """Print warnings about a setting's map and templates."""
     for warning in (*setting.map.warnings, *setting.templates.warnings):
         note(str(warning))
 

@@ -80,7 +80,7 @@ def read_grid_file(map_yaml: Path) -> GridFile:
         remedy = "Name the image, beside map.yaml or with its full path"
         raise loaded.fault("image", f"there is no file {map_yaml.parent / entry.image}", remedy)
     if image != map_yaml.parent / entry.image:
-        problem = f"there is no file {entry.image}, so {image.name} beside map.yaml is taken"
+        problem = f"there is no file {entry.image}, so {image.name} next to map.yaml is used"
         doubts.append(loaded.fault("image", problem, f"Write image: {image.name}"))
     pixels = read_image(image)
     cells = interpret_image(pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, entry.mode)
@@ -108,8 +108,8 @@ def _as_map_server(path: Path, tree: Node, doubts: list[BadFile]) -> Node:
     entries: list[tuple[Scalar, Node]] = []
     for key, child in tree.entries:
         if key.text not in known and not get_close_matches(key.text, missing, n=1):
-            remedy = "Take the line away if it is a slip"
-            doubts.append(BadFile(path, "map_server does not know this key", remedy, key.line, key.text))
+            remedy = "Remove the line if it is a typing error"
+            doubts.append(BadFile(path, "map_server ignores this key", remedy, key.line, key.text))
         elif isinstance(child, Scalar) and key.text == "mode":
             entries.append((key, replace(child, text=child.text.lower())))
         elif isinstance(child, Scalar) and key.text != "image":
@@ -118,7 +118,7 @@ def _as_map_server(path: Path, tree: Node, doubts: list[BadFile]) -> Node:
         elif isinstance(child, Listing) and key.text == "origin":
             items = [replace(each, plain=True) if isinstance(each, Scalar) else each for each in child.items]
             if len(items) == 3 and isinstance(items[2], Scalar) and items[2].text.lstrip("+-.").lower() == "nan":
-                problem = f"{items[2].text} is no heading; savers write it of a pose whose orientation was never set"
+                problem = f"{items[2].text} is not a heading; map savers write it if no orientation was set"
                 raise BadFile(path, problem, "Write 0, unless the map is turned", child.line, "origin[2]")
             entries.append((key, replace(child, items=items)))
         else:

@@ -177,10 +177,8 @@ def _alike(path: Path, kinds: Sequence[TreasureKind]) -> Iterator[BadFile]:
     for index, kind in enumerate(kinds):
         same = next((other.name for other in kinds[:index] if other.properties == kind.properties), None)
         if same is not None:
-            problem = (
-                f"{same!r} and {kind.name!r} have the same properties, so that only their pictures tell them apart"
-            )
-            yield BadFile(path, problem, "change a property of one of the two, if that is not meant")
+            problem = f"{same!r} and {kind.name!r} have the same properties, so only their pictures distinguish them"
+            yield BadFile(path, problem, "change a property of one of the two, if this is not intended")
 
 
 def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterator[BadFile]:

@@ -25,7 +25,7 @@ REACHED = 0.9
 OPENED = 0.97
 """Share of the most floor that any width opens, from which on a width is enough."""
 NEAR = 1.5
-"""Metres within which pieces of lines close the same way."""
+"""Meters within which pieces of lines block the same path."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
@@ -49,7 +49,7 @@ class ClosedWays:
 
     Attributes:
         reached: share of the floor that is reached with them.
-        thinner: pixels: lines thinner than these are what closes the ways.
+        thinner: pixels: lines thinner than this block the paths.
         places: where they do, map frame, the largest first.
     """
 

@@ -160,7 +160,7 @@ def test_moves_on_a_map_are_not_priced_by_a_set_for_another_map(tmp_path: Path) 
     shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "mine")
     (tmp_path / "mine" / "mapTimes").unlink()
     study = Study(map="./mine", templates="original-2016")
-    with pytest.raises(BadFile, match=r"original-2016/mapTimes: its moves are those of the map arena8, and "):
+    with pytest.raises(BadFile, match=r"original-2016/mapTimes: its costs are for the map arena8, and "):
         read_setting(study, tmp_path)
     asked_for = dataclasses.replace(study, game=GameSection(costs=Path("original-2016")))
     assert read_setting(asked_for, tmp_path).costs.rows[0][1:4] == OF_2016

@@ -73,7 +73,7 @@ def test_an_image_that_is_not_there_is_looked_for_beside_the_file_and_that_is_to
     np.testing.assert_array_equal(file.grid.cells, CELLS)
     (doubt,) = file.doubts
     assert (doubt.key, doubt.line) == ("image", 1)
-    assert str(doubt).endswith(f"there is no file {image}, so map.pgm beside map.yaml is taken. Write image: map.pgm.")
+    assert str(doubt).endswith(f"there is no file {image}, so map.pgm next to map.yaml is used. Write image: map.pgm.")
 
 
 def test_an_image_that_is_nowhere_is_a_fault(folder: Path) -> None:
@@ -83,7 +83,7 @@ def test_an_image_that_is_nowhere_is_a_fault(folder: Path) -> None:
 
 @pytest.mark.parametrize("heading", ["-nan", "nan", ".nan", "-.NaN"])
 def test_a_heading_of_a_saver_that_knew_none(folder: Path, heading: str) -> None:
-    with pytest.raises(BadFile, match=r"line 3, origin\[2\]: \S+ is no heading; .* Write 0, unless the map is"):
+    with pytest.raises(BadFile, match=r"line 3, origin\[2\]: \S+ is not a heading; .* Write 0, unless the map is"):
         read_grid(written(folder, origin=f"[0.0, 0.0, {heading}]"))
 
 

@@ -179,7 +179,7 @@ class TestNew:
     @pytest.mark.parametrize(
         ("words", "told"),
         [
-            (("two.png",), "an image does not say how large it is. Say by --width"),
+            (("two.png",), "an image does not say how large it is. Give the width"),
             (("none.png", "--resolution", "0.1"), "none.png: there is no such file"),
             (("two/map.yaml", "--resolution", "0.1", "--to", "x"), "--resolution: two/map.yaml says that itself"),
             (("two/map.yaml", "--negate", "--to", "x"), "--negate: two/map.yaml says that itself"),
@@ -252,7 +252,7 @@ class TestPlans:
             (("--width", "3250"), "--width: a pixel would be 2.5 m wide, which is not between 0.001 and 0.5 m."),
             (("--resolution", "3"), "'3' is out of range. Write a number, 0.001 to 0.5."),
             (("--width", "30", "--resolution", "0.05"), "--width, --resolution: each says how large the image is."),
-            ((), "Say by --width how many metres the whole image is wide"),
+            ((), "Give the width of the whole image in meters by --width"),
         ],
     )
     def test_sizes_are_checked(self, tmp_path, monkeypatch, options, told):

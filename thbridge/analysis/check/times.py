@@ -93,7 +93,7 @@ class HeaderStampOffset:
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Listen to every topic that is neither latched nor of static transforms."""
-        if source.latched or source.topic.endswith("tf_static"):
+        if _is_sent_once(source):
             return None
         topic = source.topic
 
@@ -134,7 +134,7 @@ class RecordedLate:
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Listen to every topic that is neither latched nor of static transforms."""
-        if source.latched or source.topic.endswith("tf_static"):
+        if _is_sent_once(source):
             return None
         topic = source.topic
 
@@ -210,3 +210,8 @@ class TrajectoryStamps:
 
 
 RULES = (StampZero, BackInTime, HeaderStampOffset, RecordedLate, TrajectoryStamps)
+
+
+def _is_sent_once(source: ConnectionRecord) -> bool:
+    """Return True for latched topics and static transforms, whose stamps may be of any earlier time."""
+    return source.latched or source.topic.endswith("tf_static")

@@ -359,10 +359,10 @@ def _costs_file(
     if templates.costs is None:
         problem = f"neither this folder nor that of the map {place.name} has a {MAP_TIMES}, so moves have no costs"
     else:
-        problem = f"its moves are those of the map {templates.map}, and the map {place.name} has no {MAP_TIMES}"
+        problem = f"its costs are for the map {templates.map}, and the map {place.name} has no {MAP_TIMES}"
     of_map = resources.find("maps", study.map, beside)
     measure = f"thbridge maps measure {of_map} --out {of_map / MAP_TIMES}"
-    remedy = f"have the trips measured by `{measure}`, or name another file by `game: costs:` in the study"
+    remedy = f"measure the trips by `{measure}`, or name another file by `game: costs:` in the study"
     raise BadFile(folder / MAP_TIMES, problem, remedy)
 
 

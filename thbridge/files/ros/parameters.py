@@ -323,7 +323,7 @@ class _Sorter:
         homes: dict[str, list[Entry]] = {}
         for key, _ in flat:
             if key.text in OF_THE_GRAPH:
-                self.tell(key, f"{key.text} has no effect here: it is for the whole graph of ROS")
+                self.tell(key, f"{key.text} has no effect here: it belongs to the whole ROS graph")
         flat = [entry for entry in flat if entry[0].text not in OF_THE_GRAPH]
         ours = {*SECTIONS, *LAYERS, *self.layers, *OF_THE_GRAPH}
         known = {section: self.names_of(section, flat) for section in SECTIONS}
@@ -336,7 +336,7 @@ class _Sorter:
                 if _PLANNER.fullmatch(key.text) and not difflib.get_close_matches(key.text, SECTIONS, cutoff=0.85):
                     self.tell(key, f"{key.text} has no effect here: there is no such planner")
                 elif not difflib.get_close_matches(key.text, ours, cutoff=0.7):
-                    self.tell(key, f"{key.text} has no effect here: it is of no node that there is here")
+                    self.tell(key, f"{key.text} has no effect here: no node here reads it")
                 else:
                     homes.setdefault("", []).append((key, child))
                 continue

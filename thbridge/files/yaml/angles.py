@@ -12,7 +12,7 @@ _FACTOR = r"(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+|pi)"
 _PRODUCT = re.compile(rf"\s*([-+]?)\s*({_FACTOR}(?:\s*[*/]\s*{_FACTOR})*)\s*")
 _WHOLE = re.compile(r"[-+]?\d+")
 WHOLE = 3
-"""Least whole number of radians that looks like degrees: nobody writes pi so."""
+"""Least whole number of radians that looks like degrees: pi is not written as a whole number."""
 
 
 def radians_of(text: str) -> float | None:
@@ -50,7 +50,9 @@ def doubt_about(text: str, radians: float) -> tuple[str, str] | None:
     """
     within = math.remainder(radians, math.tau)
     if abs(radians) > math.tau:
-        problem = f"{text} rad is more than a turn, and counts as {within:.4g} rad, {math.degrees(within):.4g} degrees"
+        problem = (
+            f"{text} rad is more than a full turn; it is read as {within:.4g} rad ({math.degrees(within):.4g} degrees)"
+        )
         return problem, f"Write {text}deg if degrees are meant, or else {within:.4g}"
     if _WHOLE.fullmatch(text) and abs(radians) >= WHOLE:
         problem = f"{text} rad is {math.degrees(radians):.4g} degrees"

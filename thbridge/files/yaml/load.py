@@ -179,7 +179,7 @@ class _Reader:
         is_angle = kind is float and metadata.get("unit") == "rad"
         angle = radians_of(text) if is_angle else None
         if _LAUNCHED.fullmatch(text):
-            return self.wrong(node.line, key, f"{text} is for a launch file to fill in", remedy)
+            return self.wrong(node.line, key, f"{text} is a placeholder of a launch file", remedy)
         if angle is None and not node.plain:
             return self.wrong(node.line, key, f"{text!r} in quotes is text, not a number", "Take the quotes away")
         if _NOT_FINITE.fullmatch(text):

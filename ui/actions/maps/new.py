@@ -29,13 +29,13 @@ from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, say
 
 SEED = 1
 LEFT_OUT = "left-out.pgm"
-"""File beside map.yaml: black what was left out of the plan, white all else."""
+"""File beside map.yaml: black where something was left out of the plan, white elsewhere."""
 MOST_FLOOR = 0.5
 """Share of the floor that must be reached, unless it is said that thin lines are walls."""
 MOST_PLACES = 4
-"""Closed ways that are named."""
+"""Blocked paths that are named."""
 LEAST_CELL, LARGEST_CELL = 0.001, 0.5
-"""Sizes of cells, metres: in larger ones a door is not to be seen."""
+"""Sizes of cells, metres: larger ones cannot show a door."""
 WIDEST = 300.0
 """Metres beyond which a map's size is in doubt."""
 
@@ -81,7 +81,7 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
     resolution = size.resolution if size.width is None else size.width / cols
     if resolution is None:
         remedy = (
-            "Say by --width how many metres the whole image is wide, or by --resolution how many a pixel is: "
+            "Give the width of the whole image in meters by --width, or meters per pixel by --resolution: "
             f"with 0.05 this image is {cols * 0.05:.1f} m x {rows * 0.05:.1f} m"
         )
         raise BadFile(source, "an image does not say how large it is", remedy)
@@ -92,7 +92,7 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
         pixels = np.rint(colours * opaque + 255.0 * (1.0 - opaque)).astype(np.uint8)
     if not LEAST_CELL <= resolution <= LARGEST_CELL:
         told = f"a pixel would be {resolution:g} m wide, which is not between {LEAST_CELL} and {LARGEST_CELL} m"
-        fail(BAD_INPUT, f"--width: {told}. Write how many metres the whole image is wide.")
+        fail(BAD_INPUT, f"--width: {told}. Write the width of the whole image in meters.")
     if size.height is not None:
         pixels = squared(pixels, size.height / rows / resolution)
     if size.turn:
@@ -101,7 +101,7 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
 
 
 def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDrawing:
-    """The plan without lines thinner than this many pixels; None: whole, unless such lines close most ways."""
+    """The plan without lines thinner than this many pixels; None: unchanged, unless such lines block most paths."""
     if thinner:
         drawing = without_thin_lines(grid, thinner)
         say(f"Left out: lines and letters thinner than {thinner} pixels, {drawing.left_out.mean():.1%} of the image")
@@ -112,7 +112,7 @@ def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDr
         more = len(closed.places) - MOST_PLACES
         told = (
             f"{source}: only {closed.reached:.0%} of the floor can be reached. Lines thinner than {closed.thinner} "
-            f"pixels close ways at {places}{f' and {more} more places' if more > 0 else ''}. If they are doors, "
+            f"pixels block paths at {places}{f' and {more} more places' if more > 0 else ''}. If they are doors, "
             f"furniture or letters, leave them out by --thinner {closed.thinner}; if they are walls, keep them by "
             "--thinner 0."
         )
@@ -155,11 +155,13 @@ def note_size(grid: OccupancyGrid) -> None:
     say(f"Map: {width:.1f} m x {height:.1f} m, {grid.cols} x {grid.rows} cells of {grid.resolution:g} m")
     if max(width, height) > WIDEST:
         door = 1.0 / grid.resolution
-        note(f"Is that meant? A door of 1 m is {door:.1f} pixels wide. --width says how many metres the image is wide.")
+        note(
+            f"This is very large: a door of 1 m is {door:.1f} pixels wide. Check the resolution, or use --width METERS."
+        )
 
 
 def read_left_out(folder: Path, grid: OccupancyGrid) -> Mask | None:
-    """Cells that were left out of the plan of a map; None where nothing is told of them.
+    """Cells that were left out of the plan of a map; None if the map has no record of it.
 
     Raises:
         BadFile: it cannot be read.

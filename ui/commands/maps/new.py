@@ -21,20 +21,23 @@ def maps_new(
         float | None, typer.Option(help="Metres a pixel; for images without a map.yaml.", min=0.001, max=0.5)
     ] = None,
     width: Annotated[
-        float | None, typer.Option(help="Metres that the whole image is wide, in the place of --resolution.", min=0.1)
+        float | None, typer.Option(help="Width of the whole image in meters, instead of --resolution.", min=0.1)
     ] = None,
     height: Annotated[
         float | None,
-        typer.Option(help="Metres that it is high, where its scale is another that way.", min=0.1),
+        typer.Option(help="Height of the whole image in meters, if its vertical scale differs.", min=0.1),
     ] = None,
     turn: Annotated[
-        float, typer.Option(help="Degrees to turn the image by, counterclockwise, so that walls lie along x and y.")
+        float,
+        typer.Option(
+            help="Rotate the image counterclockwise by this many degrees, so that walls are parallel to x and y."
+        ),
     ] = 0.0,
     thinner: Annotated[
         int | None,
         typer.Option(
-            help="Leave out lines and letters thinner than so many pixels: doors, furniture, labels; and fill "
-            "hatching. 0: all lines are walls.",
+            help="Leave out lines and letters thinner than this many pixels (doors, furniture, labels), and fill "
+            "hatching. 0: every line is a wall.",
             min=0,
             max=100,
         ),

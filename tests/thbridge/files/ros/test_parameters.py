@@ -499,9 +499,9 @@ def test_names_that_are_nearly_right_are_faults(tmp_path: Path, text: str, told:
     [
         (
             "robot_state_publisher: {publish_frequency: 50.0}\n",
-            "robot_state_publisher has no effect here: it is of no ",
+            "robot_state_publisher has no effect here: no node ",
         ),
-        ("use_sim_time: true\n", "use_sim_time has no effect here: it is for the whole graph"),
+        ("use_sim_time: true\n", "use_sim_time has no effect here: it belongs to the whole"),
         ("rosversion: '1.16'\nroslaunch: {uris: {host_x: 'http://x:1/'}}\nrun_id: abc\n", "run_id has no effect here"),
         ("common: &common {kld_err: 0.1}\nmore: {<<: *common}\n", "common has no effect here"),
     ],
@@ -527,7 +527,7 @@ def test_numbers_as_ros_reads_them(tmp_path: Path, written: str, number: int) ->
 def test_what_a_launch_file_fills_in_is_told_so(tmp_path: Path) -> None:
     told = fault(tmp_path, "amcl: {kld_err: $(arg error)}\n")
     assert told.startswith(
-        "/0.yaml, line 1, amcl.kld_err: $(arg error) is for a launch file to fill in. Write a number"
+        "/0.yaml, line 1, amcl.kld_err: $(arg error) is a placeholder of a launch file. Write a number"
     )
 
 

@@ -52,8 +52,8 @@ def test_a_pose_in_degrees_is_read_in_radians() -> None:
 @pytest.mark.parametrize(
     ("text", "key", "told"),
     [
-        ("things: [{name: a, shape: crate, at: [100, 200, 90]}]", "things[0].at[2]", "counts as 2.035 rad, 116.6 deg"),
-        ("mishaps: [{what: carried, time: 1, robot: 1, to: [9, 9, -90]}]", "mishaps[0].to[2]", "counts as -2.035"),
+        ("things: [{name: a, shape: crate, at: [100, 200, 90]}]", "things[0].at[2]", "is read as 2.035 rad (116.6 deg"),
+        ("mishaps: [{what: carried, time: 1, robot: 1, to: [9, 9, -90]}]", "mishaps[0].to[2]", "is read as -2.035"),
         ("robot: {amcl: {initial_pose_a: 90}}", "robot.amcl.initial_pose_a", "Write 90deg if degrees are meant"),
         ("robot: {ekf: {update_min_a: 3}}", "robot.ekf.update_min_a", "3 rad is 171.9 degrees"),
     ],

@@ -91,7 +91,7 @@ def test_a_heading_in_degrees(room):
 
 def test_degrees_without_their_unit_are_told(room):
     told = scan("--map", room, "--pose", -0.5, 1.0, 90)
-    assert told.stderr.startswith("--pose: 90 rad is more than a turn, and counts as 2.035 rad")
+    assert told.stderr.startswith("--pose: 90 rad is more than a full turn; it is read as 2.035 rad")
 
 
 def test_a_map_by_its_name_and_by_its_folder(room):
@@ -103,4 +103,4 @@ def test_what_is_odd_in_a_map_is_told(room):
     room.write_text(room.read_text().replace("map.pgm", "/home/x/map.pgm"))
     told = scan("--map", room, "--pose", -0.5, 1.0, 0)
     assert told.exit_code == 0
-    assert "there is no file /home/x/map.pgm, so map.pgm beside map.yaml is taken" in told.stderr
+    assert "there is no file /home/x/map.pgm, so map.pgm next to map.yaml is used" in told.stderr
