@@ -41,10 +41,10 @@ the classes in `sim/parameters`, which the study file's reader and its error mes
   as DWB takes half of a cell's side for them; a critic that `critics` does not list has the weight 0. A costmap without
   `plugins` has the static, obstacle and inflation layers there; without `track_unknown_space: true` it takes the map's
   unknown cells for free. The first goal checker and progress checker hold, also Nav2's by default (0.25 m
-  and 0.25 rad; 10 s for 0.5 m). Two defaults differ from Nav2, with a message: missing limits of speed and acceleration (0 in Nav2, so
-  that the robot does not move), and heights of obstacles (lasers here see in one plane). `move_base` replans at its own
-  `planner_frequency`; Nav2's behavior tree replans once a second. What has no counterpart is named, and has no
-  effect: other planners (MPPI, Smac), nodes, critics and ranges.
+  and 0.25 rad; 10 s for 0.5 m). Two defaults differ from Nav2, with a message: missing limits of speed and
+  acceleration (0 in Nav2, so that the robot does not move), and heights of obstacles (lasers here see in one plane).
+  `move_base` replans at its own `planner_frequency`; Nav2's behavior tree replans once a second. What has no
+  counterpart is named, and has no effect: other planners (MPPI, Smac), nodes, critics and ranges.
 * Layers and sensors are as in ROS 1, too: without `plugins`, a costmap has the map only by `static_map: true`, without
   `observation_sources` it sees nothing. A costmap of which no file says anything keeps map, laser and the robot's body.
 """

@@ -44,7 +44,7 @@ class CleanedDrawing:
 
 
 @dataclass(frozen=True, slots=True)
-class ClosedWays:
+class BlockedPaths:
     """Thin lines that keep a part of a plan's floor out of reach.
 
     Attributes:
@@ -89,7 +89,7 @@ def _opened(mask: Mask, width: int) -> Mask:
     return opened
 
 
-def closed_ways(grid: OccupancyGrid, inscribed: float) -> ClosedWays | None:
+def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
     """Find the thin lines that keep floor out of reach; None where nearly all is reached, or it is not they.
 
     Args:
@@ -107,7 +107,7 @@ def closed_ways(grid: OccupancyGrid, inscribed: float) -> ClosedWays | None:
         return None
     width = next(width for width, floor in opened.items() if floor >= OPENED * most)
     places = _closing(grid, cleaned[width].left_out, areas, sizes, inscribed)
-    return ClosedWays(reached / max(int(sizes.sum()), 1), width, tuple(places))
+    return BlockedPaths(reached / max(int(sizes.sum()), 1), width, tuple(places))
 
 
 def _loose(ink: Mask, thinner: int, extent: float) -> Mask:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid, interpret_image
 from tests.thbridge.offline.plans import SCALE, pixels, plan
-from thbridge.offline.drawings import closed_ways, squared, turned, without_thin_lines
+from thbridge.offline.drawings import blocked_paths, squared, turned, without_thin_lines
 
 INSCRIBED = 0.2
 
@@ -27,19 +27,19 @@ DRAWN = {
 @pytest.mark.parametrize("name", DRAWN)
 def test_doors_that_are_drawn_shut_are_found_and_opened(name: str) -> None:
     grid = grid_of(DRAWN[name])
-    closed = closed_ways(grid, INSCRIBED)
+    closed = blocked_paths(grid, INSCRIBED)
     assert closed is not None
     assert closed.reached < 0.5
     assert len(closed.places) >= 8
-    assert closed_ways(without_thin_lines(grid, 4).grid, INSCRIBED) is None
+    assert blocked_paths(without_thin_lines(grid, 4).grid, INSCRIBED) is None
 
 
 def test_closed_doors_are_told_with_the_width_that_opens_them_all() -> None:
     grid = grid_of(DRAWN["solid walls"])
-    closed = closed_ways(grid, INSCRIBED)
+    closed = blocked_paths(grid, INSCRIBED)
     assert closed is not None
     opened = without_thin_lines(grid, closed.thinner).grid
-    assert closed_ways(opened, INSCRIBED) is None
+    assert blocked_paths(opened, INSCRIBED) is None
     doors = [(x * SCALE, (900 - y) * SCALE) for x in (198, 488, 758, 1028) for y in (380, 520)]
     for x, y in doors:
         assert min(np.hypot(x - there[0], y - there[1]) for there in closed.places) < 1.5
@@ -61,7 +61,7 @@ def test_hatching_is_filled() -> None:
 
 def test_nothing_is_told_where_doors_are_open() -> None:
     opened = without_thin_lines(grid_of(DRAWN["solid walls"]), 4).grid
-    assert closed_ways(opened, INSCRIBED) is None
+    assert blocked_paths(opened, INSCRIBED) is None
 
 
 @pytest.mark.parametrize("degrees", [90.0, -90.0, 180.0])

@@ -20,7 +20,7 @@ from thbridge.files.map_files import FOOTPRINT, Map, check_map, write_rooms
 from thbridge.files.map_times import MAP_TIMES, map_times
 from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, arena_of
-from thbridge.offline.drawings import CleanedDrawing, closed_ways, squared, turned, without_thin_lines
+from thbridge.offline.drawings import CleanedDrawing, blocked_paths, squared, turned, without_thin_lines
 from thbridge.offline.measure import MeasurementSetup, TripTimes
 from thbridge.offline.room_finding import find_rooms
 from ui.actions.maps.measure import measure_trips, times_matrix
@@ -106,7 +106,7 @@ def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDr
         drawing = without_thin_lines(grid, thinner)
         say(f"Left out: lines and letters thinner than {thinner} pixels, {drawing.left_out.mean():.1%} of the image")
         return drawing
-    closed = closed_ways(grid, radii(np.array(FOOTPRINT))[0]) if thinner is None else None
+    closed = blocked_paths(grid, radii(np.array(FOOTPRINT))[0]) if thinner is None else None
     if closed is not None:
         places = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in closed.places[:MOST_PLACES])
         more = len(closed.places) - MOST_PLACES
