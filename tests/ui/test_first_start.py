@@ -59,11 +59,13 @@ MANY = 24
 """Calls that take longer to compile than a signal takes to arrive, however busy the machine is."""
 
 CANCELLED = """\
+import signal
 import sys
 from pathlib import Path
 import typer
 from ui import start_bar
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # As main does: tests begun by & in a script ignore it.
 start_bar._WINDOW = sys.argv[2]
 start_bar.announce_start("system")
 print("numba" in sys.modules, start_bar.START_BAR._window is not None, flush=True)
