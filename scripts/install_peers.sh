@@ -4,6 +4,7 @@
 # packages, which only root can. Tests whose program is missing are skipped and say so; nothing else depends on them. It wants .venv (make setup).
 set -uo pipefail
 cd "$(dirname "$0")/.."
+. scripts/packages.sh
 
 # Each of these programs has an environment of its own, and only what it needs without a screen.
 for client in mavsdk mavproxy dronekit evo roslibpy node; do
@@ -48,9 +49,7 @@ done
 
 missing=""
 for package in $packages; do
-    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
-        missing="$missing $package"
-    fi
+    is_installed "$package" || missing="$missing $package"
 done
 
 if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then

@@ -3,6 +3,7 @@
 # On Debian, as root, it installs the system packages that are missing; otherwise it says which are.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. scripts/packages.sh
 
 venv=.venv
 stamp=$venv/lock.sha256
@@ -12,10 +13,10 @@ if [ -x $venv/bin/python ] && [ "$(cat $stamp 2>/dev/null)" = "$wanted" ]; then
     exit 0
 fi
 
-# The first Python from 3.11 on that can make environments; PYTHON names one in particular.
+# The first Python from 3.11 on that can make environments; PYTHON names one in particular. The last one is uv's.
 find_python() {
     local candidate
-    for candidate in ${PYTHON:-python3.11 python3 python3.12 python3.13}; do
+    for candidate in ${PYTHON:-python3.11 python3 python3.12 python3.13 "${HOME:-}/.local/bin/python3.11"}; do
         if "$candidate" -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
             command -v "$candidate"
             return
@@ -26,15 +27,27 @@ find_python() {
 
 if ! python=$(find_python); then
     packages="python3 python3-venv"
-    echo "Set-up needs Python 3.11 or later with its venv module: the Debian packages $packages." >&2
     if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-        echo "Installing them with apt-get." >&2
         apt-get update -q
-        DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $packages
-    else
+    fi
+    packaged=$(packaged_python)
+    if [ -z "$packaged" ] || dpkg --compare-versions "$packaged" lt 3.11; then
+        # Ubuntu 22.04, for example: an upgrade of its packages is no help.
+        cat >&2 <<END
+Set-up needs Python 3.11 or later with its venv module. The packages of this system have ${packaged:-none}. Do one of these, and start again:
+  as any user, with uv:  python3 -m pip install --user uv && ~/.local/bin/uv python install 3.11    (pip: the package python3-pip)
+  on Ubuntu:             sudo apt-get install software-properties-common && sudo add-apt-repository ppa:deadsnakes/ppa && sudo apt-get install python3.11 python3.11-venv
+If you have a Python that is not in PATH: make setup PYTHON=/path/to/python3.11
+END
+        exit 1
+    fi
+    echo "Set-up needs Python 3.11 or later with its venv module: the packages $packages." >&2
+    if [ "$(id -u)" != 0 ]; then
         echo "Install them with: sudo apt-get install $packages" >&2
         exit 1
     fi
+    echo "Installing them with apt-get." >&2
+    DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $packages
     if ! python=$(find_python); then
         echo "There is still no such Python. Name one: make setup PYTHON=/path/to/python3.11" >&2
         exit 1
@@ -46,14 +59,10 @@ missing_for_windows() {
     local package
     for package in libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 libxkbcommon-x11-0 libxcb-cursor0 \
         libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 fonts-inter; do
-        if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
-            echo "$package"
-        fi
+        is_installed "$package" || echo "$package"
     done
     # Debian 13 has it under the other name.
-    if ! { dpkg-query -W -f '${db:Status-Status}\n' libglib2.0-0 libglib2.0-0t64 2>/dev/null || true; } | grep -qx installed; then
-        echo libglib2.0-0
-    fi
+    is_installed libglib2.0-0 libglib2.0-0t64 || echo libglib2.0-0
 }
 
 if command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; then
