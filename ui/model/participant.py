@@ -12,7 +12,7 @@ from thbridge.roles.view import ParticipantRequest, View
 from thbridge.timing.wall_clock import utc_now
 from ui.model.motion import MotionPlayback
 from ui.model.playing.acts import do
-from ui.model.playing.compose import compose, next_change
+from ui.model.playing.compose import compose, next_change, with_motions
 from ui.model.playing.marks import MapMarks
 from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.memory.state import DrawnState, ParticipantMemory
@@ -60,8 +60,12 @@ class Participant:
         self._rooms: tuple[RoomMark, ...] = ()
         # Tiles and shapes of the last marks of the rooms.
         self._marked: tuple[tuple[RoomTile, ...], MapMarks | None] = ((), None)
-        # Time by which the screen is made anew; at once after a message or an act.
+        # Time by which the screen is made again; at once after a message or an act.
         self._due = -math.inf
+        # Robots whose motions are newer than the screen, and whether the time played is. Both come many times a second
+        # and change little in it.
+        self._moved: set[int] = set()
+        self._ticked = False
 
     @property
     def floor_plan(self) -> FloorPlan | None:
@@ -112,8 +116,8 @@ class Participant:
                 memory.pictures.receive(level)
             case PoseTelemetry():
                 self._playback.receive(level, now)
-                ticked = memory.hunt is not None and receive_tick(memory.hunt, level.tick)
-                if not self._receive_motions(level.motions, now) and not ticked:
+                self._ticked |= memory.hunt is not None and receive_tick(memory.hunt, level.tick)
+                if not self._receive_motions(level.motions, now):
                     return
             case PlannedPaths():
                 self._playback.receive(level, now)
@@ -155,6 +159,9 @@ class Participant:
         """The screen to show now: the very same object while nothing changed."""
         memory = self._memory
         if self._screen is not None and now < self._due:
+            if self._moved or self._ticked:
+                self._screen = with_motions(self._screen, memory, self._moved)
+                self._moved, self._ticked = set(), False
             return self._screen
         if now >= memory.typed_until:
             memory.typed, memory.typed_until = "", math.inf
@@ -167,6 +174,7 @@ class Participant:
         memory.last_drawn = drawn
         fresh = self._sounding(self._announcing(fresh))
         self._due = next_change(memory, now)
+        self._moved, self._ticked = set(), False
         if fresh != self._screen:
             self._screen = fresh
         return self._screen or fresh
@@ -191,12 +199,17 @@ class Participant:
         return () if self._memory.hunt is None else open_requests(self._memory.hunt)
 
     def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
-        """Take the robots' progress; return True when it changes the screen. This comes many times a second."""
+        """Take the robots' motions; return True when they change more of the screen than cards."""
         memory = self._memory
         was_still = memory.connection.is_still(now)
         memory.connection.receive(now)
         before, memory.motions = memory.motions, self._until_arrived(motions)
-        return was_still or _shown(before) != _shown(memory.motions)
+        if was_still or len(before) != len(memory.motions):
+            return True
+        moved = [robot for robot, pair in enumerate(zip(before, memory.motions, strict=True)) if _differ(*pair)]
+        self._moved.update(moved)
+        # A question may be about the energy that comes back to a robot on its way.
+        return bool(moved) and self._screen is not None and self._screen.confirmation is not None
 
     def _until_arrived(self, motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
         """The motions, but a robot that came to rest is at the end of its path until the view shows it at its goal."""
@@ -240,5 +253,11 @@ class Participant:
         return DrawnState(item, turn, hunt.pending_step, hunt.view.game, hunt.picked)
 
 
-def _shown(motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
-    return tuple(replace(motion, progress=round(motion.progress, 2), remaining=0.0) for motion in motions)
+def _differ(one: RobotMotion, other: RobotMotion) -> bool:
+    """Return True when two motions of a robot look different on its card."""
+    return (one.doing, one.waits_for, round(one.progress, 2), one.makes_way_for) != (
+        other.doing,
+        other.waits_for,
+        round(other.progress, 2),
+        other.makes_way_for,
+    )

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 from msgspec import structs
 
 from tests.ui.model.views import asking, refusal, view, with_robot, with_room
@@ -150,6 +152,34 @@ def test_the_screen_is_the_same_object_while_nothing_changes():
     model.receive(where(21, RobotMotion("driving", None, 0.2), RobotMotion()), 0.84)
     assert model.screen(0.84) is not screen
     assert model.screen(0.84).cards[0].progress == 0.2
+
+
+MOTIONS = st.builds(
+    RobotMotion,
+    st.sampled_from(["driving", "resting", "waiting", "planning", "clearing"]),
+    st.sampled_from([None, 1]),
+    st.sampled_from([0.0, 0.104, 0.106, 0.7]),
+    makes_way_for=st.sampled_from([None, 0]),
+)
+
+
+@given(
+    st.sampled_from([view(), UNDER_WAY, FOUND, structs.replace(UNDER_WAY, dialogues=(asking(1, 2),))]),
+    st.sampled_from([None, ChooseRoom(2), ChooseRobot(1), TypeDigit(2)]),
+    st.lists(st.tuples(MOTIONS, MOTIONS), min_size=1, max_size=4),
+)
+@example(UNDER_WAY, ChooseRoom(2), [(RobotMotion("driving", None, share), RobotMotion()) for share in (0.1, 0.1, 0.7)])
+def test_motions_change_the_screen_as_if_all_of_it_were_made_again(game, act, motions):
+    model = model_of(game, where(1), where(2, *motions[0]))
+    if act is not None:
+        model.do(act, 0.0)
+    for step, both in enumerate(motions, 1):
+        now = 0.1 * step
+        model.screen(now)
+        model.receive(where(26 * step, *both), now)
+    screen = model.screen(now)
+    model.connected(now)  # All of it is made again.
+    assert model.screen(now) == screen
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Cards of the robots, and the sentences that describe a robot's activity."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
@@ -17,6 +18,19 @@ from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCa
 def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
     """One card per robot, in the team's order."""
     return tuple(_card(memory, hunt, robot) for robot in hunt.view.robots)
+
+
+def moved_cards(
+    hunt: HuntMemory, team: Sequence[RobotCard], motions: Sequence[RobotMotion], moved: Collection[int]
+) -> tuple[RobotCard, ...]:
+    """Cards with the new motions of these robots; everything else on them is as before."""
+    return tuple(_moved_card(hunt, card, motions[card.robot]) if card.robot in moved else card for card in team)
+
+
+def _moved_card(hunt: HuntMemory, card: RobotCard, motion: RobotMotion) -> RobotCard:
+    robot = hunt.view.robots[card.robot]
+    state = _state(hunt, robot, motion, stranded=_is_stranded(hunt, robot))
+    return replace(card, state=state, progress=_progress(robot, motion))
 
 
 def is_in_trouble(robot: RobotView) -> bool:
@@ -53,9 +67,9 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
         cost=cost,
         affordable=cost is None or cost <= robot.energy,
         place=texts.room(robot.place, "in" if robot.moving_to is None else "from"),
-        state=texts.text("cards.stranded") if stranded else _state(hunt, robot, motion),
+        state=_state(hunt, robot, motion, stranded=stranded),
         trouble=is_in_trouble(robot) or stranded,
-        progress=None if robot.moving_to is None else round(min(max(motion.progress, 0.0), 1.0), 2),
+        progress=_progress(robot, motion),
         waits=sum(item.robot == number for item in hunt.popups.waiting),
         select=_select(memory, hunt, number, warning),
         stop=_stop(hunt, robot, selected),
@@ -120,8 +134,14 @@ def _take_up(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | Non
     return Action(TakeUpAgain(robot.robot), hunt.texts.text("cards.take_up"), key, not busy, hint, busy)
 
 
-def _state(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
+def _progress(robot: RobotView, motion: RobotMotion) -> float | None:
+    return None if robot.moving_to is None else round(min(max(motion.progress, 0.0), 1.0), 2)
+
+
+def _state(hunt: HuntMemory, robot: RobotView, motion: RobotMotion, *, stranded: bool) -> str:
     texts = hunt.texts
+    if stranded:
+        return texts.text("cards.stranded")
     if robot.condition is Condition.SILENT:
         return texts.text("cards.silent")
     if robot.blocked and robot.moving_to is None:
@@ -186,7 +206,8 @@ def nothing_waits(texts: Texts, team: Sequence[RobotCard], *, answering: bool) -
         team: the cards of all robots.
         answering: True while a pop-up is shown, which waits for them.
     """
-    ready = [card.robot for card in team if card.state == texts.text("cards.ready")]
+    is_ready = texts.text("cards.ready")
+    ready = [card.robot for card in team if card.state == is_ready]
     if not ready:
         return "" if answering else texts.text("cards.nothing_waits")
     if len(ready) == 1:

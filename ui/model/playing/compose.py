@@ -1,12 +1,13 @@
 """The whole screen, made from the participant's memory."""
 
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.roles.view import GiveConsent
 from ui.model.keys import HELP, WAITING_KEY, help_lines, is_letter, keyed
-from ui.model.playing.cards import cards, nothing_waits
+from ui.model.playing.cards import cards, moved_cards, nothing_waits
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.popups.confirmations import confirmation
@@ -28,6 +29,7 @@ from ui.model.screen import (
     FitMap,
     FollowRobot,
     Phase,
+    RobotCard,
     Screen,
     ShowHelp,
     ShowSettings,
@@ -68,7 +70,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         announcement="",
         announcement_number=0,
         rules=rules_of(texts, hunt.view) if hunt is not None and memory.help_open else (),
-        nothing_waits="" if playing is None else nothing_waits(texts, team, answering=playing.popups.shown is not None),
+        nothing_waits="" if playing is None else _nothing_waits(playing, team),
     )
     screen = replace(screen, enlarged=_enlarged(hunt, screen))
     match screen.popup:
@@ -78,6 +80,20 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
             return _without_digits(screen)
         case _:
             return screen
+
+
+def with_motions(screen: Screen, memory: ParticipantMemory, moved: Collection[int]) -> Screen:
+    """Return a screen with the new motions of these robots and the time played; everything else in it is as before."""
+    hunt = memory.hunt
+    if hunt is None:
+        return screen
+    team = moved_cards(hunt, screen.cards, memory.motions, moved)
+    words = _nothing_waits(hunt, team) if screen.phase is Phase.PLAYING else screen.nothing_waits
+    return replace(screen, cards=team, progress=_progress(hunt), nothing_waits=words)
+
+
+def _nothing_waits(hunt: HuntMemory, team: Sequence[RobotCard]) -> str:
+    return nothing_waits(hunt.texts, team, answering=hunt.popups.shown is not None)
 
 
 def _progress(hunt: HuntMemory) -> str:
