@@ -209,6 +209,7 @@ class DockedWindow(QMainWindow):
         else:
             self._center.addWidget(self.topics)
             self._center.setCurrentWidget(self.topics)
+        self.tool_help.setVisible(drawable)
         for dock in self._docks:
             dock.setVisible(drawable or dock is plots)
         self.topics.show()

@@ -86,6 +86,7 @@ def test_a_recording_without_a_map_shows_its_topics_in_place_of_the_map_and_of_e
         ["/words", "std_msgs/String", "1"],
     ]
     assert window.topics.isVisible() and not window.canvas.isVisible()
+    assert not window.tool_help.isVisible()  # there is no map to drag
     assert window.plots.titles == [] and window.plots.nothing.isVisible()
     places = [QRect(stop.mapTo(window, QPoint(0, 0)), stop.size()) for stop in stops(window)]
     assert all(window.rect().intersects(place) for place in places), "Tab goes nowhere that nobody sees"
