@@ -286,7 +286,7 @@ def test_a_screen_reader_reads_every_item_of_every_page_and_sigterm_is_told(scre
         leave(screen, "What you agree to", clicking(screen, "I agree"))
         screen.found("There are no right answers.", "label")
         shown = spoken(screen)
-        asked = ("I feel calm.", "I was quick.", "How hard was it?", "Cold or warm?")
+        asked = ("I feel calm.", "I was quick.", "How hard was it?", "Cold – warm")
         for number, text in enumerate(asked, start=1):
             assert f"Question {number} of 4: {text} Not answered." in shown
         assert {"1 of 3, not at all", "2 of 3, seldom", "3 of 3, warm", "Not applicable"} <= set(shown)
