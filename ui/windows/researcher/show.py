@@ -3,7 +3,7 @@
 import time
 from pathlib import Path
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QApplication, QWidget
 
 from thbridge.files.errors import BadFile
@@ -42,6 +42,8 @@ class WatchProgram(QObject):
         """Show a recording or session in a window of its own."""
         self._memory.add(opened.source)
         window = ResearcherWindow(opened.feed, opened.title, colours(), time.monotonic)
+        # What is connected below holds the window, so that no garbage collector would ever free it.
+        window.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._preferences.changed.connect(window.set_palette)
         self._preferences.add_keys(window)
         self._preferences.keep_place(window)

@@ -8,6 +8,7 @@ from PySide6.QtCore import QMimeData, QPoint, QPointF, QSettings, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
+from shiboken6 import isValid
 
 from tests.ui.windows.preferred import preferred
 from tests.ui.windows.researcher.hunts import record
@@ -108,3 +109,11 @@ def test_only_the_latest_recordings_are_remembered_with_their_bookmarks(memory: 
     assert memory.recent() == [f"/{number}.bag" for number in (5, 11, 10, 9, 8, 7, 6, 4, 3, 2)]
     assert memory.bookmarks("/5.bag") == [5.0]
     assert memory.bookmarks("/1.bag") == []
+
+
+def test_a_window_that_is_closed_is_freed(program: WatchProgram, bag: Path, qtbot: QtBot) -> None:
+    program.open(str(bag))
+    window = program.windows[0]
+    window.close()
+    assert program.windows == []
+    qtbot.waitUntil(lambda: not isValid(window))
