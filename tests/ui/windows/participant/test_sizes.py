@@ -33,7 +33,8 @@ TEXTS = (*(pytest.param(each, marks=pytest.mark.slow) for each in (1.0, 1.25, 2.
 """Sizes of text, multiples of the usual one; the largest of what most people use is tested by default."""
 
 in_each_size = pytest.mark.parametrize("text", TEXTS, indirect=True)
-in_each_language = pytest.mark.parametrize("texts", ["en", "de"], indirect=True)
+in_each_language = pytest.mark.parametrize("texts", [pytest.param("en", marks=pytest.mark.slow), "de"], indirect=True)
+"""German has the longer words; it is tested by default."""
 
 
 def sizes(text: float) -> tuple[tuple[int, int], ...]:
