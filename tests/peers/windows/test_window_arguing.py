@@ -78,8 +78,8 @@ def test_a_person_argues_with_two_robots(screen: Desktop, tmp_path: Path) -> Non
         player.insist("the dialogue", lambda: screen.press(str(wanted)), lambda seen: seen.answers)
         player.say(player.by_key, "Why not")
         seen = player.say(player.by_key, "I have a question")
-        last = seen.answers[-1].middle
-        player.insist("all questions", lambda: screen.turn_wheel(*last, down=True), lambda seen: "Back." in _names(seen))
+        x, y = seen.answers[-1].middle
+        player.insist("all questions", lambda: screen.turn_wheel(x, y, down=True), lambda seen: "Back." in _names(seen))
         player.insist("the answers again", lambda: screen.press("Escape"), lambda seen: "Back." not in _names(seen))
         for _ in range(8):
             if not player.look().answers:
