@@ -60,6 +60,11 @@ def test_headings_that_look_like_degrees_are_warned_of_and_those_with_a_unit_are
     assert read.rooms[1].goal.theta == pytest.approx(np.pi / 2)
 
 
+def test_a_third_start_pose_is_no_heading(folder: Path) -> None:
+    (folder / "rooms.yaml").write_text(ROOMS.replace("[[4, 1, 0]]", "[[4, 1, 0], [4, 2, 0], [4, 3, 0]]"))
+    assert read_map(folder).warnings == ()
+
+
 class TestShippedMaps:
     @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
     def test_nothing_is_odd_about_them(self, name: str) -> None:

@@ -45,10 +45,17 @@ def bounds(metadata: Metadata) -> tuple[float, float]:
     return (-math.inf if minimum is None else minimum), (math.inf if maximum is None else maximum)
 
 
-def metadata_of_items(metadata: Metadata, count: int) -> Sequence[Metadata]:
-    """The metadata of each item of a list: a unit such as "m, m, rad" names that of each, any other is that of all."""
+def metadata_of_items(metadata: Metadata, hints: Sequence[object]) -> Sequence[Metadata]:
+    """The metadata of each item of a list: a unit such as "m, m, rad" names those of its values, any other is of all.
+
+    Args:
+        metadata: of the list.
+        hints: type of each item; lists in a list share the whole metadata, also if they are as many as the units.
+    """
     units = str(metadata.get("unit", "")).split(", ")
-    return [{**metadata, "unit": unit} for unit in units] if len(units) == count > 1 else [metadata] * count
+    if len(units) == 1 or len(units) != len(hints) or any(get_origin(hint) is tuple for hint in hints):
+        return [metadata] * len(hints)
+    return [{**metadata, "unit": unit} for unit in units]
 
 
 def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:

@@ -222,7 +222,7 @@ class _Reader:
                 f"Write {len(arguments)} values between [ and ]",
             )
         values = []
-        each = metadata_of_items(metadata, len(hints))
+        each = metadata_of_items(metadata, hints)
         for index, (item, hint) in enumerate(zip(node.items, hints, strict=True)):
             place = f"{key}[{index}]"
             self.lines[place] = item.line
