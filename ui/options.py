@@ -31,6 +31,23 @@ LanguageOption = Annotated[
 ]
 Port = Annotated[int | None, typer.Option(help="TCP port for other programs; 0 takes a free one.", min=0, max=65535)]
 BagFile = Annotated[Path | None, typer.Option(help="Where to record. An older file is kept under a new name.")]
+
+
+class ProgressKind(StrEnum):
+    """Forms of the progress of a long command."""
+
+    AUTO = "auto"
+    JSON = "json"
+
+
+ProgressOption = Annotated[
+    ProgressKind,
+    typer.Option(
+        "--progress",
+        help="Progress on standard error. `auto`: a bar on a terminal, or else a line a minute. `json`: an object a "
+        "line.",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, nothing else.")]
 Templates = Annotated[str | None, typer.Option(help="Name of a set of templates, or path of its folder.")]
 ADDRESS = f"{LOCALHOST}:{TEXT_SERVER_PORT}"

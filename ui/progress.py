@@ -1,33 +1,159 @@
-"""A bar on a terminal for long work on a recording."""
+"""Progress of long commands: a bar on a terminal; elsewhere a line a minute, or JSON lines, on standard error."""
 
+import json
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from threading import Event, Lock, Thread
 
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TaskID,
+    TextColumn,
+    TimeRemainingColumn,
+)
 from rich.text import Text
 
 from thbridge.files.progress import Tell
-from ui.terminal import err
+from ui.options import ProgressKind
+from ui.terminal import err, note
+
+EVERY = 60.0
+"""Seconds from one line to the next."""
+_A_MINUTE, _AN_HOUR = 60.0, 3600.0
+
+
+@dataclass(slots=True)
+class _CountedTask:
+    """A task with its number of things done; `first` were done at `began`, seconds."""
+
+    began: float
+    first: int
+    done: int
+    total: int
+
+    def seconds_left(self, now: float) -> float | None:
+        """Return the time left at the mean rate so far; None as long as nothing was done."""
+        here = self.done - self.first
+        return (now - self.began) * (self.total - self.done) / here if here > 0 else None
+
+
+class ProgressLines:
+    """Lines about the latest task of a command.
+
+    Args:
+        doing: name of the work as long as nothing was counted.
+        now: monotonic time at which it began, seconds.
+    """
+
+    def __init__(self, doing: str, now: float) -> None:
+        self._doing, self._began = doing, now
+        self._tasks: dict[str, _CountedTask] = {}
+        self._latest = doing
+        self._lock = Lock()
+
+    def take(self, what: str, done: int, total: int, now: float) -> None:
+        """Note how many things of a task are done."""
+        with self._lock:
+            self._latest = what
+            task = self._tasks.setdefault(what, _CountedTask(now, done, done, total))
+            task.done, task.total = done, total
+
+    def sentence(self, now: float) -> str:
+        """Return the line for people."""
+        with self._lock:
+            elapsed, task = f"{_span(now - self._began)} so far", self._tasks.get(self._latest)
+            if task is None:
+                return f"{self._doing}: {elapsed}"
+            left = task.seconds_left(now)
+            share = f" ({task.done / task.total:.0%})" if task.total else ""
+            more = "" if left is None else f", about {_span(left)} left"
+            return f"{self._latest}: {task.done} of {task.total}{share}, {elapsed}{more}"
+
+    def as_json(self, now: float) -> str:
+        """Return the line for programs: task, done, total, seconds elapsed and seconds left, null where unknown."""
+        with self._lock:
+            task = self._tasks.get(self._latest)
+            left = None if task is None else task.seconds_left(now)
+            told = {
+                "task": self._latest,
+                "done": None if task is None else task.done,
+                "total": None if task is None else task.total,
+                "elapsed_seconds": round(now - self._began, 1),
+                "seconds_left": None if left is None else round(left, 1),
+            }
+        return json.dumps(told)
 
 
 @contextmanager
-def bar_of_progress() -> Iterator[Tell]:
-    """Show how far work is, at which rate, and the time left; nothing where standard error is no terminal."""
-    columns = TextColumn("{task.description}"), BarColumn(), _RateColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
+def shown_progress(kind: ProgressKind, doing: str, every: float = EVERY) -> Iterator[Tell]:
+    """Show how far the work of a command is.
+
+    Args:
+        kind: bar or lines, as --progress says.
+        doing: name of the work as long as nothing is counted.
+        every: seconds from one line to the next.
+    """
+    if kind is ProgressKind.AUTO and err.is_terminal:
+        with _bar() as tell:
+            yield tell
+        return
+    lines, ended = ProgressLines(doing, time.monotonic()), Event()
+    line = lines.as_json if kind is ProgressKind.JSON else lines.sentence
+
+    def write() -> None:
+        while not ended.wait(every):
+            note(line(time.monotonic()))
+
+    writer = Thread(target=write, daemon=True)
+    writer.start()
+    try:
+        yield lambda what, done, total: lines.take(what, done, total, time.monotonic())
+    finally:
+        ended.set()
+        writer.join()
+        if kind is ProgressKind.JSON:
+            note(line(time.monotonic()))
+
+
+@contextmanager
+def _bar() -> Iterator[Tell]:
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        _RateColumn(),
+        TimeRemainingColumn(),
+    )
+    # Games of a sweep, and trips, may be minutes apart.
+    with Progress(*columns, console=err, transient=True, speed_estimate_period=600.0) as bar:
         tasks: dict[str, TaskID] = {}
 
         def tell(what: str, done: int, total: int) -> None:
             if what not in tasks:
                 tasks[what] = bar.add_task(what, total=total)
-            bar.update(tasks[what], completed=done)
+            bar.update(tasks[what], completed=done, total=total)
 
         yield tell
 
 
 class _RateColumn(ProgressColumn):
-    """So many a second."""
+    """Things a second."""
 
     def render(self, task: Task) -> Text:
         speed = task.finished_speed or task.speed
-        return Text("" if speed is None else f"{speed:,.0f}/s")
+        return Text("" if speed is None else f"{speed:,.0f}/s" if speed >= 10.0 else f"{speed:.2f}/s")
+
+
+def _span(seconds: float) -> str:
+    """Return a time as people say it."""
+    if seconds < _A_MINUTE:
+        return f"{seconds:.0f} s"
+    if seconds < _AN_HOUR:
+        return f"{seconds / _A_MINUTE:.0f} min"
+    return f"{seconds / _AN_HOUR:.1f} h"

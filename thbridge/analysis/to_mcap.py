@@ -11,7 +11,8 @@ from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
 from thbridge.files.disk.new_file import new_file
-from thbridge.recording.bag.reading.reader import recorded
+from thbridge.files.progress import Tell, followed, untold
+from thbridge.recording.bag.reading.reader import info, recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.identification import missing_types
@@ -41,7 +42,9 @@ class McapResult:
     undefined: tuple[str, ...] = ()
 
 
-def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = False) -> McapResult:
+def to_mcap(
+    bag: Path, out: Path, compression: str = "zstd", overwrite: bool = False, tell: Tell = untold
+) -> McapResult:
     """Write a recording as an MCAP file: the same bytes of each message, with definitions and publishers.
 
     For our sessions the file also has the attachment `study.yaml` and the metadata `thbridge:session`, with seed and
@@ -52,6 +55,7 @@ def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = F
         out: the new file.
         compression: "zstd", "lz4" or "none".
         overwrite: True to replace an existing file.
+        tell: takes how far it is.
 
     Raises:
         BadFile: the bag cannot be read, or the file cannot be written.
@@ -59,7 +63,7 @@ def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = F
     """
     with new_file(out, bag, overwrite) as path, path.open("wb") as file:
         conversion = _Conversion(file, COMPRESSIONS[compression])
-        for publisher, stamp_ns, data in recorded(bag):
+        for publisher, stamp_ns, data in followed(recorded(bag), "messages", info(bag).messages, tell):
             conversion.add(publisher, stamp_ns, data)
         conversion.finish()
     return McapResult(

@@ -1,13 +1,13 @@
 """Poses, the filter's run and its results for `thbridge localize`."""
 
 import dataclasses
+import itertools
 import math
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
@@ -16,6 +16,7 @@ from sim.parameters import RobotParameters, with_ros_defaults
 from sim.robot.localization.estimate import Localizer
 from sim.robot.localization.wrong_pose import WRONG_DISTANCE, WRONG_TURN
 from thbridge.files.disk.whole import write_whole
+from thbridge.files.progress import Tell
 from thbridge.files.ros.defaults import RosDefault, ros_defaults
 from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.hunt.refusals import RequestRefused
@@ -27,7 +28,7 @@ from thbridge.offline.time_offset import TimeOffset
 from thbridge.offline.tum import tum_line
 from thbridge.ros.odometry_faults import RecordedFault, fault_sentences
 from ui.actions.pictures import write_picture
-from ui.terminal import BAD_INPUT, err, fail, show
+from ui.terminal import BAD_INPUT, fail, show
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -89,6 +90,7 @@ def corrected_localization(
     start: Pose2 | None,
     seed: int,
     offset: float | None,
+    tell: Tell,
 ) -> tuple[LocalizationResult | RequestRefused, float]:
     """Run the filter with odometry stamped later by an offset; return its result, and the offset.
 
@@ -99,44 +101,41 @@ def corrected_localization(
         start: pose of the robot at the beginning; None: it may be anywhere.
         seed: random seed.
         offset: seconds; None finds it by a first run, 0 where that does not find any.
+        tell: takes the progress.
     """
     if offset is None:
-        first = run_localization(recording, grid, software, start, seed)
+        first = run_localization(recording, grid, software, start, seed, tell)
         if isinstance(first, RequestRefused) or first.time_offset is None:
             return first, 0.0
         offset = first.time_offset.seconds
     later = dataclasses.replace(recording, odometry=recording.odometry.later(offset)) if offset else recording
-    return run_localization(later, grid, software, start, seed), offset
+    return run_localization(later, grid, software, start, seed, tell), offset
 
 
 def run_localization(
-    recording: LocalizationBag, grid: OccupancyGrid, software: RobotParameters, start: Pose2 | None, seed: int
+    recording: LocalizationBag,
+    grid: OccupancyGrid,
+    software: RobotParameters,
+    start: Pose2 | None,
+    seed: int,
+    tell: Tell,
 ) -> LocalizationResult | RequestRefused:
-    """Run the filter over a recording, with a bar of progress."""
+    """Run the filter over a recording; `tell` takes the progress."""
 
     def begin() -> Localizer:
         return recorded_localizer(software, grid, recording.laser.mount, start, seed)
 
     warm_up(begin(), software, recording.laser.scan(0, recording.laser.first))
-    bar = Progress(
-        TextColumn("{task.completed} of {task.total} scans"),
-        BarColumn(),
-        TimeRemainingColumn(),
-        console=err,
-        transient=True,
-        disable=not err.is_terminal,
+    done = itertools.count(1)
+    return localize(
+        begin(),
+        recording.laser,
+        recording.odometry,
+        recording.scans(),
+        time.process_time,
+        lambda: tell("scans", next(done), recording.messages),
+        ScanHeadings(grid, recording.laser.mount),
     )
-    with bar:
-        task = bar.add_task("", total=recording.messages)
-        return localize(
-            begin(),
-            recording.laser,
-            recording.odometry,
-            recording.scans(),
-            time.process_time,
-            lambda: bar.advance(task),
-            ScanHeadings(grid, recording.laser.mount),
-        )
 
 
 def trajectory_text(result: LocalizationResult) -> str:

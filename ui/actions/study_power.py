@@ -1,11 +1,10 @@
-"""The run of `thbridge study power`, with a bar of progress, and what it tells."""
+"""The run of `thbridge study power`, and what it tells."""
 
 import hashlib
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rich.progress import Progress
 from rich.table import Table
 
 from thbridge.app.compose.machine import versions
@@ -15,8 +14,9 @@ from thbridge.experiment.freeze import fingerprint_of
 from thbridge.experiment.rehearsal.people import read_people
 from thbridge.experiment.rehearsal.power import LEVEL, PowerEstimate, PowerQuestion, PowerTask, estimate_power
 from thbridge.files.errors import BadFile
+from thbridge.files.progress import Tell
 from ui.actions.engines import stopped_by_sigterm
-from ui.terminal import err, out, print_json, say
+from ui.terminal import out, print_json, say
 
 ENOUGH = 0.8
 """Power that is usually asked for."""
@@ -63,12 +63,12 @@ def power_tasks(
     ]
 
 
-def estimate_shown(tasks: Sequence[PowerTask], engine: Engine[PowerTask]) -> Mapping[bool, Sequence[PowerEstimate]]:
-    """Rehearse with a bar of progress; see `estimate_power`."""
-    bar = Progress(console=err, transient=True, disable=not err.is_terminal)
-    with stopped_by_sigterm(), bar, engine:
-        row = bar.add_task("rehearsals", total=len(tasks))
-        return estimate_power(tasks, engine, lambda done: bar.update(row, completed=done))
+def estimate_shown(
+    tasks: Sequence[PowerTask], engine: Engine[PowerTask], tell: Tell
+) -> Mapping[bool, Sequence[PowerEstimate]]:
+    """Rehearse; `tell` takes the progress. See `estimate_power`."""
+    with stopped_by_sigterm(), engine:
+        return estimate_power(tasks, engine, lambda done: tell("rehearsals", done, len(tasks)))
 
 
 def show_estimates(estimates: Mapping[bool, Sequence[PowerEstimate]], *, as_json: bool) -> None:

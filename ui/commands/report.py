@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from ui.options import ProgressKind, ProgressOption
 from ui.outputs import share_outputs
 from ui.recordings import Estimated, Recording, Truth
 from ui.terminal import bad_input
@@ -20,16 +21,17 @@ def report(
     ] = None,
     truth: Truth = None,
     estimate: Estimated = None,
+    progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
     """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
     from thbridge.analysis.report.gathering import trajectory_topics
     from ui.heap import give_large_blocks_back
-    from ui.progress import bar_of_progress
+    from ui.progress import shown_progress
     from ui.report import write_report
 
     give_large_blocks_back()
     if to is not None:
         share_outputs()
-    with bad_input(), bar_of_progress() as tell:
+    with bad_input(), shown_progress(progress, "report") as tell:
         named = trajectory_topics(bag, truth, estimate)
         write_report(bag, to or bag.with_suffix(".html"), map_yaml, tell, named)

@@ -12,7 +12,8 @@ from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from tests.thbridge.offline.plans import plan
 from thbridge.files.grid_files import read_grid, write_grid
 from thbridge.hunt.rooms import Room
-from thbridge.offline.measure import TripTimes
+from thbridge.offline.kept_trips import KeptTrips
+from thbridge.offline.measure import TripResult, TripTimes
 from ui.actions.maps.new import read_left_out, unreached_words
 from ui.cli import app
 
@@ -70,6 +71,34 @@ def test_a_new_map_is_measured_by_a_study_that_does_not_fit_it_and_then_plays(he
     assert (here / "mapTimes").read_bytes() == (here / "two" / "mapTimes").read_bytes()
     (here / "play.yaml").write_text("map: ./two\n")
     assert CliRunner().invoke(app, ["study", "check", "play.yaml"]).exit_code == 0
+
+
+@pytest.mark.slow
+def test_a_stopped_measurement_goes_on_and_writes_the_same_bytes(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    measure = ("measure", "two", "--runs", 1, "--jobs", 1, "--out")
+    assert maps(*measure, "whole").exit_code == 0
+    add, killed = KeptTrips.add, []
+
+    def add_and_stop(kept: KeptTrips, result: TripResult) -> None:
+        add(kept, result)
+        killed.append(result.trip)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as stopping:
+        stopping.setattr(KeptTrips, "add", add_and_stop)
+        stopped = maps(*measure, "mapTimes")
+    assert stopped.exit_code == 1
+    assert "Stopped. 1 trips are kept in mapTimes.trips; the same command continues." in stopped.stderr
+    assert not (here / "mapTimes").exists()
+    driven = []
+    monkeypatch.setattr(KeptTrips, "add", lambda kept, result: (driven.append(result.trip), add(kept, result)))
+    done = maps(*measure, "mapTimes", "--progress", "json")
+    assert "1 of 4 trips are kept from an earlier run (mapTimes.trips). Measuring the others." in done.stderr
+    assert '"task": "trips", "done": 4, "total": 4' in done.stderr
+    assert len(driven) == 3
+    assert killed[0] not in driven
+    assert (here / "mapTimes").read_bytes() == (here / "whole").read_bytes()
+    assert not (here / "mapTimes.trips").exists()
 
 
 def test_a_view_for_rviz_needs_no_costs(here: Path) -> None:

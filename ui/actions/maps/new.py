@@ -18,12 +18,13 @@ from thbridge.files.grid_files import FREE_THRESH, OCCUPIED_THRESH, write_grid
 from thbridge.files.image_files import read_image
 from thbridge.files.map_files import FOOTPRINT, Map, check_map, write_rooms
 from thbridge.files.map_times import MAP_TIMES, map_times
+from thbridge.files.progress import Tell
 from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, arena_of
 from thbridge.offline.drawings import CleanedDrawing, blocked_paths, squared, turned, without_thin_lines
 from thbridge.offline.measure import MeasurementSetup, TripTimes
 from thbridge.offline.room_finding import find_rooms
-from ui.actions.maps.measure import measure_trips, times_matrix
+from ui.actions.maps.measure import measure_trips, times_matrix, write_times
 from ui.grids import grid_at
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, say
 
@@ -206,14 +207,17 @@ def same_trips(one: Arena, other: Arena) -> bool:
     return one.starts == other.starts and [room.goal for room in one.rooms] == [room.goal for room in other.rooms]
 
 
-def measure_map(folder: Path, place: Map, runs: int, jobs: int) -> bool:
-    """Measure all trips and write `mapTimes`; return True when every room was reached from everywhere."""
+def measure_map(folder: Path, place: Map, runs: int, jobs: int, tell: Tell) -> bool:
+    """Measure all trips and write `mapTimes`; return True when every room was reached from everywhere.
+
+    `tell` takes the progress.
+    """
     count = len(place.rooms)
     note(f"Measuring {runs * count * count} trips on {jobs} cores; without times: --no-times.")
     course = MeasurementSetup(place, WorldParameters(), RobotParameters(), SEED)
-    times = measure_trips(course, runs, jobs)
     with bad_input():
-        write_whole(folder / MAP_TIMES, map_times(times_matrix(times, count)).encode("ascii"), "make room")
+        times = measure_trips(course, runs, jobs, folder / MAP_TIMES, tell)
+        write_times(folder / MAP_TIMES, map_times(times_matrix(times, count)))
     means = [pair.mean for pair in times if pair.mean is not None]
     span = f"{min(means):.0f} s to {max(means):.0f} s a trip" if means else "no trip arrived"
     say(f"Measured: {len(means)} of {len(times)} ways, {span}; wrote {folder / MAP_TIMES}")

@@ -11,7 +11,7 @@ from thbridge.files.errors import visible
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.recordings import parts_of
 from ui.commands.group import CommandGroup
-from ui.options import AsJson
+from ui.options import AsJson, ProgressKind, ProgressOption
 from ui.outputs import STANDARD_OUTPUT, destination, share_no_output
 from ui.recordings import Recording
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json, say
@@ -55,6 +55,7 @@ def bag_info_command(
     hashed: Annotated[
         bool, typer.Option("--hash", help="Also the digest of all messages but the session's own record.")
     ] = False,
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Say what is in a bag: topics, types, rates, gaps, and the session if it is ours."""
@@ -63,8 +64,9 @@ def bag_info_command(
     from thbridge.analysis.summary import summarise
     from thbridge.recording.digest import digest_of
     from ui.actions.bag.info import show_summary
+    from ui.progress import shown_progress
 
-    with bad_input():
+    with bad_input(), shown_progress(progress, "bag info"):
         found = summarise(bag)
         digest = {"hash": digest_of(bag)} if hashed else {}
     if as_json:
@@ -76,13 +78,14 @@ def bag_info_command(
 
 
 @bag_app.command("check")
-def bag_check_command(bag: Recording, as_json: AsJson = False) -> None:
+def bag_check_command(bag: Recording, progress: ProgressOption = ProgressKind.AUTO, as_json: AsJson = False) -> None:
     """Judge a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
     from thbridge.analysis.check import judge
     from thbridge.recording.bag.reading.scan import scan
     from ui.actions.bag.check import judgements_as_json, show_judgements
+    from ui.progress import shown_progress
 
-    with bad_input():
+    with bad_input(), shown_progress(progress, "bag check"):
         judgements = {part: judge(scan(part)) for part in parts_of(bag)}
     if as_json:
         print_json(judgements_as_json(judgements))
@@ -94,14 +97,17 @@ def bag_check_command(bag: Recording, as_json: AsJson = False) -> None:
 
 @bag_app.command("reindex")
 def bag_reindex_command(
-    bag: Annotated[Path, typer.Argument(help="A bag whose writer was killed.")], as_json: AsJson = False
+    bag: Annotated[Path, typer.Argument(help="A bag whose writer was killed.")],
+    progress: ProgressOption = ProgressKind.AUTO,
+    as_json: AsJson = False,
 ) -> None:
     """Recover a bag that was cut off; the original is kept beside it."""
     import msgspec
 
     from thbridge.recording.bag.repair import reindex as reindex_bag
+    from ui.progress import shown_progress
 
-    with bad_input():
+    with bad_input(), shown_progress(progress, "bag reindex"):
         done = reindex_bag(bag)
     lost = done.lost_bytes > 0 and done.messages == 0
     if as_json:
@@ -129,17 +135,23 @@ def bag_cut_command(
     ] = None,
     new: Out = None,
     overwrite: Overwrite = False,
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Cut a piece out of a bag; it begins with what was latched before. Parts become one bag."""
     import msgspec
 
     from thbridge.analysis.cut import CutRange, cut
+    from ui.progress import shown_progress
 
     share_no_output(new, as_json)
     names = None if topics is None else tuple(name.strip() for name in topics.split(","))
     piece = CutRange(start, math.inf if end is None else end, names, compression)
-    with bad_input(), destination(new or bag.with_name(f"{bag.stem}-cut.bag"), ".bag") as file:
+    with (
+        bad_input(),
+        shown_progress(progress, "bag cut"),
+        destination(new or bag.with_name(f"{bag.stem}-cut.bag"), ".bag") as file,
+    ):
         done = cut(bag, piece, file, overwrite)
     if as_json:
         print_json(msgspec.to_builtins(done, enc_hook=str))
@@ -157,6 +169,7 @@ def bag_to_mcap_command(
     ] = Profile.ROS1,
     new: Out = None,
     overwrite: Overwrite = False,
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Convert a bag to MCAP, for Foxglove and ROS 2."""
@@ -164,13 +177,14 @@ def bag_to_mcap_command(
 
     from thbridge.analysis.to_mcap import to_mcap
     from thbridge.analysis.to_ros2 import to_ros2
+    from ui.progress import shown_progress
 
     share_no_output(new, as_json)
     if profile is Profile.ROS2:
         if new == STANDARD_OUTPUT or overwrite or compression is Packing.LZ4:
             problem = "a folder of rosbag2 goes to a new place on the disk, packed by zstd or not at all"
             fail(BAD_INPUT, f"--profile ros2: {problem}. Leave `-`, --overwrite and lz4 out.")
-        with bad_input():
+        with bad_input(), shown_progress(progress, "bag to-mcap"):
             folder = to_ros2(bag, new or bag.with_name(f"{bag.stem}-ros2"), compression is Packing.ZSTD)
         if as_json:
             print_json(msgspec.to_builtins(folder, enc_hook=str))
@@ -181,8 +195,12 @@ def bag_to_mcap_command(
             note(f"{folder.broken} messages are left out: they do not fit their definitions.")
         say(f"Wrote {folder.messages} messages to {folder.path}.")
         return
-    with bad_input(), destination(new or bag.with_suffix(".mcap"), ".mcap") as file:
-        done = to_mcap(bag, file, compression, overwrite)
+    with (
+        bad_input(),
+        destination(new or bag.with_suffix(".mcap"), ".mcap") as file,
+        shown_progress(progress, "messages") as tell,
+    ):
+        done = to_mcap(bag, file, compression, overwrite, tell)
     for topic in done.undefined:
         note(f"{visible(topic)}: the bag has no definition of its type, and no reader can decode it.")
     if as_json:

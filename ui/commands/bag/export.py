@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from thbridge.files.errors import visible
-from ui.options import AsJson
+from ui.options import AsJson, ProgressKind, ProgressOption
 from ui.outputs import share_outputs
 from ui.recordings import Recording
 from ui.terminal import FAILED, bad_input, fail, note, print_json, say
@@ -37,6 +37,7 @@ def bag_export(
     until: Annotated[
         float | None, typer.Option(help="Seconds after the beginning; by default to the end.", min=0.0)
     ] = None,
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Export a bag as tables, one for each topic, with a data dictionary; any ROS 1 bag will do."""
@@ -44,14 +45,14 @@ def bag_export(
     from thbridge.analysis.export.folder import export_bag
     from thbridge.files.tables.table_files import TableFormat
     from ui.actions.bag.export import chosen_tables, chosen_topics, names_in
-    from ui.progress import bar_of_progress
+    from ui.progress import shown_progress
 
     share_outputs()
     with bad_input():
         chosen = chosen_topics(bag, names_in(topics)) if topics else None
         wanted = chosen_tables(bag, names_in(tables)) if tables else None
         formats = tuple(TableFormat) if form is ExportFormat.BOTH else (TableFormat(form),)
-        with bar_of_progress() as tell:
+        with shown_progress(progress, "tables") as tell:
             exported = export_bag(bag, to, formats, chosen, start, until, wanted, tell)
     for notice in exported.notices:
         note(visible(notice))

@@ -1,13 +1,11 @@
 """`thbridge maps measure`: what every trip on a map takes."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ui.options import AsJson, StudyOption, the_study
+from ui.options import AsJson, ProgressKind, ProgressOption, StudyOption, the_study
 from ui.outputs import STANDARD_OUTPUT, share_no_output
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
@@ -27,14 +25,26 @@ def maps_measure(
     jobs: Annotated[
         int | None, typer.Option(help="Trips driven at a time; by default one on every core.", min=1, max=256)
     ] = None,
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Measure a map: drive a robot from every place to every room; the mean seconds make a mapTimes file."""
+    """Measure a map: drive a robot from every place to every room; the mean seconds make a mapTimes file.
+
+    A run that was stopped goes on: until the file is written, the trips are kept next to it.
+    """
     from thbridge.files.map_files import read_map
     from thbridge.files.map_times import map_times
     from thbridge.offline.measure import MeasurementSetup
-    from ui.actions.maps.measure import measure_trips, show_times, spoken_place, times_as_json, times_matrix
+    from ui.actions.maps.measure import (
+        measure_trips,
+        show_times,
+        spoken_place,
+        times_as_json,
+        times_matrix,
+        write_times,
+    )
     from ui.first_start import announce_compiling, usable_cores
+    from ui.progress import shown_progress
     from ui.settings import map_folder, study_of
 
     share_no_output(to, as_json)
@@ -44,9 +54,16 @@ def maps_measure(
         place = read_map(folder, study.world.footprint, with_costs=False)
     course = MeasurementSetup(place, study.world, study.robot, study.seed)
     announce_compiling()
-    with _file(to) as write:
-        times = measure_trips(course, runs, jobs or usable_cores())
-        write(map_times(times_matrix(times, len(place.rooms))))
+    result = None if to == STANDARD_OUTPUT else to
+    if result is not None and result.exists():
+        fail(BAD_INPUT, f"--out: there is a file {result} already. Choose another name.")
+    with bad_input(), shown_progress(progress, "trips") as tell:
+        times = measure_trips(course, runs, jobs or usable_cores(), result, tell)
+        text = map_times(times_matrix(times, len(place.rooms)))
+        if result is not None:
+            write_times(result, text)
+    if to == STANDARD_OUTPUT:
+        print(text, end="")  # noqa: T201 - this is what was asked for
     for pair in times:
         for refusal in pair.refusals:
             note(f"{spoken_place(pair.start)} to {spoken_place(pair.goal)}: not reached: {refusal}")
@@ -74,20 +91,3 @@ def _next_step(to: Path | None, folder: Path) -> str:
     if to.resolve() == home.resolve():
         return f"Wrote {to}, into the map's folder: games on this map take it from now on. Nothing more is to do."
     return f"Wrote {to}. Games take it once it is copied to {home}, or named by `game: costs:` in their study."
-
-
-@contextmanager
-def _file(path: Path | None) -> Iterator[Callable[[str], object]]:
-    """See that the file can be written before hours of driving, and leave no empty one behind when they are cut off."""
-    if path is None:
-        yield lambda text: None
-        return
-    if path == STANDARD_OUTPUT:
-        yield lambda text: print(text, end="")  # noqa: T201 - this is what was asked for
-        return
-    from thbridge.files.disk.whole import whole_file
-
-    if path.exists():
-        fail(BAD_INPUT, f"--out: there is a file {path} already. Choose another name.")
-    with bad_input(), whole_file(path, "choose another file by --out") as file:
-        yield lambda text: file.write(text.encode("ascii"))

@@ -6,7 +6,7 @@ from typing import Annotated, ParamSpec
 
 import typer
 
-from ui.options import ColourScheme, LookOption
+from ui.options import ColourScheme, LookOption, ProgressKind, ProgressOption
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, say
 
 P = ParamSpec("P")
@@ -57,6 +57,7 @@ def maps_new(
     ] = None,
     draw: Annotated[bool, typer.Option("--draw", help="Correct rooms and start poses in a window first.")] = False,
     look: LookOption = ColourScheme.SYSTEM,
+    progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
     """Make an arena of any map: find its rooms, put goals and start poses, check it, measure its trips."""
     from thbridge.files.map_files import read_map
@@ -72,6 +73,7 @@ def maps_new(
         write_map,
     )
     from ui.first_start import announce_compiling, usable_cores
+    from ui.progress import shown_progress
 
     if draw:
         _require_window("Or leave --draw out, and correct rooms.yaml as text")
@@ -115,7 +117,8 @@ def maps_new(
     complete = True
     if times:
         announce_compiling()
-        complete = measure_map(folder, place, runs, jobs or usable_cores())
+        with shown_progress(progress, "trips") as tell:
+            complete = measure_map(folder, place, runs, jobs or usable_cores(), tell)
     else:
         say(f"Not measured. Games need times: {command('maps', 'measure', folder, '--out', folder / 'mapTimes')}")
     say(f"Look at it: {command('maps', 'check', folder, '--to', f'{folder.name}-rooms.png')}")

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from ui.options import AsJson
+from ui.options import AsJson, ProgressKind, ProgressOption
 from ui.outputs import STANDARD_OUTPUT, destination, share_no_output, share_outputs
 from ui.recordings import Recording
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
@@ -73,6 +73,7 @@ def localize_command(
     plot: Annotated[
         Path | None, typer.Option(help="Draw the path over the map, lost stretches marked: .png, .svg or .pdf.")
     ] = None,
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Localise a robot after the fact: where was it in a map, by the scans and the odometry of a bag."""
@@ -95,6 +96,7 @@ def localize_command(
     from ui.actions.pictures import PICTURES
     from ui.first_start import announce_compiling
     from ui.grids import grid_at
+    from ui.progress import shown_progress
 
     share_no_output(to, as_json)
     if (initial_pose is None) == (not anywhere):
@@ -118,8 +120,8 @@ def localize_command(
         note(sentence)
     announce_compiling()
     start = None if initial_pose is None else pose_in(initial_pose)
-    with bad_input():
-        result, applied = corrected_localization(recording, grid, software, start, seed, offset)
+    with bad_input(), shown_progress(progress, "scans") as tell:
+        result, applied = corrected_localization(recording, grid, software, start, seed, offset, tell)
     if isinstance(result, RequestRefused):
         fail(FAILED, result.sentence)
     if (warning := offset_warning(result)) is not None:

@@ -19,6 +19,8 @@ from ui.options import (
     EngineKind,
     LookOption,
     Processes,
+    ProgressKind,
+    ProgressOption,
     SlurmJobs,
     SlurmOptions,
 )
@@ -186,6 +188,7 @@ def study_freeze(folder: FolderOfExperiment) -> None:
 def study_export(
     folder: FolderOfExperiment,
     to: Annotated[Path, typer.Option("--to", help="The folder to write; must be empty or new.", metavar="DIR")],
+    progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
     """Export tables for pandas and R, as Psych-DS asks for, with scripts and a paragraph of methods."""
     from thbridge.app.compose.machine import versions
@@ -193,9 +196,10 @@ def study_export(
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
     from ui.actions.unfinished_study import finish_begun_withdrawals
+    from ui.progress import shown_progress
 
     finish_begun_withdrawals(folder)
-    with bad_input():
+    with bad_input(), shown_progress(progress, "export"):
         place = ExperimentFolder(folder)
         design, installed = place.read(), versions()
         entries, changed = place.entries(), deviations(place, installed)
@@ -278,6 +282,7 @@ def study_rehearse(
     ],
     seed: Annotated[int, typer.Option(help="All that simulated people do follows from it.", min=0, max=2**31 - 1)] = 1,
     games: Annotated[bool, typer.Option("--games/--no-games", help="Whether games are played and recorded.")] = True,
+    progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
     """Have simulated people go through the whole experiment; what they are like stands in its `rehearsal.yaml`."""
     from thbridge.experiment.folder import ExperimentFolder
@@ -286,7 +291,7 @@ def study_rehearse(
     from thbridge.experiment.rehearsal.rehearsal import rehearse
     from thbridge.files.disk.whole import new_folder
     from ui.actions.unfinished_study import finish_begun_withdrawals
-    from ui.progress import bar_of_progress
+    from ui.progress import shown_progress
 
     finish_begun_withdrawals(folder)
     with bad_input():
@@ -295,7 +300,10 @@ def study_rehearse(
         people = read_people(place.people, design)
         if to.exists():
             fail(BAD_INPUT, f"{to}: there is such a folder already. Choose another by --to.")
-        with new_folder(to, "choose another by --to, or make room") as new, bar_of_progress() as tell:
+        with (
+            new_folder(to, "choose another by --to, or make room") as new,
+            shown_progress(progress, "rehearsal") as tell,
+        ):
             shutil.copytree(folder, new, ignore=data_of, dirs_exist_ok=True)
             rehearse(ExperimentFolder(new), design, replace(people, plays=people.plays and games), seed, tell)
     study_status(to)
@@ -321,6 +329,7 @@ def study_power(
     scheduler: DaskScheduler = None,
     jobs: SlurmJobs = 10,
     job_options: SlurmOptions = None,
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Estimate by rehearsals how many people are needed to find the effects that `rehearsal.yaml` puts in."""
@@ -329,6 +338,7 @@ def study_power(
     from ui.actions.engines import chosen_engine
     from ui.actions.study_power import estimate_shown, power_tasks, show_estimates
     from ui.actions.unfinished_study import finish_begun_withdrawals
+    from ui.progress import shown_progress
 
     finish_begun_withdrawals(folder)
     with TemporaryDirectory(prefix="thbridge-power-") as scratch:
@@ -345,8 +355,8 @@ def study_power(
             log=root / "slurm",
         )
         try:
-            with bad_input(FAILED):
-                estimates = estimate_shown(tasks, chosen)
+            with bad_input(FAILED), shown_progress(progress, "rehearsals") as tell:
+                estimates = estimate_shown(tasks, chosen, tell)
         except EngineFailed as reason:
             fail(FAILED, str(reason))
         except KeyboardInterrupt:

@@ -5,7 +5,17 @@ from typing import Annotated
 
 import typer
 
-from ui.options import AsJson, BatchEngine, DaskScheduler, EngineKind, Processes, SlurmJobs, SlurmOptions
+from ui.options import (
+    AsJson,
+    BatchEngine,
+    DaskScheduler,
+    EngineKind,
+    Processes,
+    ProgressKind,
+    ProgressOption,
+    SlurmJobs,
+    SlurmOptions,
+)
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json
 
 
@@ -29,6 +39,7 @@ def sweep_run(
     check: Annotated[
         bool, typer.Option("--check", help="Only check the design, and tell how many games it has.")
     ] = False,
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Play the games of a design, or go on where an earlier run ended.
@@ -50,6 +61,7 @@ def sweep_run(
     from ui.actions.sweep.run import run_shown
     from ui.actions.sweep.telling import design_as_json, progress_as_json, show_design, show_progress
     from ui.first_start import compile_ahead
+    from ui.progress import shown_progress
 
     part = Shard() if shard is None else shard_in(shard)
     if part is None:
@@ -70,8 +82,8 @@ def sweep_run(
         folder = open_folder(design, root)
     compile_ahead(whole_hunt=True)
     try:
-        with bad_input(FAILED):
-            progress = run_shown(design, folder, chosen, part, retry=retry)
+        with bad_input(FAILED), shown_progress(progress, "games") as tell:
+            done = run_shown(design, folder, chosen, part, retry=retry, tell=tell)
     except EngineFailed as reason:
         fail(FAILED, str(reason))
     except KeyboardInterrupt:
@@ -80,14 +92,14 @@ def sweep_run(
             f"stopped; what was played is kept, and the same command goes on. See {command('sweep', 'status', root)}",
         )
     if as_json:
-        print_json(progress_as_json(progress, root))
+        print_json(progress_as_json(done, root))
     else:
-        show_progress(progress, root)
-    if progress.failed:
-        note(f"{progress.failed} games have no result; {command('sweep', 'status', root)} tells why.")
-    if progress.differing:
+        show_progress(done, root)
+    if done.failed:
+        note(f"{done.failed} games have no result; {command('sweep', 'status', root)} tells why.")
+    if done.differing:
         fail(
             FAILED,
-            f"{progress.differing} of {progress.verified} games that were played again were NOT the same: do not trust "
+            f"{done.differing} of {done.verified} games that were played again were NOT the same: do not trust "
             "these results. Look for workers with other versions or machines.",
         )

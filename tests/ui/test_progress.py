@@ -1,0 +1,40 @@
+"""Progress of long commands outside a terminal."""
+
+import json
+from itertools import count
+
+import pytest
+
+from ui.options import ProgressKind
+from ui.progress import ProgressLines, shown_progress
+
+
+def test_a_line_counts_what_is_done_and_estimates_the_rest() -> None:
+    lines = ProgressLines("trips", 100.0)
+    assert lines.sentence(130.0) == "trips: 30 s so far"
+    lines.take("trips", 10, 90, 160.0)  # ten were there before: they say nothing about the rate
+    assert lines.sentence(160.0) == "trips: 10 of 90 (11%), 1 min so far"
+    lines.take("trips", 30, 90, 280.0)
+    assert lines.sentence(280.0) == "trips: 30 of 90 (33%), 3 min so far, about 6 min left"
+    assert json.loads(lines.as_json(280.0)) == {
+        "task": "trips",
+        "done": 30,
+        "total": 90,
+        "elapsed_seconds": 180.0,
+        "seconds_left": 360.0,
+    }
+
+
+@pytest.mark.parametrize("kind", list(ProgressKind))
+def test_lines_come_while_the_work_goes_on(kind: ProgressKind, capsys: pytest.CaptureFixture[str]) -> None:
+    told = ""
+    with shown_progress(kind, "games", every=0.001) as tell:
+        for done in count():
+            tell("games", done, 10**9)
+            if "\n" in (told := told + capsys.readouterr().err):
+                break
+    line = told.splitlines()[0]
+    if kind is ProgressKind.JSON:
+        assert json.loads(line)["task"] == "games"
+    else:
+        assert line.startswith("games: ")
