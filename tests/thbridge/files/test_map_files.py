@@ -61,7 +61,10 @@ def test_headings_that_look_like_degrees_are_warned_of_and_those_with_a_unit_are
 
 
 def test_a_third_start_pose_is_no_heading(folder: Path) -> None:
-    (folder / "rooms.yaml").write_text(ROOMS.replace("[[4, 1, 0]]", "[[4, 1, 0], [4, 2, 0], [4, 3, 0]]"))
+    three = ROOMS.replace("[[4, 1, 0]]", "[[4, 1, 0], [4, 2, 0], [4, 3, 0]]").replace(
+        "rows: [[[4, 2.2], [4, 3.3]]]", ""
+    )
+    (folder / "rooms.yaml").write_text(three)
     assert read_map(folder).warnings == ()
 
 
