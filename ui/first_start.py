@@ -7,8 +7,8 @@ from contextlib import suppress
 from threading import Event, Thread
 
 from sim.numerics.kernels import wait_for_others
-from sim.numerics.signatures import RECORDED, kept_at, missing
-from ui.start_bar import NOTICE, START_BAR, STOPPED, mark_compiled, own_environment
+from sim.numerics.signatures import kept_at, missing, recorded_calls
+from ui.start_bar import FIRST_START, START_BAR, STOPPED, is_unfinished, mark_begun, mark_compiled, own_environment
 from ui.terminal import FAILED, err, fail, note
 
 COMPILERS = 4
@@ -21,8 +21,8 @@ PERIOD = 0.2
 
 def announce_compiling() -> None:
     """Tell that the first start takes its time, where nothing was compiled yet."""
-    if len(missing(before_moves=False)) == len(RECORDED.read_text(encoding="utf-8").splitlines()):
-        note(f"{NOTICE}.")
+    if len(missing(before_moves=False)) == len(recorded_calls()):
+        note(FIRST_START)
 
 
 def compile_ahead(*, whole_hunt: bool, look: str | None = None) -> None:
@@ -30,16 +30,19 @@ def compile_ahead(*, whole_hunt: bool, look: str | None = None) -> None:
 
     Args:
         whole_hunt: return when all is done; else when the first tick can be, and the rest is compiled beside the hunt,
-            which waits for what it needs and has not.
+            which waits for what it needs and has not. What an earlier start left is always compiled before the hunt:
+            else short hunts would leave it again and again.
         look: colors of the window that shows it; None for no window.
     """
     calls = missing(before_moves=False)
-    first = calls if whole_hunt else missing(before_moves=True)
+    unfinished = is_unfinished()
+    first = calls if whole_hunt or unfinished else missing(before_moves=True)
     try:
         if calls:
             START_BAR.open(look)
             if not err.is_terminal:
-                note(f"{NOTICE}.")
+                note(_notice(len(calls), unfinished))
+            mark_begun()
             later = [call for call in calls if call not in first]
             _wait_for([*first], _compiled([*first, *later], beside=set(later)))
         if len(first) == len(calls):
@@ -50,6 +53,15 @@ def compile_ahead(*, whole_hunt: bool, look: str | None = None) -> None:
         fail(FAILED, STOPPED)
     finally:
         START_BAR.close()
+
+
+def _notice(count: int, unfinished: bool) -> str:
+    """Return what is compiled at this start, and why."""
+    total = len(recorded_calls())
+    if count == total:
+        return FIRST_START
+    why = ", which an earlier start has not finished" if unfinished else ""
+    return f"Compiling {count} of {total} parts of the simulator for this machine{why}."
 
 
 def _wait_for(calls: list[str], done: dict[str, Event]) -> None:
@@ -66,6 +78,7 @@ def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
     beside a hunt take what time others leave.
     """
     done = {call: Event() for call in calls}
+    answered: list[str] = []
     wait_for_others({kept_at(call): compiled.wait for call, compiled in done.items()})
     ahead = iter(calls)
     command = [sys.executable, "-P", "-c", "from ui.compiler_process import compile_calls; compile_calls()"]
@@ -88,6 +101,7 @@ def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
                     print(call, file=process.stdin, flush=True)
                     if not (process.stdout and process.stdout.readline()):
                         break
+                    answered.append(call)
                 finally:
                     done[call].set()
 
@@ -99,6 +113,8 @@ def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
             helper.join()
         for compiled in done.values():
             compiled.set()
+        if len(answered) == len(calls):
+            mark_compiled()
 
     Thread(target=hand_out_all, daemon=True).start()
     return done

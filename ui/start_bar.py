@@ -1,4 +1,4 @@
-"""A bar with seconds at the first start: in a window, with Cancel, and on a terminal, before the program is loaded."""
+"""A bar with seconds while the simulator is compiled: in a window, with Cancel, and on a terminal, at once."""
 
 import atexit
 import hashlib
@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from contextlib import suppress
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from threading import Thread
@@ -16,7 +17,7 @@ from sim.numerics.compiled_files import cache_folder, make_folder, mark_used
 from sim.numerics.sources import ROOT, key_of
 from ui.terminal import FAILED, err, note
 
-NOTICE = "Compiling the simulator for this machine, at the first start only"
+FIRST_START = "Compiling the simulator for this machine, at its first start."
 STOPPED = "Stopped. What was compiled is kept, and the next start goes on from there."
 _WINDOW = "from ui.windows.first_start import show; show()"
 
@@ -44,7 +45,8 @@ class StartBar:
         """Show the bar on a terminal; if `look` names colors of windows, in a window as well."""
         atexit.register(self.close)  # Also after an error: a terminal has no cursor meanwhile.
         if self._terminal is None and err.is_terminal:
-            columns = (TextColumn("First start: compiling"), BarColumn(20), MofNCompleteColumn(), TimeElapsedColumn())
+            what = "Compiling what is left" if is_unfinished() else "First start: compiling"
+            columns = (TextColumn(what), BarColumn(20), MofNCompleteColumn(), TimeElapsedColumn())
             self._terminal = Progress(*columns, console=err, transient=True)
             self._task = self._terminal.add_task("", total=None)
             self._terminal.start()
@@ -107,7 +109,20 @@ def announce_start(look: str | None = None) -> None:
 
 def mark_compiled() -> None:
     """Note that all which hunts usually need was compiled, so that the next start has no bar."""
-    mark = _compiled_mark()
+    _make_mark(_compiled_mark())
+
+
+def mark_begun() -> None:
+    """Note that compiling was begun, so that the next start finishes it."""
+    _make_mark(_begun_mark())
+
+
+def is_unfinished() -> bool:
+    """Return True if an earlier start began to compile these sources here, and did not finish."""
+    return _begun_mark().exists() and not _compiled_mark().exists()
+
+
+def _make_mark(mark: Path) -> None:
     with suppress(OSError):
         make_folder(mark)
         mark_used(mark)
@@ -115,8 +130,18 @@ def mark_compiled() -> None:
 
 def _compiled_mark() -> Path:
     """Return a folder that exists once these sources were compiled here; it is found without loading the compiler."""
+    return cache_folder() / f"first_start-{_key()}"
+
+
+def _begun_mark() -> Path:
+    """Return a folder that exists since a start began to compile these sources here."""
+    return cache_folder() / f"begun-{_key()}"
+
+
+@cache
+def _key() -> str:
+    """Return a key of these sources and of the versions of the compiler."""
     recorded = ROOT / "sim" / "numerics" / "signatures.jsonl"
     parts = (key_of(ROOT / "sim" / "team.py"), recorded.read_text(encoding="utf-8"), sys.version)
     versions = (version(name) for name in ("numba", "llvmlite", "numpy"))
-    key = hashlib.blake2b(" ".join((*parts, *versions)).encode(), digest_size=8).hexdigest()
-    return cache_folder() / f"first_start-{key}"
+    return hashlib.blake2b(" ".join((*parts, *versions)).encode(), digest_size=8).hexdigest()

@@ -18,14 +18,18 @@ RECORDED = Path(__file__).with_suffix(".jsonl")
 """A call a line, as `as_line` writes it, those that take longest first; `scripts/record_signatures.py` makes it."""
 
 
+def recorded_calls() -> list[str]:
+    """Return all recorded calls."""
+    return RECORDED.read_text(encoding="utf-8").splitlines()
+
+
 def missing(*, before_moves: bool) -> list[str]:
     """Return the recorded calls whose code is not kept here, or is damaged.
 
     Args:
         before_moves: only those of the first tick, when no robot has a goal yet.
     """
-    calls = RECORDED.read_text(encoding="utf-8").splitlines()
-    asked = (call for call in calls if not (before_moves and json.loads(call)["moves"]))
+    asked = (call for call in recorded_calls() if not (before_moves and json.loads(call)["moves"]))
     return [call for call in asked if read(kept_at(call)) is None]
 
 

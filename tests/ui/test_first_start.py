@@ -14,7 +14,7 @@ import pytest
 from sim.numerics.compiled_files import read
 from sim.numerics.signatures import RECORDED
 from tests.compiling import ROOT
-from ui.start_bar import STOPPED
+from ui.start_bar import FIRST_START, STOPPED
 
 PROGRAM = """\
 import sys
@@ -28,11 +28,11 @@ print(len(signatures.missing(before_moves=False)))
 """
 
 
-def start(folder: Path, calls: list[str]) -> tuple[int, str]:
+def start(folder: Path, calls: list[str], program: str = PROGRAM) -> tuple[int, str]:
     """Compile the calls ahead; how many are missing then, and what was told."""
     (folder / "calls").write_text("".join(f"{call}\n" for call in calls))
     ended = subprocess.run(
-        [sys.executable, "-c", PROGRAM, "calls"], cwd=folder, check=True, capture_output=True, text=True,
+        [sys.executable, "-c", program, "calls"], cwd=folder, check=True, capture_output=True, text=True,
         env={**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(folder / "cache")},
     )  # fmt: skip
     return int(ended.stdout), ended.stderr
@@ -44,8 +44,28 @@ def test_what_is_recorded_is_compiled_ahead_once(tmp_path: Path) -> None:
     calls = RECORDED.read_text().splitlines()[-3:]
     missing, told = start(tmp_path, calls)
     assert missing == 0
-    assert "first start only" in told
+    assert told == f"{FIRST_START}\n"
     assert start(tmp_path, calls) == (0, "")
+
+
+@pytest.mark.slow
+def test_what_a_short_run_leaves_is_compiled_before_the_next_which_says_so(tmp_path: Path) -> None:
+    recorded = RECORDED.read_text().splitlines()
+    ahead = [call for call in recorded if not json.loads(call)["moves"]][-1:]
+    calls = [*ahead, *[call for call in recorded if json.loads(call)["moves"]][-12:]]
+    short = PROGRAM.replace("whole_hunt=True", "whole_hunt=False")
+    left, told = start(tmp_path, calls, short)
+    assert left > 0
+    assert told == f"{FIRST_START}\n"
+    missing, told = start(tmp_path, calls, short)
+    assert missing == 0
+    match = re.fullmatch(
+        r"Compiling (\d+) of 13 parts of the simulator for this machine, which an earlier start has not finished\.\n",
+        told,
+    )
+    assert match, told
+    assert 0 < int(match[1]) <= left
+    assert start(tmp_path, calls, short) == (0, "")
 
 
 @pytest.mark.slow

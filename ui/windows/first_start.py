@@ -15,8 +15,8 @@ from ui.windows.preferences import preferences_of
 
 TITLE = "Starting thbridge"
 EXPLANATION = (
-    "At its first start on this computer, thbridge compiles its simulator. "
-    "This can take some minutes, and longer if other programs are busy. Later starts do not need it."
+    "Once on each computer, thbridge compiles its simulator. This can take some minutes, and longer if other "
+    "programs are busy. What is compiled is kept, even if you cancel."
 )
 
 
