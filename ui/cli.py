@@ -13,6 +13,7 @@ from ui.commands.bag import bag
 from ui.commands.bag.export import bag_export
 from ui.commands.bag.plot import bag_plot
 from ui.commands.desktop import desktop_app
+from ui.commands.docs import docs
 from ui.commands.group import CommandGroup
 from ui.commands.keys import keys_app
 from ui.commands.maps.maps import maps_app
@@ -95,6 +96,7 @@ for command in (
     scan,
     watch,
     argue,
+    docs,
 ):
     app.command()(command)
 app.command(cls=GoalWithYaw)(drive)

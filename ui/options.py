@@ -65,10 +65,10 @@ OpenTo = Annotated[
         "--open-to",
         metavar="NETWORK",
         help="Network, such as 10.0.0.0/24, whose machines may connect where an address is not this machine's alone; "
-        "see docs/security.md. May be given several times.",
+        "see `thbridge docs security`. May be given several times.",
     ),
 ]
-Ros = Annotated[bool, typer.Option("--ros", help="Take part in a ROS 1 graph; see docs/live-graph.md.")]
+Ros = Annotated[bool, typer.Option("--ros", help="Take part in a ROS 1 graph; see `thbridge docs live-graph`.")]
 RosMaster = Annotated[
     str | None,
     typer.Option(
@@ -92,7 +92,7 @@ WatchAt = Annotated[
     typer.Option(
         "--watch",
         metavar="[HOST:]PORT",
-        help=f"Let researchers' windows connect, for example at {WATCH_PORT}; see docs/watching.md.",
+        help=f"Let researchers' windows connect, for example at {WATCH_PORT}; see `thbridge docs watching`.",
     ),
 ]
 WatchKey = Annotated[
@@ -107,7 +107,7 @@ Keys = Annotated[
     typer.Option(
         "--keys",
         help="Folder of keys (`thbridge keys new`), by which programs and windows take part from other machines, "
-        "encrypted; see docs/security.md.",
+        "encrypted; see `thbridge docs security`.",
     ),
 ]
 ServerKey = Annotated[
@@ -118,14 +118,14 @@ FoxglovePort = Annotated[
     int | None,
     typer.Option(
         "--foxglove",
-        help="Show the session in Foxglove, at this port of this machine; see docs/watching.md.",
+        help="Show the session in Foxglove, at this port of this machine; see `thbridge docs watching`.",
         min=0,
         max=65535,
     ),
 ]
 Mavlink = Annotated[
     bool | None,
-    typer.Option("--mavlink/--no-mavlink", help="Make every robot a MAVLink rover; see docs/mavlink.md."),
+    typer.Option("--mavlink/--no-mavlink", help="Make every robot a MAVLink rover; see `thbridge docs mavlink`."),
 ]
 MavlinkIdentity = Annotated[
     AutopilotIdentity | None,

@@ -17,6 +17,7 @@ from thbridge.files.map_files import read_map
 from thbridge.files.resources import shipped
 print(Path(thbridge.__file__).parent)
 print(Path(thbridge.__file__).with_name("analysis").joinpath("report", "page.html").is_file())
+print(len([*(shipped().root / "docs").rglob("*.md")]), any((shipped().root / "docs" / "pictures").glob("*")))
 print(len(read_map(shipped().find("maps", "arena8", Path())).rooms), *shipped().names("templates"))
 """
 
@@ -67,7 +68,8 @@ def test_the_wheel_carries_maps_templates_and_the_page_of_reports(tmp_path: Path
     loaded = run(sys.executable, "-c", LOAD, cwd=tmp_path / "elsewhere", PYTHONPATH=str(installed))
     assert loaded.returncode == 0, loaded.stderr
     sets = "everyday-things four-properties original-2016 practice sklar-azhar-2015"
-    assert loaded.stdout.splitlines() == [str(installed / "thbridge"), "True", f"8 {sets}"]
+    pages = len([*(ROOT / "docs").rglob("*.md")])
+    assert loaded.stdout.splitlines() == [str(installed / "thbridge"), "True", f"{pages} False", f"8 {sets}"]
 
 
 @pytest.mark.slow

@@ -53,7 +53,7 @@ def chosen_engine(
             if is_open_to_others(scheduler or ""):
                 note(
                     f"Warning: {scheduler} is another machine, and without TLS. Any machine that reaches the scheduler "
-                    "can run programs on its workers and here. Use a tls:// address; see docs/sweeps.md."
+                    "can run programs on its workers and here. Use a tls:// address; see `thbridge docs sweeps`."
                 )
             return DaskEngine(scheduler or "")
         from thbridge.batch.engines.slurm import SlurmEngine  # noqa: PLC0415 - an extra

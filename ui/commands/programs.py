@@ -86,7 +86,7 @@ def simr(
     map_name: MapName = None,
     robots_from: Annotated[
         RobotsFrom | None,
-        typer.Option(help="Simulate the robots, or command real ones on a ROS graph; see docs/real-robots.md."),
+        typer.Option(help="Simulate the robots, or command real ones on a ROS graph; see `thbridge docs real-robots`."),
     ] = None,
     rate: Annotated[
         float | None,

@@ -29,7 +29,7 @@ def watch(
     """Watch a session under way, or a recording: the truth beside what robots believe, plots, lines, dialogue.
 
     At a session the window also sends robots, kidnaps and kills them, puts things in their way and speaks for them;
-    whatever it asks is recorded. Press F1 for keyboard shortcuts. See docs/watching.md.
+    whatever it asks is recorded. Press F1 for keyboard shortcuts. See `thbridge docs watching`.
     """
     from ui.windows.researcher.feeds.opening import open_feed
 

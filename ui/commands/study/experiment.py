@@ -42,13 +42,16 @@ def study_new(
 
     if language not in example_languages():
         known = ", ".join(example_languages())
-        fail(BAD_INPUT, f"--language: there is no example in {language}. Choose one of {known}; see docs/languages.md.")
+        fail(
+            BAD_INPUT,
+            f"--language: there is no example in {language}. Choose one of {known}; see `thbridge docs languages`.",
+        )
     with bad_input(), new_folder(folder) as new:
         write_example(new, language)
     note(
         f"Wrote {folder}. Change its experiment.yaml and texts, in an editor or by "
         f"`{command('study', 'edit', folder)}`; then check it: `{command('study', 'check', folder)}`. "
-        "docs/study-keys.md explains all keys of its files."
+        "`thbridge docs study-keys` explains all keys of its files."
     )
 
 

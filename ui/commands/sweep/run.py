@@ -20,7 +20,9 @@ from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print
 
 
 def sweep_run(
-    design_file: Annotated[Path, typer.Argument(help="The design (YAML); see docs/sweeps.md.", metavar="DESIGN.yaml")],
+    design_file: Annotated[
+        Path, typer.Argument(help="The design (YAML); see `thbridge docs sweeps`.", metavar="DESIGN.yaml")
+    ],
     to: Annotated[
         Path | None,
         typer.Option("--out", help="The sweep's folder; by default named like the design.", metavar="DIR"),

@@ -1,0 +1,171 @@
+"""Pages of the documentation: those of the wheel, or, in a checkout, those of its folder docs."""
+
+import difflib
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import webbrowser
+from collections.abc import Mapping
+from contextlib import suppress
+from html import escape
+from itertools import pairwise
+from pathlib import Path
+
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
+from rich.markdown import Markdown
+from rich.pager import Pager
+
+from sim.numerics.compiled_files import cache_folder
+from thbridge.files.disk.whole import whole_file
+from thbridge.files.errors import BadFile
+from thbridge.files.resources import shipped
+from ui.terminal import command, note, out, say
+
+WIDEST = 120
+"""Letters in a line of a page on a terminal."""
+_STYLE = "body{max-width:60em;margin:2em auto;padding:0 1em;font:16px/1.5 sans-serif}table{border-collapse:collapse}\
+td,th{border:1px solid #ccc;padding:.2em .5em;vertical-align:top}pre{overflow-x:auto;background:#f4f4f4;padding:1em}\
+img{max-width:100%}"
+
+
+def pages() -> Mapping[str, Path]:
+    """Return all pages by their names, such as `sweeps` and `decisions/0001-dependencies`."""
+    folder = shipped().root / "docs"
+    return {
+        path.relative_to(folder).with_suffix("").as_posix(): path
+        for path in (*sorted(folder.glob("*.md")), *sorted(folder.glob("*/*.md")))
+    }
+
+
+def list_pages() -> None:
+    """Print the names and titles of all pages."""
+    titles = {name: _title(path) for name, path in pages().items()}
+    width = max(map(len, titles))
+    for name, title in titles.items():
+        say(f"{name:{width}}  {title}")
+    note(f"Show a page by `{command('docs', 'PAGE')}`, or in a browser by `{command('docs', 'PAGE', '--open')}`.")
+
+
+def find_page(wanted: str) -> Path:
+    """Return the file of a page, by its name or as other pages write it: `sweeps`, `sweeps.md`, `docs/sweeps.md#plots`.
+
+    Raises:
+        BadFile: there is no such page.
+    """
+    known = pages()
+    name = wanted.partition("#")[0].removeprefix("docs/").removesuffix(".md")
+    if name in known:
+        return known[name]
+    near = difflib.get_close_matches(name, known, n=1)
+    remedy = f"The nearest name is {near[0]}" if near else f"`{command('docs')}` lists all pages"
+    raise BadFile(Path(wanted), "there is no page of this name", remedy)
+
+
+def show_page(page: Path) -> None:
+    """Print a page: on a terminal laid out, through the pager if there is one; else as it is written."""
+    text = page.read_text(encoding="utf-8")
+    if not out.is_terminal:
+        print(text, end="")  # noqa: T201 - for other programs
+        return
+    laid_out = Markdown(text, hyperlinks=False)
+    words = _pager()
+    if words is None:
+        out.print(laid_out, width=min(out.width, WIDEST))
+        return
+    with out.pager(_ProgramPager(words), styles=True):
+        out.print(laid_out, width=min(out.width, WIDEST))
+
+
+def open_in_browser(page: Path | None) -> None:
+    """Open a page in a browser, or the list of all; print the file that it opens.
+
+    Raises:
+        BadFile: the files for the browser cannot be written.
+    """
+    folder = cache_folder().parent / "docs"
+    known = pages()
+    links = "".join(f"* [{_title(path)}]({name}.md)\n" for name, path in known.items())
+    files = {"index": _html(f"# thbridge\n{links}", shipped().root / "docs")}
+    files |= {name: _html(path.read_text(encoding="utf-8"), path.parent) for name, path in known.items()}
+    for name, text in files.items():
+        with whole_file(folder / f"{name}.html", folders=True, synced=False) as file:
+            file.write(text.encode())
+    name = next((name for name, path in known.items() if path == page), "index")
+    target = folder / f"{name}.html"
+    opened = False
+    with suppress(webbrowser.Error):
+        opened = webbrowser.open(target.as_uri())
+    say(str(target))
+    if not opened:
+        note("No browser could be opened. Open this file in one, or leave --open out.")
+
+
+class _ProgramPager(Pager):
+    """A program of the system that shows a text page by page."""
+
+    def __init__(self, words: list[str]) -> None:
+        self._words = words
+
+    def show(self, content: str) -> None:
+        """Show a text until the program ends."""
+        # For less: end at once where the text fits, show colors, and leave the text on the screen.
+        environment = {"LESS": "FRX", **os.environ}
+        with subprocess.Popen(self._words, stdin=subprocess.PIPE, text=True, env=environment) as program:
+            try:
+                program.communicate(content)
+            except KeyboardInterrupt:
+                # Ctrl-C is for the pager, which goes on.
+                program.communicate()
+
+
+def _pager() -> list[str] | None:
+    """Return the command of the pager; None if there is none."""
+    if not sys.stdin.isatty() or os.environ.get("TERM", "dumb") == "dumb":
+        return None
+    words = shlex.split(os.environ.get("PAGER") or "less")
+    return words if words and shutil.which(words[0]) else None
+
+
+def _title(page: Path) -> str:
+    return _title_in(page.read_text(encoding="utf-8"))
+
+
+def _title_in(text: str) -> str:
+    return text.partition("\n")[0].removeprefix("#").strip()
+
+
+def _html(text: str, folder: Path) -> str:
+    """Return a page of a folder for a browser; its links lead to other pages for a browser."""
+    parser = MarkdownIt("commonmark").enable("table")
+    tokens = parser.parse(text)
+    for heading, words in pairwise(tokens):
+        if heading.type == "heading_open":
+            heading.attrSet("id", _anchor(words.content))
+    for token in tokens:
+        for inner in token.children or ():
+            _redirect(inner, folder)
+    title, body = escape(_title_in(text)), parser.renderer.render(tokens, parser.options, {})
+    return f'<!doctype html><meta charset="utf-8"><title>{title}</title><style>{_STYLE}</style>\n{body}'
+
+
+def _redirect(token: Token, folder: Path) -> None:
+    """Let a link to a page lead to that for a browser, and one to another file to where that is."""
+    name = {"link_open": "href", "image": "src"}.get(token.type)
+    target = str(token.attrGet(name)) if name else ""
+    if name is None or target.startswith(("#", "http:", "https:")):
+        return
+    path, mark, anchor = target.partition("#")
+    linked = (folder / path).resolve()
+    if linked in map(Path.resolve, pages().values()):
+        token.attrSet(name, f"{path.removesuffix('.md')}.html{mark}{anchor}")
+    elif linked.exists():
+        token.attrSet(name, linked.as_uri())
+
+
+def _anchor(heading: str) -> str:
+    """Return the name of a heading in links, as GitHub makes it."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
