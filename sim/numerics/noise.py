@@ -79,3 +79,9 @@ def uniform_pair(stream: np.uint64, tick: int, block: int) -> tuple[float, float
 def uniform(key: np.uint64, tick: int, index: int) -> float:
     """Number `index` of [0, 1) of this stream and tick."""
     return uniform_pair(key, tick, index // 2)[index % 2]
+
+
+def first_uniforms(key: np.uint64, tick: int, count: int) -> list[float]:
+    """Numbers 0 to `count` - 1 of [0, 1) of this stream and tick, each as `uniform` returns it."""
+    pairs = [uniform_pair(key, tick, block) for block in range((count + 1) // 2)]
+    return [number for pair in pairs for number in pair][:count]

@@ -33,7 +33,7 @@ from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.watch_requests import WatchRequest, objection
 from thbridge.hunt.codec import kind_of, to_json
-from thbridge.hunt.events import Commander
+from thbridge.hunt.events import Commander, Event
 from thbridge.hunt.rooms import Room
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, make_room, tlog_of, try_place
@@ -401,21 +401,7 @@ class HuntSession:
 
     def _note(self, record: TickRecord) -> None:
         seconds = self.seconds
-        for event in record.events:
-            data: dict[str, object] = json.loads(to_json(event))
-            for key in ("v", "event", "robot", "room"):
-                data.pop(key, None)
-            robot: int | None = getattr(event, "robot", None)
-            room: Room | None = getattr(event, "room", None)
-            self.events.append(
-                HuntEvent(
-                    seconds,
-                    kind_of(type(event)),
-                    None if robot is None else number_of(robot),
-                    None if room is None else room.people,
-                    data=data,
-                )
-            )
+        self.events += [noted(seconds, event) for event in record.events]
         for said in record.utterances:
             topic = said.topic
             self.events.append(
@@ -462,6 +448,22 @@ class HuntSession:
     def __repr__(self) -> str:
         state = "closed" if self._closed else "over" if self._is_over else "open"
         return f"<HuntSession {state}, {self.seconds:.2f} s of {self.study!r}>"
+
+
+def noted(seconds: float, event: Event) -> HuntEvent:
+    """Return an event of the game as callers get it."""
+    data: dict[str, object] = json.loads(to_json(event))
+    for key in ("v", "event", "robot", "room"):
+        data.pop(key, None)
+    robot: int | None = getattr(event, "robot", None)
+    room: Room | None = getattr(event, "room", None)
+    return HuntEvent(
+        seconds,
+        kind_of(type(event)),
+        None if robot is None else number_of(robot),
+        None if room is None else room.people,
+        data=data,
+    )
 
 
 def inside(session: HuntSession) -> Session:

@@ -21,9 +21,12 @@ class CostMatrix:
 
     Raises:
         ValueError: the rows are not such a matrix.
+
+    Attributes:
+        rooms: the rooms of the matrix, without the corridor.
     """
 
-    __slots__ = ("rows",)
+    __slots__ = ("rooms", "rows")
 
     def __init__(self, rows: tuple[tuple[float, ...], ...]) -> None:
         size = len(rows)
@@ -33,6 +36,7 @@ class CostMatrix:
         if any(not cost >= 0.0 for row in rows for cost in row):
             raise ValueError("a cost is a number that is not negative")
         self.rows = rows
+        self.rooms = all_rooms(size - 1)
 
     @classmethod
     def of_map_times(cls, rows: tuple[tuple[float, ...], ...]) -> "CostMatrix":
@@ -55,11 +59,6 @@ class CostMatrix:
     def of_plain(cls, rows: Sequence[Sequence[float | None]]) -> "CostMatrix":
         """Return the matrix of rows as JSON holds them: None where there is no move. Raises ValueError as the class."""
         return cls(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
-
-    @property
-    def rooms(self) -> tuple[Room, ...]:
-        """The rooms of the matrix, without the corridor."""
-        return all_rooms(len(self.rows) - 1)
 
     def has_place(self, place: Room) -> bool:
         """Return True when the matrix has a row for this place."""

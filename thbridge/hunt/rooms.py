@@ -43,7 +43,7 @@ class Room:
     @property
     def wire(self) -> int:
         """Number in the text protocol. Raises ValueError for the corridor, which has none."""
-        if self.is_corridor:
+        if self.people == 0:
             raise ValueError("the corridor has no number on the wire")
         return self.people - 1
 

@@ -422,7 +422,8 @@ def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
     mover = state.robots[robot]
     if mover.is_blocked or mover.is_silent:
         return ()
-    return tuple(room for room in state.free_rooms if state.cost(robot, room) <= mover.energy)
+    costs = state.costs_from(robot)
+    return tuple([room for room in state.free_rooms if costs[room.people] <= mover.energy])
 
 
 def _intervenes(robot: int, researcher: str) -> CommanderChanged:

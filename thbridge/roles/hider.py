@@ -1,6 +1,7 @@
 """Hider: the treasures' program of 2016. It draws the treasure of each room and answers questions about it."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.numerics import noise
@@ -52,7 +53,7 @@ class Hider:
         self._kinds = tuple(kinds)
         self._properties = tuple(properties)
         self._chance = noise.key(seed, "hider")
-        self._alone = self.hidden(1, rooms)
+        self._rooms = rooms
         self._introduce = False
         self._has_keeper = False
         # Questions of 2016 that wait for a keeper, each after its tick.
@@ -92,7 +93,7 @@ class Hider:
 
     def hidden(self, game: int, rooms: int) -> tuple[TreasureKind, ...]:
         """Return the treasure of each room in a game, by its number from 1."""
-        return hide(self._kinds, [noise.uniform(self._chance, game, room) for room in range(rooms)])
+        return hide(self._kinds, noise.first_uniforms(self._chance, game, rooms))
 
     def _answer_without_keeper(self, tick: int) -> list[TextMessage]:
         if self._has_keeper:
@@ -101,6 +102,11 @@ class Hider:
         while self._questions and tick - self._questions[0][0] >= KEEPER_TIMEOUT:
             outgoing += self._answer(self._questions.pop(0)[1])
         return outgoing
+
+    @cached_property
+    def _alone(self) -> tuple[TreasureKind, ...]:
+        """The treasures without a keeper."""
+        return self.hidden(1, self._rooms)
 
     def _answer(self, question: _Question) -> list[TextMessage]:
         if question.room >= len(self._alone):

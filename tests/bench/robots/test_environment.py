@@ -1,4 +1,4 @@
-"""An environment's steps, beside those of the session under it."""
+"""Steps of environments: what they add to the session under them, and how fast the abstract hunt is."""
 
 import time
 from collections.abc import Callable
@@ -8,7 +8,7 @@ import pytest
 
 from tests.bench.budget import Budgets
 from thbridge import api
-from thbridge.api.learning import HuntEnv
+from thbridge.api.learning import AbstractHuntEnv, HuntEnv
 from thbridge.app.session.session import Session, TickRecord
 
 STEPS = 1500
@@ -43,3 +43,31 @@ def test_steps_of_four_robots(budgets: Budgets, monkeypatch: pytest.MonkeyPatch,
     assert env.agents
     print(f"{steps / outer:.0f} steps of {step:g} s a processor second, {steps / inner:.0f} of the session alone")
     budgets.ratio(f"environment: what it adds to a step of {step:g} s of 4 robots", (outer - inner) / inner)
+
+
+@pytest.mark.bench
+@pytest.mark.parametrize("robots", [2, 4])
+def test_decisions_of_the_abstract_hunt(budgets: Budgets, robots: int) -> None:
+    env = AbstractHuntEnv(api.HuntStudy("standard", robots=robots), step="decision")
+
+    def played(episodes: int) -> tuple[int, float]:
+        """Play, and return the rooms chosen and the processor seconds of the environment."""
+        chosen, spent = 0, 0.0
+        for seed in range(episodes):
+            began = time.process_time()
+            _, infos = env.reset(seed=seed)
+            spent += time.process_time() - began
+            while env.agents:
+                actions = {
+                    agent: int(np.flatnonzero(np.asarray(infos[agent]["action_mask"]))[-1]) for agent in env.agents
+                }
+                began = time.process_time()
+                _, _, _, _, infos = env.step(actions)
+                spent += time.process_time() - began
+                chosen += sum(room > 0 and bool(infos[agent]["accepted"]) for agent, room in actions.items())
+        return chosen, spent
+
+    played(20)
+    chosen, spent = played(500)
+    print(f"{chosen / spent:.0f} decisions a processor second")
+    budgets.time(f"environment: 1000 decisions in the abstract hunt, {robots} robots", 1000.0 * spent / chosen)

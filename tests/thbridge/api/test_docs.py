@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[3]
 
 @pytest.mark.parametrize(
     ("page", "examples"),
-    [("README.md", 1), ("docs/api.md", 6), pytest.param("docs/learning.md", 2, marks=pytest.mark.slow)],
+    [("README.md", 1), ("docs/api.md", 6), pytest.param("docs/learning.md", 3, marks=pytest.mark.slow)],
 )
 def test_the_examples_of_a_page_run_one_after_the_other(
     page: str, examples: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

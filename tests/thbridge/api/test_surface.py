@@ -13,7 +13,7 @@ from thbridge import api
 from thbridge.api import learning
 
 FILE = Path(__file__).with_name("surface.txt")
-MADE_BY_CALLERS = {"HuntEnv", "HuntRecording", "HuntSession", "HuntStudy"}
+MADE_BY_CALLERS = {"AbstractHuntEnv", "HuntEnv", "HuntRecording", "HuntSession", "HuntStudy"}
 OF_PETTINGZOO = {"max_num_agents", "num_agents", "unwrapped"}
 
 

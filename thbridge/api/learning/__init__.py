@@ -1,4 +1,5 @@
 """Learning: hunts as PettingZoo's parallel environments (extra `learning`); see docs/learning.md."""
 
+from thbridge.api.learning.abstract_environment import AbstractHuntEnv as AbstractHuntEnv
 from thbridge.api.learning.environment import HuntEnv as HuntEnv
 from thbridge.api.learning.environment import parallel_env as parallel_env

@@ -1,5 +1,7 @@
 """Pictures of a hunt: the map, rooms, where robots are and believe to be."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
@@ -8,7 +10,7 @@ from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED
 from sim.common.robot_numbers import robot_numbers
 from sim.numerics import elementary
-from thbridge.api.snapshot import HuntSnapshot
+from thbridge.api.snapshot import Floats
 from thbridge.app.compose.setting import StudySetting
 
 PIXELS = 480
@@ -20,8 +22,15 @@ _RADIUS = 0.25
 """Of a robot's body, metres."""
 
 
-def picture_of(setting: StudySetting, snapshot: HuntSnapshot) -> NDArray[np.uint8]:
-    """Return (rows, cols, 3): rooms by number, green once visited; robots, and violet where they believe to be."""
+def picture_of(setting: StudySetting, visited: Sequence[bool], believed: Floats, true: Floats) -> NDArray[np.uint8]:
+    """Return (rows, cols, 3): rooms by number, green once visited; robots, and violet where they believe to be.
+
+    Args:
+        setting: the study with its map.
+        visited: for each room.
+        believed: (n, 3) poses that robots believe.
+        true: (n, 3) true poses.
+    """
     grid = setting.map.grid
     cells = grid.cells[::-1]
     shades = np.full(cells.shape, _SHADES["unknown"], np.uint8)
@@ -37,11 +46,10 @@ def picture_of(setting: StudySetting, snapshot: HuntSnapshot) -> NDArray[np.uint
         here = grid.origin.inverse().compose(Pose2(x, y, 0.0))
         return here.x * per_metre, size[1] - here.y * per_metre
 
-    visited = snapshot.visited
     for number, room in enumerate(setting.map.rooms):
-        colour = _VISITED if len(visited) and visited[number] else _OPEN
+        colour = _VISITED if visited[number] else _OPEN
         draw.text(place(room.goal.x, room.goal.y), str(room.room.people), fill=colour, anchor="mm", font_size=18)
-    for colour, poses in ((_BELIEF, snapshot.poses), (_BODY, snapshot.true_poses)):
+    for colour, poses in ((_BELIEF, believed), (_BODY, true)):
         for number, (x, y, theta) in zip(robot_numbers(len(poses)), poses.tolist(), strict=True):
             column, row = place(x, y)
             draw.circle((column, row), _RADIUS * per_metre, outline=colour, width=2)

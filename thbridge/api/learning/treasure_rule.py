@@ -2,10 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from thbridge.hunt.game import GameState
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.robot_requests import CommandRequest, StationIdentify, StationLeave, StationTakePicture
+from thbridge.roles.robot_requests import StationIdentify, StationLeave, StationTakePicture
+
+TreasureRequest: TypeAlias = StationIdentify | StationLeave | StationTakePicture
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +30,7 @@ class TreasureRule:
         """Return the rule of somebody who knows these treasures, and recognises their pictures."""
         return cls(tuple(kinds), {kind.image: kind.name for kind in kinds if kind.image is not None})
 
-    def request(self, game: GameState, robot: int) -> CommandRequest | None:
+    def request(self, game: GameState, robot: int) -> TreasureRequest | None:
         """Return the next request about the treasure where a robot stands, given its index; None: there is none."""
         state = game.robots[robot]
         if state.bound_for is not None or state.at.is_corridor or state.is_blocked or state.is_silent:

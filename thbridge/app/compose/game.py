@@ -29,14 +29,12 @@ from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import FloorPlan, GameTexts, RoomOutline
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import Bot, TreasureKnowledge
-from thbridge.study.study_file import DialogueSection, MannerSection
+from thbridge.study.study_file import DialogueSection, MannerSection, Study
 
 
 def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), last_game: int = 0) -> Keeper:
     """Return the keeper; see `Keeper` for a game that goes on."""
     study, words = setting.study, setting.set_words
-    game = study.game
-    rules = GameRules(study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
 
     def engine(number: int) -> DialogueEngine:
         seed = int(noise.key(study.seed, "dialogue", str(number)))
@@ -51,7 +49,7 @@ def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), 
 
     talk = study.dialogue
     return Keeper(
-        rules,
+        game_rules(study),
         engine,
         history,
         last_game,
@@ -67,6 +65,12 @@ def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), 
         None if talk.patience is None else round(talk.patience * TICKS_PER_SECOND),
         tells_refusals=study.server.tell_refusals,
     )
+
+
+def game_rules(study: Study) -> GameRules:
+    """Return the rules of the game that a study sets."""
+    game = study.game
+    return GameRules(study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
 
 
 def _with_words(language: Language, templates: TemplateSet, words: SetWords) -> Language:

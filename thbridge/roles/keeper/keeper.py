@@ -28,6 +28,7 @@ from thbridge.hunt.events import (
     TreasuresHidden,
 )
 from thbridge.hunt.game import GameState
+from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.protocols.text import legacy
@@ -103,6 +104,20 @@ class GameRules:
     picture_cost: float
     identify_cost: float
     wrong_share: float
+
+    def start(self, game: int, robots: int, costs: CostMatrix, properties: tuple[TreasureProperty, ...]) -> GameStarted:
+        """Return the start of the game of a number, with a team of this size; see `GameStarted`."""
+        return GameStarted(
+            seed=self.seed,
+            game=game,
+            robots=robots,
+            energy=self.energy,
+            picture_cost=self.picture_cost,
+            identify_cost=self.identify_cost,
+            wrong_share=self.wrong_share,
+            costs=costs,
+            properties=properties,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -377,18 +392,7 @@ class Keeper:
             self._give_orders(state, with_poses=True)
 
     def _start(self, robots: int, costs: CostMatrix) -> None:
-        chosen = self._rules
-        started = GameStarted(
-            seed=chosen.seed,
-            game=self._game.last_game + 1,
-            robots=robots,
-            energy=chosen.energy,
-            picture_cost=chosen.picture_cost,
-            identify_cost=chosen.identify_cost,
-            wrong_share=chosen.wrong_share,
-            costs=costs,
-            properties=self._briefing.properties,
-        )
+        started = self._rules.start(self._game.last_game + 1, robots, costs, self._briefing.properties)
         # Agreement to take part, and commands of ground stations, outlast a game.
         former = self.state
         kept = () if former is None else kept_commands(former, robots)

@@ -153,10 +153,11 @@ def test_no_observation_depends_on_the_truth() -> None:
     assert game is not None
     goals = [room.goal for room in setting_of(STUDY).map.rooms]
     scale = ObservationScale(0.0, 0.0, 10.0, 10.0, 40.0, 1.0, 1.0, 8.0, 600.0)
-    told = [
-        ObservationEncoder(3, goals, scale, with_scans=True).encode(each, game, scans, lambda robot: True)
-        for each in (team, replace(team, world=None))
-    ]
+    told = []
+    for each in (team, replace(team, world=None)):
+        encoder = ObservationEncoder(3, goals, scale, with_scans=True)
+        bodies = [encoder.of_output(output, scan) for output, scan in zip(each.robots, scans, strict=True)]
+        told.append(encoder.encode(each.tick, bodies, game, [True] * 3))
     assert np.array_equal(told[0], told[1])
 
 

@@ -23,7 +23,9 @@ from thbridge.roles.robot_requests import (
 )
 from thbridge.roles.view import SendRobot
 
-_Judged: TypeAlias = TakeCommand | ReleaseCommand | StationSend | StationTakePicture | StationIdentify | StationLeave
+JudgedRequest: TypeAlias = (
+    TakeCommand | ReleaseCommand | StationSend | StationTakePicture | StationIdentify | StationLeave
+)
 
 
 def handle_station_request(
@@ -44,7 +46,7 @@ def handle_station_request(
         case StationSend() if awaits_treasures:
             pass
         case _:
-            ruling = _ruling(state, request)
+            ruling = ruling_on(state, request)
             if isinstance(ruling, tuple):
                 game.record(ruling)
 
@@ -91,7 +93,8 @@ def _stop(game: OpenGame, state: GameState, robot: int) -> None:
     game.recall(robot)
 
 
-def _ruling(state: GameState, request: _Judged) -> rules.Ruling:
+def ruling_on(state: GameState, request: JudgedRequest) -> rules.Ruling:
+    """Return the events of a ground station's request, or its refusal."""
     match request:
         case TakeCommand(robot, name):
             return rules.command(state, robot, CommandHolder(Commander.GROUND_STATION, name))

@@ -1,12 +1,11 @@
 """What robots advise in a team: each takes its first room of the joint plan, and says why."""
 
 import itertools
-from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from msgspec import structs
+from msgspec.structs import replace
 
 from tests.thbridge.hunt.random_hunts import random_hunt
 from tests.thbridge.hunt.test_game import ARENA, after, new_game, visit
@@ -208,7 +207,7 @@ def test_errors_follow_from_seed_game_robot_and_number_alone():
 
     def errors(robot=0, **changes):
         state = new_game(costs=TWO_ENDS)
-        state = replace(state, started=structs.replace(state.started, **changes))
+        state = replace(state, started=replace(state.started, **changes))
         return [adviser.advise(state, (), robot, number).room for number in range(40)]
 
     assert errors() == errors()

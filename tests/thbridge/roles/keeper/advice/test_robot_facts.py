@@ -8,6 +8,7 @@ from itertools import pairwise, permutations, product
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from msgspec import structs
 
 from tests.thbridge.hunt.random_hunts import random_hunt
 from thbridge.argumentation.propositions import Literal
@@ -60,7 +61,7 @@ def states(draw: st.DrawFn) -> GameState:
         costs=CostMatrix(rows),
         properties=OF_2016,
     )
-    return replace(game.begin(started), agreed=True)
+    return structs.replace(game.begin(started), agreed=True)
 
 
 def plans(state: GameState, rooms: tuple[int, ...]) -> Iterator[tuple[tuple[tuple[int, ...], ...], float]]:
@@ -138,7 +139,7 @@ def test_every_number_in_an_explanation_is_recomputed(state: GameState, robot: i
 def test_of_many_rooms_it_tells_what_the_team_reaches_and_compares_no_plans(rooms: int, energy: float) -> None:
     costs, _ = random_hunt(rooms, 2, energy, seed=rooms)
     started = GameStarted(1, 1, 2, energy, 10.0, VISIT, 1.0, costs, OF_2016)
-    state = replace(game.begin(started), agreed=True)
+    state = structs.replace(game.begin(started), agreed=True)
     wanted = min(costs.rooms, key=lambda room: costs.rows[0][room.people])
     facts = where_facts(state, (), 0, (), tick=50, rival=wanted)
     tours = searched_tours(costs, [TourStart(costs.rows[0], energy)] * 2, costs.rooms, VISIT, sent=0)
@@ -197,7 +198,7 @@ kinds = st.builds(
 def test_what_is_hidden_changes_nothing_that_a_robot_knows(
     state: GameState, one: list[TreasureKind], other: list[TreasureKind]
 ) -> None:
-    first, second = replace(state, treasures=tuple(one)), replace(state, treasures=tuple(other))
+    first, second = structs.replace(state, treasures=tuple(one)), structs.replace(state, treasures=tuple(other))
     listed = (*one, *other)
     for robot in (0, 1):
         assert where_facts(first, (), robot, (), 50) == where_facts(second, (), robot, (), 50)

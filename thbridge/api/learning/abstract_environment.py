@@ -1,0 +1,168 @@
+"""The environment of the abstract hunt: the same decisions in a game without robots, ten thousand a second."""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import Pose2
+from sim.common.observations import STANDSTILL, TICK, Twist
+from sim.numerics import elementary
+from thbridge.api.errors import HuntError, told
+from thbridge.api.learning.abstract_hunt import AbstractHunt, MoveTimes
+from thbridge.api.learning.observation import BodyNumbers
+from thbridge.api.learning.team_environment import Decision, TeamEnvironment
+from thbridge.api.session import HuntEvent, noted
+from thbridge.api.study import HuntStudy
+from thbridge.hunt.game import GameState
+from thbridge.roles.robot_requests import StationSend
+
+
+class AbstractHuntEnv(TeamEnvironment):
+    """The hunt of `HuntEnv` without robots: the same game, seeds, actions and observations; moves take map times.
+
+    The same study and seed hide the same treasures, and energy, rooms and points follow the same rules. No robot is
+    simulated: every move takes the seconds of the map's `mapTimes` and succeeds, decisions about treasures take no
+    time, and in observations a robot knows its pose and drives straight ahead. docs/learning.md has the differences.
+
+    Args:
+        study: as for `HuntEnv`, like all that follow.
+        robots: size of the team, where there is no study.
+        step: simulated seconds of a step; "decision": until a robot is ready.
+        max_seconds: simulated seconds after which an episode is truncated.
+        shared: every agent gets the reward of the team; False: each that of its own robot.
+        room_reward: reward of a room reached, beside the points of treasures.
+        energy_cost: cost of a unit of energy.
+        time_cost: cost of a simulated second.
+        render_mode: "rgb_array" for pictures by `render`.
+
+    Raises:
+        HuntError: an argument does not fit, or the study has things in the way or scheduled failures.
+
+    Attributes:
+        study: the study.
+        layout: places of the parts of an observation.
+    """
+
+    def __init__(
+        self,
+        study: HuntStudy | None = None,
+        *,
+        robots: int = 2,
+        step: float | Decision = 1.0,
+        max_seconds: float = 600.0,
+        shared: bool = True,
+        room_reward: float = 0.0,
+        energy_cost: float = 0.0,
+        time_cost: float = 0.0,
+        render_mode: Literal["rgb_array"] | None = None,
+    ) -> None:
+        super().__init__(
+            HuntStudy(robots=robots) if study is None else study,
+            "thbridge_abstract_hunt_v0",
+            step,
+            max_seconds,
+            shared=shared,
+            room_reward=room_reward,
+            energy_cost=energy_cost,
+            time_cost=time_cost,
+            render_mode=render_mode,
+        )
+        for key, entries in (("things", self._setting.study.things), ("mishaps", self._setting.study.mishaps)):
+            if entries:
+                problem = "the abstract hunt has no robots that these could affect"
+                raise HuntError(f"{key}: {problem}. Remove them from the study, or use HuntEnv.", key=key)
+        with told():
+            self._times = MoveTimes.of(self._setting)
+        self._hunt: AbstractHunt | None = None
+        self._starts = self._setting.map.starts[: self.study.robots]
+        # Numbers of robots that stand at a pose, or drive from one to another in a number of ticks.
+        self._standing: dict[Pose2, BodyNumbers] = {}
+        self._straight: dict[tuple[Pose2, Pose2, int], tuple[BodyNumbers, BodyNumbers]] = {}
+
+    @property
+    def events(self) -> list[HuntEvent]:
+        """All that happened so far, oldest first, as in `HuntSession.events`; empty before the first episode."""
+        return [] if self._hunt is None else [noted(tick * TICK, event) for tick, event in self._hunt.events]
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return a picture of the hunt, (rows, cols, 3), where `render_mode` asks for one."""
+        if self.render_mode is None or self._hunt is None:
+            return None
+        from thbridge.api.learning.picture import picture_of  # noqa: PLC0415  # only who asks for pictures needs it
+
+        poses = self._encoder.poses(self._bodies())
+        return picture_of(self._setting, [room.visited for room in self._hunt.game.rooms], poses, poses)
+
+    def close(self) -> None:
+        """End the episode."""
+        self._hunt = None
+        self.agents = []
+
+    # The hunt
+
+    @property
+    def _playing(self) -> AbstractHunt:
+        if self._hunt is None:
+            raise HuntError("no episode is under way. Reset the environment first.")
+        return self._hunt
+
+    @property
+    def _now(self) -> tuple[GameState, int]:
+        hunt = self._playing
+        return hunt.game, hunt.tick
+
+    def _begin(self, seed: int, record: str | None) -> None:
+        if record is not None:
+            problem = "the abstract hunt has no robots that could be recorded"
+            raise HuntError(f"record: {problem}. Use HuntEnv.", key="record")
+        self._hunt = AbstractHunt(self._setting, self._times, self._rule, seed)
+
+    def _send(self, request: StationSend) -> None:
+        self._playing.ask(request)
+
+    def _run(self) -> None:
+        hunt = self._playing
+        # Whoever waits lets a tick pass, also where no other robot is under way.
+        last = min(hunt.tick + (self._ticks or 1), self._last_tick)
+        while True:
+            hunt.run_to(last)
+            if hunt.game.ended is not None or hunt.tick >= self._last_tick:
+                return
+            if self._ticks is None:
+                if self._awaits_decision(hunt.game):
+                    return
+                last = self._last_tick
+            elif hunt.tick >= last:
+                return
+
+    def _bodies(self) -> list[BodyNumbers]:
+        hunt = self._playing
+        bodies = []
+        for state, start, move in zip(hunt.game.robots, self._starts, hunt.moves, strict=True):
+            pose = start if state.at.is_corridor else self._goals[state.at.wire]
+            if move is None or state.bound_for is None:
+                if pose not in self._standing:
+                    self._standing[pose] = self._encoder.of_pose(pose, STANDSTILL, 0.0)
+                bodies.append(self._standing[pose])
+                continue
+            ends = pose, self._goals[state.bound_for.wire], move.arrives - move.departed
+            if ends not in self._straight:
+                self._straight[ends] = self._straight_line(*ends)
+            share = (hunt.tick - move.departed) / (move.arrives - move.departed)
+            bodies.append(_between(*self._straight[ends], share))
+        return bodies
+
+    def _straight_line(self, start: Pose2, goal: Pose2, ticks: int) -> tuple[BodyNumbers, BodyNumbers]:
+        """Return the numbers of a robot at both ends of a straight line that it drives in so many ticks."""
+        x, y = goal.x - start.x, goal.y - start.y
+        length, heading = elementary.hypot(x, y), elementary.atan2(y, x)
+        twist = Twist(length / (ticks * TICK), 0.0)
+        first = self._encoder.of_pose(Pose2(start.x, start.y, heading), twist, length)
+        return first, self._encoder.of_pose(Pose2(goal.x, goal.y, heading), twist, 0.0)
+
+
+def _between(first: BodyNumbers, last: BodyNumbers, share: float) -> BodyNumbers:
+    (x, y, *others), (last_x, last_y) = first.motion, last.motion[:2]
+    place = [x + share * (last_x - x), y + share * (last_y - y)]
+    return BodyNumbers([*place, *others], 0.0, first.remaining * (1.0 - share), [])

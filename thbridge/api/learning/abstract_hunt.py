@@ -1,0 +1,146 @@
+"""Hunts without robots: the game by its own rules, in which moves take the times of the map."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.api.learning.treasure_rule import TreasureRule
+from thbridge.api.session import SENDER
+from thbridge.app.compose.game import build_hider, game_rules
+from thbridge.app.compose.robots import build_travel_times
+from thbridge.app.compose.setting import StudySetting
+from thbridge.files.map_times import read_map_times
+from thbridge.hunt import rules
+from thbridge.hunt.events import Event, RobotDeparted, TreasuresHidden
+from thbridge.hunt.game import GameState, apply, begin
+from thbridge.hunt.rooms import Room
+from thbridge.roles.keeper.disclosed.disclosure import plain_costs
+from thbridge.roles.keeper.requests.station_requests import JudgedRequest, ruling_on
+from thbridge.roles.robot_requests import TakeCommand
+
+
+@dataclass(frozen=True, slots=True)
+class MoveTimes:
+    """Durations of moves on a study's map, and what moves from the start poses cost.
+
+    Attributes:
+        between: ticks from room to room, by the numbers people use; None where no time is known.
+        from_starts: ticks to each room from each robot's start pose.
+        prices: energy of the moves from each start pose; empty where the cost matrix has it.
+    """
+
+    between: Sequence[Sequence[int | None]]
+    from_starts: Sequence[Sequence[int | None]]
+    prices: Sequence[Sequence[float | None]]
+
+    @classmethod
+    def of(cls, setting: StudySetting) -> "MoveTimes":
+        """Return the times of the map's own `mapTimes`, or of the study's costs where the map has none.
+
+        Raises:
+            BadFile: that file cannot be read.
+        """
+        timed = setting
+        if setting.map.costs is not None:
+            timed = replace(setting, costs=read_map_times(setting.map.costs))
+        starts = setting.map.starts[: setting.study.robots]
+        travel = build_travel_times(timed)
+        seconds = [travel.costs_from(start) for start in starts]
+        prices: Sequence[Sequence[float | None]] = ()
+        if setting.by_position and setting.costs == timed.costs:
+            prices = seconds
+        elif setting.by_position:
+            priced = build_travel_times(setting)
+            prices = [priced.costs_from(start) for start in starts]
+        return cls(_ticks(plain_costs(timed.costs)), _ticks(seconds), prices)
+
+    def ticks(self, robot: int, start: Room, room: Room, cost: float) -> int:
+        """Return the duration of a move; one without a known time takes a second for each unit of its `cost`."""
+        row = self.from_starts[robot] if start.is_corridor else self.between[start.people]
+        ticks = row[room.people]
+        return max(round(cost * TICKS_PER_SECOND), 1) if ticks is None else ticks
+
+
+def _ticks(rows: Sequence[Sequence[float | None]]) -> list[list[int | None]]:
+    return [[None if each is None else max(round(each * TICKS_PER_SECOND), 1) for each in row] for row in rows]
+
+
+class AbstractMove(NamedTuple):
+    """A move in progress: the ticks of its departure and of its arrival."""
+
+    departed: int
+    arrives: int
+
+
+class AbstractHunt:
+    """A game whose robots are no more than their places; commanded, as ground stations command, by requests.
+
+    A move takes its time on the map; whatever is decided about a treasure happens in the tick of the arrival. No move
+    fails, and no robot gets lost or waits for another.
+
+    Args:
+        setting: the study with its files.
+        times: of its moves.
+        rule: decides about treasures.
+        seed: of the game, in the place of the study's.
+
+    Attributes:
+        tick: the current one.
+        game: state of the game.
+        moves: the move in progress of each robot.
+        events: all events so far with their ticks, oldest first.
+    """
+
+    def __init__(self, setting: StudySetting, times: MoveTimes, rule: TreasureRule, seed: int) -> None:
+        study = setting.study
+        self.tick = 0
+        self.moves: list[AbstractMove | None] = [None] * study.robots
+        self._times, self._rule = times, rule
+        started = game_rules(replace(study, seed=seed)).start(
+            1, study.robots, setting.costs, setting.templates.properties
+        )
+        self.game: GameState = begin(started)
+        self.events: list[tuple[int, Event]] = [(0, started)]
+        for robot, row in enumerate(times.prices):
+            self._follow(rules.price(self.game, robot, row))
+        treasures = build_hider(setting.templates, seed).hidden(started.game, len(self.game.rooms))
+        self._record((TreasuresHidden(treasures),))
+        for robot in range(study.robots):
+            self.ask(TakeCommand(robot, SENDER))
+        self._record(rules.ending(self.game))
+
+    def ask(self, request: JudgedRequest) -> None:
+        """Carry out a request at once; one that the rules refuse has no effect."""
+        self._follow(ruling_on(self.game, request))
+
+    def run_to(self, tick: int) -> None:
+        """Run to the next arrival, and no further than to a tick."""
+        arrivals = [move.arrives for move in self.moves if move is not None]
+        self.tick = min([tick, *arrivals])
+        for robot, move in enumerate(self.moves):
+            if move is not None and move.arrives <= self.tick:
+                self._arrive(robot)
+
+    def _arrive(self, robot: int) -> None:
+        room = self.game.robots[robot].bound_for
+        assert room is not None  # noqa: S101  # it has a move
+        self.moves[robot] = None
+        self._follow(rules.arrive(self.game, robot, room))
+        self._follow(rules.sense(self.game, room))
+        while (request := self._rule.request(self.game, robot)) is not None:
+            self.ask(request)
+        self._record(rules.ending(self.game))
+
+    def _follow(self, ruling: rules.Ruling) -> None:
+        if isinstance(ruling, tuple):
+            self._record(ruling)
+
+    def _record(self, events: Sequence[Event]) -> None:
+        for event in events:
+            if isinstance(event, RobotDeparted):
+                at = self.game.robots[event.robot].at
+                arrives = self.tick + self._times.ticks(event.robot, at, event.room, event.cost)
+                self.moves[event.robot] = AbstractMove(self.tick, arrives)
+            self.events.append((self.tick, event))
+            self.game = apply(self.game, event)

@@ -1,0 +1,283 @@
+"""Base of the environments: agents that decide for the robots of one hunt, their observations, rewards and seeds."""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from typing import Literal, TypeAlias, cast
+
+import numpy as np
+
+from sim.common.observations import TICK, TICKS_PER_SECOND
+from sim.common.robot_numbers import number_of
+from sim.numerics import noise
+from thbridge.api.errors import HuntError
+from thbridge.api.learning.observation import (
+    BodyNumbers,
+    LayoutOfParts,
+    Mask,
+    ObservationEncoder,
+    ObservationScale,
+    Vector,
+    action_masks,
+)
+from thbridge.api.learning.treasure_rule import TreasureRule
+from thbridge.api.study import HuntStudy, setting_of
+from thbridge.hunt.events import Commander
+from thbridge.hunt.game import GameState
+from thbridge.roles.robot_requests import StationSend
+
+try:
+    from gymnasium.spaces import Box, Discrete, Space
+    from pettingzoo import ParallelEnv
+except ImportError as error:
+    raise ImportError("environments need PettingZoo: pip install 'thbridge[learning]'") from error
+
+Action: TypeAlias = int | np.int64 | Vector
+Info: TypeAlias = "dict[str, object]"
+Decision: TypeAlias = Literal["decision"]
+
+LARGEST_SEED = 2**31 - 1
+"""The largest that a study takes."""
+
+
+class TeamEnvironment(ParallelEnv[str, Vector, Action]):
+    """Environment whose agents `robot_1`, `robot_2`, ... decide for one robot of a hunt each.
+
+    Subclasses move the robots. Arguments as for `HuntEnv`.
+
+    Attributes:
+        study: the study.
+        layout: places of the parts of an observation.
+    """
+
+    def __init__(
+        self,
+        study: HuntStudy,
+        name: str,
+        step: float | Decision,
+        max_seconds: float,
+        *,
+        shared: bool,
+        room_reward: float,
+        energy_cost: float,
+        time_cost: float,
+        render_mode: Literal["rgb_array"] | None,
+        drives: bool = False,
+    ) -> None:
+        if not isinstance(step, str) and round(step * TICKS_PER_SECOND) < 1:
+            raise HuntError(f"step: {step:g} s is less than a tick. Give at least {TICK:g}.", key="step")
+        self.metadata = {"name": name, "render_modes": ["rgb_array"], "is_parallelizable": True}
+        self.study = study
+        self.render_mode = render_mode
+        self._ticks = None if isinstance(step, str) else round(step * TICKS_PER_SECOND)
+        self._last_tick = round(max_seconds * TICKS_PER_SECOND)
+        self._shared = shared
+        self._room_reward, self._energy_cost, self._time_cost = room_reward, energy_cost, time_cost
+        self._drives = drives
+        self._setting = setting_of(study)
+        self._goals = tuple(room.goal for room in self._setting.map.rooms)
+        self._encoder = ObservationEncoder(study.robots, self._goals, self._scale(max_seconds), with_scans=drives)
+        self.layout: LayoutOfParts = self._encoder.layout
+        self._rule = TreasureRule.of(self._setting.templates.kinds)
+        self.possible_agents = [f"robot_{number_of(robot)}" for robot in range(study.robots)]
+        self.agents: list[str] = []
+        box = (-1.0, 1.0, (self._encoder.size,), np.float32)
+        self.observation_spaces = {agent: Box(*box) for agent in self.possible_agents}
+        self.action_spaces = {agent: self._action_space() for agent in self.possible_agents}
+        self._seed, self._episode = study.seed, 0
+        # The state of the game that readiness and masks are for.
+        self._judged: GameState | None = None
+        self._ready: list[bool] = []
+        self._masks: Mask = np.zeros((0, 0), np.int8)
+
+    def _scale(self, seconds: float) -> ObservationScale:
+        grid, world = self._setting.map.grid, self._setting.study.world
+        width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
+        corners = grid.origin.transform(np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]))
+        (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+        return ObservationScale(
+            left,
+            low,
+            right - left,
+            high - low,
+            self._setting.study.game.energy,
+            world.max_vel_x,
+            world.max_vel_theta,
+            world.laser.range_max,
+            seconds,
+        )
+
+    def _action_space(self) -> Space[Action]:
+        space = Box(-1.0, 1.0, (2,), np.float32) if self._drives else Discrete(len(self._goals) + 1)
+        return cast(Space[Action], space)
+
+    def observation_space(self, agent: str) -> Space[Vector]:
+        """Return the space of an agent's observations."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Space[Action]:
+        """Return the space of an agent's actions."""
+        return self.action_spaces[agent]
+
+    def reset(
+        self, seed: int | None = None, options: Mapping[str, object] | None = None
+    ) -> tuple[dict[str, Vector], dict[str, Info]]:
+        """Begin an episode.
+
+        Args:
+            seed: of this episode and those that follow; None: the next of the last one given.
+            options: `{"record": "episode.bag"}` records the episode; others have no effect.
+
+        Raises:
+            HuntError: it cannot be recorded there, or not at all.
+        """
+        self.close()
+        self._episode = self._episode + 1 if seed is None else 0
+        self._seed = self._seed if seed is None else seed
+        record = (options or {}).get("record")
+        self._begin(_seed_of(self._seed, self._episode), None if record is None else str(record))
+        self.agents = list(self.possible_agents)
+        game, tick = self._now
+        return self._observations(game, tick), self._infos(game, {})
+
+    def step(
+        self, actions: Mapping[str, Action]
+    ) -> tuple[dict[str, Vector], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Info]]:
+        """Act, and run for the time of a step; an agent without an action waits, or stands.
+
+        Raises:
+            HuntError: the environment is not reset, or an action is outside its space.
+        """
+        before, began = self._now
+        if not self.agents:
+            # Wrappers step on when all agents are done.
+            return {}, {}, {}, {}, {}
+        accepted = self._act(before, actions)
+        self._run()
+        game, tick = self._now
+        rewards = self._rewards(before, game, (tick - began) * TICK)
+        is_over = game.ended is not None
+        is_late = not is_over and tick >= self._last_tick
+        observations, infos = self._observations(game, tick), self._infos(game, accepted)
+        agents = self.agents
+        if is_over or is_late:
+            self.agents = []
+        return observations, rewards, dict.fromkeys(agents, is_over), dict.fromkeys(agents, is_late), infos
+
+    def state(self) -> Vector:
+        """Return what all agents observe together, for central critics: their observations one after the other.
+
+        Raises:
+            HuntError: the environment is not reset.
+        """
+        return np.concatenate(list(self._observations(*self._now).values()))
+
+    # What differs
+
+    @abstractmethod
+    def close(self) -> None:
+        """End the episode."""
+
+    @property
+    @abstractmethod
+    def _now(self) -> tuple[GameState, int]:
+        """State of the game, and the current tick. Raises HuntError: no episode is under way."""
+
+    @abstractmethod
+    def _begin(self, seed: int, record: str | None) -> None:
+        """Begin a game in which the caller commands all robots."""
+
+    @abstractmethod
+    def _send(self, request: StationSend) -> None:
+        """Send a robot to a room."""
+
+    @abstractmethod
+    def _run(self) -> None:
+        """Run for the time of a step, and no further than the end of the game or of the episode."""
+
+    @abstractmethod
+    def _bodies(self) -> list[BodyNumbers]:
+        """Return what observations need of robots beside the game."""
+
+    # Actions
+
+    def _act(self, game: GameState, actions: Mapping[str, Action]) -> dict[str, bool]:
+        """Send robots to rooms; return for each agent whether its choice counts."""
+        masks, taken = self._masks_of(game), set[int]()
+        accepted = {}
+        for robot, agent in enumerate(self.possible_agents):
+            action = actions.get(agent, 0)
+            room = action if isinstance(action, int) else int(np.asarray(action).item())
+            if not 0 <= room <= len(self._goals):
+                raise HuntError(f"{agent}: there is no action {room}. Choose one of 0 to {len(self._goals)}.")
+            counts = bool(masks[robot, room]) and room not in taken
+            if counts and room > 0:
+                taken.add(room)
+                self._send(StationSend(robot, room))
+            accepted[agent] = counts
+        return accepted
+
+    def _judge(self, game: GameState) -> None:
+        """Find out which robots are ready in a state of the game, and for what; most ticks have no new one."""
+        if game is not self._judged:
+            self._judged = game
+            self._ready = [self._is_ready(game, robot) for robot in range(len(game.robots))]
+            self._masks = action_masks(game, self._ready)
+
+    def _masks_of(self, game: GameState) -> Mask:
+        self._judge(game)
+        return self._masks
+
+    def _awaits_decision(self, game: GameState) -> bool:
+        """Return True when some robot may be sent."""
+        return int(np.count_nonzero(self._masks_of(game))) > len(self._ready)
+
+    def _is_ready(self, game: GameState, robot: int) -> bool:
+        """Return True when a robot could be sent: it stands, is able, and has nothing to decide where it stands."""
+        state = game.robots[robot]
+        return (
+            state.bound_for is None
+            and not state.is_blocked
+            and not state.is_silent
+            and game.ended is None
+            and state.command.by is Commander.GROUND_STATION
+            and self._rule.request(game, robot) is None
+        )
+
+    # What agents get
+
+    def _observations(self, game: GameState, tick: int) -> dict[str, Vector]:
+        self._judge(game)
+        rows = self._encoder.encode(tick, self._bodies(), game, self._ready)
+        return dict(zip(self.possible_agents, rows, strict=True))
+
+    def _infos(self, game: GameState, accepted: Mapping[str, bool]) -> dict[str, Info]:
+        infos: dict[str, Info] = {agent: {"score": game.score} for agent in self.possible_agents}
+        for agent, counts in accepted.items():
+            infos[agent]["accepted"] = counts
+        if not self._drives:
+            for agent, mask in zip(self.possible_agents, self._masks_of(game), strict=True):
+                infos[agent]["action_mask"] = mask
+        return infos
+
+    def _rewards(self, before: GameState, now: GameState, seconds: float) -> dict[str, float]:
+        own = [-self._time_cost * seconds] * len(self.possible_agents)
+        if now is not before:
+            for robot, (was, state) in enumerate(zip(before.robots, now.robots, strict=True)):
+                own[robot] -= self._energy_cost * (was.energy - state.energy)
+            for past, room in zip(before.rooms, now.rooms, strict=True):
+                if room is past or room.finder is None:
+                    continue
+                if not past.visited:
+                    own[room.finder] += self._room_reward
+                if room.points is not None and past.points is None:
+                    own[room.finder] += room.points
+        if self._shared:
+            own = [sum(own)] * len(own)
+        return dict(zip(self.possible_agents, own, strict=True))
+
+
+def _seed_of(seed: int, episode: int) -> int:
+    """Return the seed of an episode: the given one for the first, then drawn ones."""
+    if episode == 0:
+        return seed & LARGEST_SEED
+    return int(noise.uniform(noise.key(seed, "episodes"), episode, 0) * LARGEST_SEED)
