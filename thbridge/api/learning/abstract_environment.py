@@ -1,4 +1,4 @@
-"""The environment of the abstract hunt: the same decisions in a game without robots, ten thousand a second."""
+"""The environment of the abstract hunt: the same decisions in a game without robots, thousands a second."""
 
 from typing import Literal
 

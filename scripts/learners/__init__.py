@@ -1,0 +1,1 @@
+"""Policies that choose rooms in environments, and a learner of one."""
