@@ -14,6 +14,7 @@ from ui.commands.bag.export import bag_export
 from ui.commands.bag.plot import bag_plot
 from ui.commands.desktop import desktop_app
 from ui.commands.docs import docs
+from ui.commands.doctor import doctor
 from ui.commands.group import CommandGroup
 from ui.commands.keys import keys_app
 from ui.commands.maps.maps import maps_app
@@ -97,6 +98,7 @@ for command in (
     watch,
     argue,
     docs,
+    doctor,
 ):
     app.command()(command)
 app.command(cls=GoalWithYaw)(drive)

@@ -57,6 +57,11 @@ def test_a_sweep_without_the_calls_that_macos_lacks(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr.count("Traceback")) == (0, 0), done.stderr
 
 
+def test_a_computer_is_checked_without_the_calls_that_macos_lacks(tmp_path: Path) -> None:
+    done = run(WITHOUT_CALLS, tmp_path, "doctor")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_windows_is_told_where_the_program_runs(tmp_path: Path) -> None:
     done = run(ON_WINDOWS, tmp_path, "play")
     assert done.returncode == 1

@@ -1,0 +1,116 @@
+"""`thbridge doctor`: what a computer lacks, with the remedy."""
+
+import json
+import os
+import re
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from typer.testing import CliRunner
+
+from ui.actions.doctor.packages import lacking
+from ui.actions.doctor.places import check_folder
+from ui.actions.doctor.ports import check_ports
+from ui.actions.doctor.result import HealthState
+from ui.actions.doctor.surroundings import QT_LIBRARIES, check_clock, check_libraries, check_locale
+from ui.cli import app
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_a_line_for_each_check_and_all_of_it_as_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, ["doctor"])
+    told = json.loads(CliRunner().invoke(app, ["doctor", "--json"]).stdout)
+    names = [check["name"] for check in told["checks"]]
+    assert (done.exit_code, told["ok"]) == (0, True), done.stdout
+    assert len(done.stdout.splitlines()) == len(names)
+    for line, check in zip(done.stdout.splitlines(), told["checks"], strict=True):
+        assert line.startswith(check["state"])
+        assert bool(check["remedy"]) is (check["state"] != "ok")
+    expected = {"python", "extra gui", "Qt's libraries", "screen", "port 6009", "compiled code", "clock", "locale"}
+    assert expected <= set(names)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_cannot_be_written_is_a_fault_and_the_exit_code_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "bags").touch()
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, ["doctor", "--json"])
+    told = json.loads(done.stdout)
+    assert (done.exit_code, told["ok"]) == (1, False)
+    (fault,) = [check for check in told["checks"] if check["state"] == "fault"]
+    assert (fault["name"], "cannot be written to" in fault["message"]) == ("recordings", True)
+    assert check_folder("x", Path("/proc/none")).state is HealthState.FAULT
+
+
+def test_a_port_that_is_held_is_named_with_its_program() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as held:
+        port = held.getsockname()[1]
+        (check,) = check_ports({port: "--port"})
+        assert check.state is HealthState.WARNING
+        assert re.search(rf"held by .+ \(process {os.getpid()}\)", check.message)
+        assert "--port" in check.remedy
+    (check,) = check_ports({port: "--port"})
+    assert check.message == "free"
+
+
+def test_missing_libraries_are_named_by_their_packages() -> None:
+    def load(name: str) -> None:
+        if "xcb" in name:
+            raise OSError
+
+    check = check_libraries(load)
+    assert check.state is HealthState.WARNING
+    assert "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0" in check.remedy
+    assert "libgl1" not in check.remedy
+
+
+def test_set_up_installs_the_packages_that_are_checked() -> None:
+    text = (ROOT / "scripts" / "set_up.sh").read_text()
+    listed = re.search(r"for package in (lib.*?); do", text, re.DOTALL)
+    assert listed
+    asked = {*listed[1].replace("\\\n", " ").split(), "libglib2.0-0"} - {"fonts-inter"}
+    assert asked == set(QT_LIBRARIES.values())
+
+
+def test_packages_that_are_missing_or_of_another_version_are_named() -> None:
+    wanted = ["numpy>=999", "nonsense-of-nobody", "typer>=0.1", 'no-such-extra>=1; extra == "x"']
+    requirements = [Requirement(line) for line in wanted]
+    first, second = lacking(requirements, "")
+    assert re.fullmatch(r"numpy is [\d.]+, and >=999 is needed", first)
+    assert second == "nonsense-of-nobody is not installed"
+    assert list(lacking(requirements, "x")) == ["no-such-extra is not installed"]
+
+
+def test_a_clock_before_the_installation_and_one_that_goes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TZ", "Nowhere/Land")
+    clock, zone = check_clock(0.0)
+    assert (clock.state, zone.state) == (HealthState.WARNING, HealthState.WARNING)
+    now = 4e9
+    steps = iter(range(1000, 0, -1))
+    assert next(check_clock(now, lambda: float(next(steps)))).state is HealthState.FAULT
+    monkeypatch.delenv("TZ")
+    assert [check.state for check in check_clock(now, time.monotonic)] == [HealthState.OK] * 2
+
+
+def test_a_locale_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LC_ALL", "xx_YY.UTF-8")
+    assert "is not installed" in check_locale().message
+
+
+def test_it_needs_no_extra(tmp_path: Path) -> None:
+    absent = "import sys; sys.modules.update(dict.fromkeys(('PySide6', 'pyqtgraph', 'clingo', 'pylsl', 'foxglove')))\n"
+    program = absent + "from ui.cli import main; sys.argv = ['thbridge', 'doctor']; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr

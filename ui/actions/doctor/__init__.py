@@ -1,0 +1,1 @@
+"""Checks of the computer that thbridge is to run on."""
