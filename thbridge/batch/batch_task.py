@@ -15,12 +15,14 @@ class TaskOutcome:
         failed: number of those that have no result.
         faults: sentences about these, and about games that were not the same again.
         cpu_seconds: processor time of all of it.
+        left: games that are left for a further call, whose outcome then counts all games.
     """
 
     games: int
     failed: int
     faults: tuple[str, ...]
     cpu_seconds: float
+    left: int = 0
 
 
 class BatchTask(Protocol):
@@ -30,8 +32,11 @@ class BatchTask(Protocol):
     def urgent(self) -> bool:
         """True for a task that comes before others."""
 
-    def carry_out(self) -> TaskOutcome:
+    def carry_out(self, most: int | None = None) -> TaskOutcome:
         """Do it, unless its result is there; the result is on the disk when this returns.
+
+        Args:
+            most: games after which it may return with others left; None: all.
 
         Raises:
             BadFile: the folder cannot be written.

@@ -56,6 +56,10 @@ class SweepFolder:
         """The games of a chunk that workers began; there only until its results are."""
         return self.root / "attempts" / f"chunk-{chunk.number}"
 
+    def ended(self, chunk: GameChunk) -> Path:
+        """The games of a chunk that have ended; there only until its results are."""
+        return self.root / "ended" / f"chunk-{chunk.number}"
+
     def bag(self, condition: int, seed: int) -> Path:
         """The recording of a game."""
         return self.root / "bags" / f"condition={condition}" / f"seed-{seed}.bag"
@@ -64,7 +68,7 @@ class SweepFolder:
         return self.root / kind / f"condition={chunk.condition}"
 
     def clear(self, chunk: GameChunk) -> None:
-        """Remove what an interrupted program has left of a chunk."""
+        """Remove what an interrupted program has left of a chunk, except games that have ended."""
         self.attempts(chunk).unlink(missing_ok=True)
         for path in (self.games(chunk), self.verified(chunk)):
             for part in path.parent.glob(f".{path.name}.*{PART}"):

@@ -1,15 +1,21 @@
 """Status of a sweep, as its folder tells it while any number of programs work on it, or none."""
 
+import math
+import os
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 
+from thbridge.batch.batch_task import worker_name
 from thbridge.batch.chunks import is_drawn
+from thbridge.batch.ended_games import read_ended
 from thbridge.batch.folder import read_manifest
 from thbridge.batch.results import GameStatus, differing_games, game_faults, read_table, versions_in
+from thbridge.batch.tasks import begun_game
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +26,7 @@ class SweepStatus:
         games: number of games of the design.
         done: games whose results are there, whatever they are.
         missing: the others.
+        running: of these, games that workers have begun and not ended; without those of dead workers of this machine.
         by_status: number of games by `GameStatus`.
         faults: sentences about games without a result.
         drawn: games that are to be played again.
@@ -35,6 +42,7 @@ class SweepStatus:
     games: int
     done: int
     missing: int
+    running: int
     by_status: Mapping[str, int]
     faults: tuple[str, ...]
     drawn: int
@@ -58,7 +66,7 @@ def status_of(root: Path) -> SweepStatus:
     folder, manifest = read_manifest(root)
     by_status, versions = Counter[str](), Counter[str]()
     faults, differing, written = list[str](), list[str](), list[tuple[float, int]]()
-    drawn = verified = 0
+    drawn = verified = running = 0
     cpu = 0.0
     for chunk in manifest.chunks:
         drawn += sum(is_drawn("verified", manifest.one_verified_in, chunk.condition, seed) for seed in chunk.seeds)
@@ -71,6 +79,14 @@ def status_of(root: Path) -> SweepStatus:
                 by_status[row["status"]] += 1
                 cpu += row["cpu_seconds"]
             faults += game_faults(path, chunk.condition)
+        else:
+            kept = folder.ended(chunk)
+            ended = read_ended(folder, kept)
+            running += _is_running(folder.attempts(chunk), ended)
+            with suppress(FileNotFoundError):  # The chunk has just ended, or there was no such file.
+                written.append((kept.stat().st_mtime, len(ended)))
+            by_status.update(game.status for game in ended.values())
+            cpu += math.fsum(game.cpu_seconds for game in ended.values())
         if again.exists():
             verified += read_table(again, ["seed"]).num_rows
             differing += differing_games(again, chunk.condition)
@@ -80,6 +96,7 @@ def status_of(root: Path) -> SweepStatus:
         games=manifest.games,
         done=done,
         missing=manifest.games - done,
+        running=running,
         by_status={status.value: by_status[status.value] for status in GameStatus},
         faults=tuple(faults),
         drawn=drawn,
@@ -91,6 +108,23 @@ def status_of(root: Path) -> SweepStatus:
         seconds_left=None if rate is None else round((manifest.games - done) / rate, 1),
         versions={_told(each): count for each, count in versions.items()},
     )
+
+
+def _is_running(journal: Path, ended: Container[int]) -> bool:
+    """Return True if a worker plays a game of a chunk, as far as its journal and this machine know."""
+    begun = begun_game(journal)
+    if begun is None or begun[1] in ended:
+        return False
+    host, _, process = begun[0].rpartition(":")
+    if host != worker_name().rpartition(":")[0] or not process.isdigit():
+        return True
+    try:
+        os.kill(int(process), 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:
+        pass
+    return True
 
 
 def _rate(written: list[tuple[float, int]]) -> float | None:

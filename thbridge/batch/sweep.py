@@ -83,7 +83,7 @@ def run_sweep(
             told.deaths += 1
             deaths[ended.task.result] += 1
             _try_again(engine, ended, deaths[ended.task.result])
-            progress(told, ())
+            progress(told, () if ended.cause is None else (ended.cause,))
             continue
         outcome = ended.outcome
         told.cpu_seconds += outcome.cpu_seconds
@@ -94,7 +94,7 @@ def run_sweep(
             told.played += len(ended.task.chunk.seeds)
             told.failed += outcome.failed
             _verify(engine, ended.task, ended.worker)
-        progress(told, outcome.faults)
+        progress(told, outcome.faults if ended.cause is None else (ended.cause, *outcome.faults))
     return told
 
 
@@ -130,8 +130,11 @@ def _try_again(engine: Engine[SweepTask], ended: FinishedTask[SweepTask], deaths
     most = MOST_DEATHS if ended.task.again else MOST_DEATHS * len(ended.task.chunk.seeds)
     if deaths > most:
         chunk = ended.task.chunk
+        cause = ended.cause or (
+            "The cause is unknown: see what the workers' programs and the machine's log say of memory and time limits."
+        )
         raise EngineFailed(
-            f"{deaths} workers died at chunk {chunk.number} (condition {chunk.condition}). Look at the machine's "
-            "memory and at what the workers' programs print; a further run goes on where this one ended."
+            f"{deaths} workers died at chunk {chunk.number} (condition {chunk.condition}). {cause} Games that ended "
+            "are kept, and a further run continues with the others."
         )
     engine.submit(ended.task)

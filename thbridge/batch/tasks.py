@@ -12,6 +12,7 @@ from threading import Lock
 from thbridge.app.compose.recording import build_writer
 from thbridge.batch.batch_task import TaskOutcome, worker_name
 from thbridge.batch.chunks import GameChunk, is_drawn
+from thbridge.batch.ended_games import keep_ended, read_ended
 from thbridge.batch.folder import SweepFolder
 from thbridge.batch.hunt import RecordedDigest, play_hunt
 from thbridge.batch.results import (
@@ -89,13 +90,18 @@ class SweepTask:
         """See `BatchTask`: a difference shall show early."""
         return self.again
 
-    def carry_out(self) -> TaskOutcome:
+    def carry_out(self, most: int | None = None) -> TaskOutcome:
         """See `BatchTask`."""
         with _playing:
-            began = time.process_time()
+            began, left = time.process_time(), 0
             # It is there already where a worker was lost between its file and its answer.
             if not self.result.exists():
-                (_verify if self.again else _play)(self)
+                if self.again:
+                    _verify(self)
+                else:
+                    left = _play(self, most)
+            if left:
+                return TaskOutcome(0, 0, (), time.process_time() - began, left)
             faults = (differing_games if self.again else game_faults)(self.result, self.chunk.condition)
             games = len(self.verified_seeds if self.again else self.chunk.seeds)
             return TaskOutcome(games, len(faults), tuple(faults), time.process_time() - began)
@@ -104,21 +110,31 @@ class SweepTask:
         return is_drawn(purpose, one_in, self.chunk.condition, seed)
 
 
-def _play(task: SweepTask) -> None:
-    """Play the games of a chunk."""
-    folder, games = SweepFolder(task.folder), []
-    journal = folder.attempts(task.chunk)
-    deaths = _deaths(journal)
+def _play(task: SweepTask, most: int | None) -> int:
+    """Play the games of a chunk, but no more than `most`; return the number of those that are left."""
+    folder, games = SweepFolder(task.folder), dict[int, GameResult]()
+    journal, kept = folder.attempts(task.chunk), folder.ended(task.chunk)
+    deaths, ended = _deaths(journal), read_ended(folder, kept)
+    left = [seed for seed in task.chunk.seeds if seed not in ended]
     _note(journal, f"{ATTEMPT} {worker_name()}")
-    for seed in task.chunk.seeds:
+    for seed in left[:most]:
         if deaths[seed] >= MOST_DEATHS:
             fault = f"{deaths[seed]} workers died while they played it"
-            games.append(GameResult(seed, GameStatus.CRASHED, fault, worker=worker_name()))
+            games[seed] = GameResult(seed, GameStatus.CRASHED, fault, worker=worker_name())
             continue
         _note(journal, str(seed))
-        games.append(_game(task, seed, recorded=seed in task.recorded_seeds, hashed=seed in task.verified_seeds))
-    write_games(folder.games(task.chunk), games, task.chunk.condition, task.factors, task.measures)
-    journal.unlink(missing_ok=True)
+        games[seed] = _game(task, seed, recorded=seed in task.recorded_seeds, hashed=seed in task.verified_seeds)
+        if games[seed].fault is None:
+            keep_ended(kept, games[seed])
+    games |= ended
+    if len(games) < len(task.chunk.seeds):
+        _note(journal, ENDED)
+        return len(task.chunk.seeds) - len(games)
+    result = [games[seed] for seed in task.chunk.seeds]
+    write_games(folder.games(task.chunk), result, task.chunk.condition, task.factors, task.measures)
+    for path in (journal, kept):
+        path.unlink(missing_ok=True)
+    return 0
 
 
 def _verify(task: SweepTask) -> None:
@@ -179,6 +195,8 @@ def _settings(beside: Path) -> SettingCache:
 
 ATTEMPT = "attempt"
 """First word of a line that begins an attempt, with its worker; other lines are seeds of games that were begun."""
+ENDED = "ended"
+"""Line of an attempt that left the other games to further ones."""
 
 
 _LARGEST_JOURNAL = 1 << 24
@@ -195,6 +213,21 @@ def _note(journal: Path, line: str) -> None:
         raise BadFile(journal, f"it cannot be written ({reason_of(error)})", "make room, then go on") from None
 
 
+def begun_game(journal: Path) -> tuple[str, int] | None:
+    """Return the worker and seed of the game that was begun last; None for an attempt that has begun none, or ended.
+
+    Raises:
+        BadFile: the journal is not one.
+    """
+    try:
+        lines = content_of(journal, _LARGEST_JOURNAL).decode().rpartition(ATTEMPT)[2].splitlines()
+        return (lines[0].strip(), int(lines[-1])) if len(lines) > 1 and lines[-1] != ENDED else None
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError):
+        raise BadFile(journal, "is no journal of attempts", "Delete it, then go on") from None
+
+
 def _deaths(journal: Path) -> Mapping[int, int]:
     """Return the number of attempts that ended within a game, by its seed.
 
@@ -206,7 +239,7 @@ def _deaths(journal: Path) -> Mapping[int, int]:
     try:
         text = content_of(journal, _LARGEST_JOURNAL).decode()
         attempts = [attempt.splitlines() for attempt in text.split(ATTEMPT)[1:]]
-        return Counter(int(lines[-1]) for lines in attempts if len(lines) > 1)
+        return Counter(int(lines[-1]) for lines in attempts if len(lines) > 1 and lines[-1] != ENDED)
     except FileNotFoundError:
         return Counter()
     except BadFile as fault:

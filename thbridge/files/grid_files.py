@@ -12,7 +12,7 @@ from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
 from sim.numerics.elementary import wrap_angle
 from thbridge.files.disk.inside import fault_of_path
-from thbridge.files.disk.regular_files import is_regular
+from thbridge.files.disk.regular_files import as_on_disk, is_regular
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
@@ -79,8 +79,8 @@ def read_grid_file(map_yaml: Path) -> GridFile:
     if image is None:
         remedy = "Name the image, beside map.yaml or with its full path"
         raise loaded.fault("image", f"there is no file {map_yaml.parent / entry.image}", remedy)
-    if image != map_yaml.parent / entry.image:
-        problem = f"there is no file {entry.image}, so {image.name} next to map.yaml is used"
+    if image != as_on_disk(map_yaml.parent / entry.image):
+        problem = f"there is no file {entry.image}, so {image.name} next to {map_yaml.name} is used"
         doubts.append(loaded.fault("image", problem, f"Write image: {image.name}"))
     pixels = read_image(image)
     cells = interpret_image(pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, entry.mode)
@@ -91,6 +91,14 @@ def read_grid_file(map_yaml: Path) -> GridFile:
             problem = f"gray {UNKNOWN_GREY}, savers' shade for unknown, counts as free ({share:.0f} % of the image)"
             remedy = f"Write free_thresh: {FREE_THRESH}, unless it is free; map_server and Nav2 take it for free, too"
             doubts.append(loaded.fault("free_thresh", problem, remedy))
+    if pixels.ndim == 3 and pixels.shape[2] == 4 and entry.mode == "trinary":
+        opaque = interpret_image(pixels[..., :3], entry.negate == 1, entry.occupied_thresh, entry.free_thresh)
+        if (differing := float((cells != opaque).mean())) > 0.0:
+            problem = (
+                "the image has an alpha channel (transparency), which map_server and Nav2 average with its colors; so "
+                f"{100.0 * differing:.0f} % of the cells are not what the colors say"
+            )
+            doubts.append(loaded.fault("image", problem, "Save the image without an alpha channel"))
     whole = replace(loaded, doubts=(*doubts, *loaded.doubts))
     return GridFile(whole, OccupancyGrid(cells, entry.resolution, pose_of(*entry.origin)))
 
@@ -131,7 +139,7 @@ _NEGATE = {"true": "1", "false": "0", "yes": "1", "no": "0", "on": "1", "off": "
 
 def _image_of(map_yaml: Path, written: str) -> Path | None:
     """Return the image that a `map.yaml` names, or else one of the same name beside it; None: there is none."""
-    image = map_yaml.parent / written
+    image = as_on_disk(map_yaml.parent / written)
     if is_regular(image):
         return image
     name = re.split(r"[/\\]", written)[-1]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from thbridge.files.disk.inside import fault_of_path
-from thbridge.files.disk.regular_files import is_regular
+from thbridge.files.disk.regular_files import as_on_disk, is_regular
 from thbridge.files.errors import BadFile
 
 ResourceKind = Literal["maps", "templates"]
@@ -50,7 +50,7 @@ class Resources:
             raise BadFile(self.root / kind, problem, f"The names are: {self._listed(kind)}")
         if "/" in wanted or "\\" in wanted:
             try:
-                folder = beside / Path(wanted).expanduser()
+                folder = as_on_disk(beside / Path(wanted).expanduser())
             except RuntimeError:
                 problem = f"{wanted.partition('/')[0]} is the folder of no user of this machine"
                 remedy = f"Give the path of a {word} without ~, or one of: {self._listed(kind)}"

@@ -18,7 +18,7 @@ from thbridge.dialogue.moves import Scenario
 from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template
 from thbridge.dialogue.words import word_fault
 from thbridge.files.disk.inside import path_inside
-from thbridge.files.disk.regular_files import open_regular
+from thbridge.files.disk.regular_files import as_on_disk, open_regular
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.set_words import WORDS, AnswersYaml, SetWords, languages_beside, read_set_words, values_of
@@ -255,7 +255,7 @@ def _set_yaml(path: Path) -> _SetYaml:
 
 def _picture(treasures: Path, name: str, folder: Path, image: str, data: bytes | None) -> bytes:
     """Return the image file of a treasure, which is read where there are no `data` of it."""
-    file = path_inside(folder, image)
+    file = path_inside(folder, as_on_disk(path_inside(folder, image)).name)
     try:
         if data is None:
             with open_regular(file) as opened:

@@ -1,5 +1,6 @@
 """Treasures: their kinds, and hiding them in rooms."""
 
+import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -44,8 +45,12 @@ def hide(kinds: Sequence[TreasureKind], uniforms: Sequence[float]) -> tuple[Trea
 
 
 def same_name(left: str, right: str) -> bool:
-    """Return True for two equal names of treasures: case and blanks around or between words do not count."""
-    return left.casefold().split() == right.casefold().split()
+    """Return True for two equal names of treasures: case and blanks around or between words do not count.
+
+    Nor does it count whether a letter with marks was typed as one character or as two (NFC, NFD).
+    """
+    left, right = (unicodedata.normalize("NFC", name).casefold() for name in (left, right))
+    return left.split() == right.split()
 
 
 def name_in_words(name: str) -> str:

@@ -1,5 +1,6 @@
 """A person as participant in the terminal: the lines they see, and the commands they may type."""
 
+import unicodedata
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -91,7 +92,8 @@ class TerminalPlayer:
             self._answer_consent(line)
             return
         telling = Telling(self.texts(), self.rooms(), view, self._typed)
-        match line.split():
+        # Some keyboards and terminals send a letter with marks as two characters.
+        match unicodedata.normalize("NFC", line).split():
             case []:
                 pass
             case ["?"]:

@@ -1,11 +1,14 @@
 """Small sweeps for tests, and an engine that works in the test's own process."""
 
+import ctypes
 from collections import deque
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pyarrow as pa
 
+from thbridge.batch.batch_task import TaskOutcome
 from thbridge.batch.chunks import Shard
 from thbridge.batch.design import read_design
 from thbridge.batch.engines.engine import Engine, FinishedTask
@@ -51,6 +54,23 @@ class InlineEngine:
         return self
 
     def __exit__(self, *ended: object) -> None: ...
+
+
+@dataclass(frozen=True)
+class HoldingTask:
+    """A task that holds its worker's interpreter, as a long compiled call does, the first time it is carried out."""
+
+    folder: Path
+    seconds: int
+    urgent: bool = False
+
+    def carry_out(self, most: int | None = None) -> TaskOutcome:
+        try:
+            (self.folder / "held").touch(exist_ok=False)
+        except FileExistsError:
+            return TaskOutcome(1, 0, (), 0.0)
+        ctypes.PyDLL(None).sleep(self.seconds)
+        return TaskOutcome(1, 0, (), 0.0)
 
 
 def run(

@@ -13,7 +13,7 @@ from threading import Thread
 
 import pytest
 
-from tests.thbridge.batch.rig import InlineEngine, games, run
+from tests.thbridge.batch.rig import HoldingTask, InlineEngine, games, run
 
 pytest.importorskip("distributed")
 pytest.importorskip("submitit")
@@ -54,13 +54,17 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator[tuple[str, list[int]]]:
-    """A scheduler and two workers, each a program: its address, and the process ids of the workers."""
+    """A scheduler and two workers, each a program: its address, and the process ids of the workers.
+
+    Workers that do not answer for 5 s (ten heartbeats) are ended.
+    """
     place = tmp_path / "scheduler.json"
     with ExitStack() as programs:
 
         def start(role: str, *words: str) -> int:
             command = [sys.executable, "-m", f"distributed.cli.{role}", *words]
-            program = subprocess.Popen(command, env=SURROUNDINGS, stderr=subprocess.DEVNULL, cwd=tmp_path)
+            surroundings = {**SURROUNDINGS, "DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "1s"}
+            program = subprocess.Popen(command, env=surroundings, stderr=subprocess.DEVNULL, cwd=tmp_path)
             programs.callback(program.wait)
             programs.callback(program.kill)
             return program.pid
@@ -111,6 +115,19 @@ def test_dask_workers_play_the_same_games_though_one_is_killed(
     assert (told.games, told.played, told.verified, told.differing) == (4, 4, 4, 0)
     assert games(root).equals(games(whole))
     assert len(list(root.glob("games/*/*.parquet"))) == 4
+
+
+@pytest.mark.slow
+def test_a_worker_that_the_scheduler_ends_is_told_with_the_cause(
+    cluster: tuple[str, list[int]], tmp_path: Path
+) -> None:
+    with DaskEngine[HoldingTask](cluster[0]) as engine:
+        engine.submit(HoldingTask(tmp_path, 30))
+        (ended,) = engine.finished()
+    assert ended.outcome is not None
+    assert ended.cause is not None
+    assert "had not answered for 5 s: a long compiled call held its interpreter" in ended.cause
+    assert "DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL=1h" in ended.cause
 
 
 @pytest.mark.slow

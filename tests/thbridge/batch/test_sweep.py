@@ -15,14 +15,16 @@ import pytest
 
 from tests.thbridge.batch.rig import DESIGN, InlineEngine, games, run
 from thbridge.batch import tasks
+from thbridge.batch.batch_task import worker_name
 from thbridge.batch.chunks import Shard, chunks_of
+from thbridge.batch.design import read_design
 from thbridge.batch.engines.engine import EngineFailed
 from thbridge.batch.engines.processes import ProcessEngine
-from thbridge.batch.folder import SweepFolder
+from thbridge.batch.folder import SweepFolder, open_folder
 from thbridge.batch.measures import GameMeasures
 from thbridge.batch.results import GameStatus, read_table
 from thbridge.batch.status import status_of
-from thbridge.batch.sweep import WARM
+from thbridge.batch.sweep import WARM, tasks_of
 from thbridge.batch.tasks import ATTEMPT, SweepTask
 from thbridge.files.errors import BadFile
 from thbridge.recording.digest import digest_of
@@ -270,6 +272,65 @@ def test_a_game_with_which_two_workers_died_is_left_out_and_marked(tmp_path: Pat
     rows = games(tmp_path / "sweep").to_pylist()
     assert [(row["status"], row["score"]) for row in rows] == [(GameStatus.OUT_OF_TIME, 0), (GameStatus.CRASHED, None)]
     assert rows[1]["fault"] == "2 workers died while they played it"
+
+
+ONE_CHUNK = "seeds: [3, 5, 8, 9]\nverify: 0\nmax_seconds: 1\n"
+
+
+def task_of(root: Path) -> SweepTask:
+    """The task of the one chunk of a sweep that was begun in a folder."""
+    file = root.with_suffix(".yaml")
+    file.write_text(ONE_CHUNK)
+    design = read_design(file)
+    (task,) = tasks_of(design, open_folder(design, root), lambda _chunk: True)
+    return task
+
+
+def test_games_that_ended_are_kept_wherever_their_chunk_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By its worker's death in the middle of a game, and by the end of what a worker was asked for."""
+    run(tmp_path / "whole", InlineEngine(), ONE_CHUNK)
+    root, play, played = tmp_path / "sweep", tasks.play_hunt, list[int]()
+    task = task_of(root)
+    assert task.carry_out(1).left == 3
+
+    def dying(setting, max_seconds, listeners=()) -> GameMeasures:
+        if setting.study.seed == 8 and 8 not in played:
+            played.append(8)
+            raise SystemExit
+        played.append(setting.study.seed)
+        return play(setting, max_seconds, listeners)
+
+    monkeypatch.setattr(tasks, "play_hunt", dying)
+    with pytest.raises(SystemExit):
+        task.carry_out()
+    status = status_of(root)
+    assert (status.games, status.done, status.missing, status.running) == (4, 2, 2, 1)
+    with SweepFolder(root).ended(task.chunk).open("ab") as torn:
+        torn.write(b'{"seed": 9')
+    run(root, InlineEngine(), ONE_CHUNK)
+    assert played == [5, 8, 8, 9]
+    assert games(root).equals(games(tmp_path / "whole"))
+    assert list(root.glob("ended/*")) == list(root.glob("attempts/*")) == []
+    assert status_of(root).running == 0
+
+
+def test_games_that_another_version_has_played_are_played_again(tmp_path: Path) -> None:
+    task = task_of(tmp_path / "sweep")
+    task.carry_out(2)
+    kept = SweepFolder(tmp_path / "sweep").ended(task.chunk)
+    kept.write_bytes(kept.read_bytes().replace(b'"thbridge": "', b'"thbridge": "0.'))
+    assert status_of(tmp_path / "sweep").done == 0
+    assert task.carry_out(3).left == 1
+
+
+def test_a_game_of_a_worker_that_is_dead_is_not_running(tmp_path: Path) -> None:
+    task = task_of(tmp_path / "sweep")
+    host = worker_name().rpartition(":")[0]
+    journal = SweepFolder(tmp_path / "sweep").attempts(task.chunk)
+    journal.parent.mkdir()
+    for worker, running in ((f"{host}:{2**22 + 1}", 0), (f"{host}:{os.getpid()}", 1), ("elsewhere:7", 1)):
+        journal.write_text(f"{ATTEMPT} {worker}\n3\n")
+        assert status_of(tmp_path / "sweep").running == running, worker
 
 
 def test_workers_that_always_die_end_the_sweep(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
@@ -115,6 +116,26 @@ def test_unknown_space_that_counts_as_free_is_told(folder: Path, mode: str) -> N
 @pytest.mark.parametrize("lines", [{}, {"free_thresh": "0.25", "mode": "raw"}, {"free_thresh": "0.25", "negate": "1"}])
 def test_unknown_space_that_does_not_count_as_free_is_not(folder: Path, lines: dict[str, str]) -> None:
     assert read_grid_file(with_unknown(folder, **lines)).doubts == ()
+
+
+@pytest.mark.parametrize(
+    ("form", "mode", "told"),
+    [("RGBA", "trinary", True), ("LA", "trinary", True), ("RGBA", "scale", False), ("RGB", "trinary", False)],
+)
+def test_an_alpha_channel_that_changes_cells_is_told(folder: Path, form: str, mode: str, told: bool) -> None:
+    """Opaque gray 205 becomes (3 * 205 + 255) / 4, which is free."""
+    Image.new("L", (4, 4), 205).convert(form).save(folder / "map.png")
+    file = read_grid_file(written(folder, image="map.png", mode=mode))
+    alpha = [doubt for doubt in file.doubts if "alpha channel" in str(doubt)]
+    assert len(alpha) == told
+    if told:
+        assert (file.grid.cells == FREE).all()
+        assert "average with its colors; so 100 % of the cells are not what the colors say. Save" in str(alpha[0])
+
+
+def test_an_alpha_channel_that_changes_nothing_is_not_told(folder: Path) -> None:
+    Image.new("RGBA", (4, 4), (254, 254, 254, 255)).save(folder / "map.png")
+    assert read_grid_file(written(folder, image="map.png")).doubts == ()
 
 
 def test_a_map_without_unknown_space_may_have_any_threshold(folder: Path) -> None:

@@ -28,4 +28,5 @@ def test_there_must_be_something_to_hide():
 
 def test_names_compare_as_people_read_them():
     assert same_name("Orange  bottle ", "orange Bottle")
+    assert same_name("Schlu\u0308ssel", "SCHL\u00dcSSEL")
     assert not same_name("Orange", "Orange Bottle")

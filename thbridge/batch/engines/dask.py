@@ -1,7 +1,9 @@
 """Workers of a Dask cluster (extra `cluster`), which may come, go and die while a sweep runs."""
 
 import os
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Generic
 
 from distributed import Client, as_completed
@@ -33,44 +35,68 @@ class DaskEngine(Generic[TaskT]):
                 f"{reason} Start one by `dask scheduler`, and workers by `dask worker ADDRESS`."
             ) from None
         self._ended = as_completed([], loop=self._client.loop)
-        self._tasks: dict[str, TaskT] = {}
+        self._tasks: dict[str, _DaskTask[TaskT]] = {}
         self._submitted = 0
+        self._causes: deque[str] = deque(maxlen=1)
+        self._client.subscribe_topic("scheduler", self._hear)
 
     def submit(self, task: TaskT, avoid: str | None = None) -> None:
         """See `Engine`."""
         others = None
         if avoid is not None:
             others = [name for name in self._client.scheduler_info(n_workers=-1)["workers"] if name != avoid] or None
-        self._submitted += 1
-        key = f"thbridge-{os.getpid()}-{self._submitted}"
-        future = self._client.submit(
-            _carried_out,
-            task,
-            key=key,
-            pure=False,
-            workers=others,
-            allow_other_workers=others is not None,  # once those named are gone
-            priority=int(task.urgent),  # so that a difference shows early
-        )
-        self._tasks[key] = task
-        self._ended.add(future)
+        self._submit(_DaskTask(task), others)
 
     def finished(self) -> Iterator[FinishedTask[TaskT]]:
         """See `Engine`."""
         while self._tasks:
             future = next(self._ended)
-            task = self._tasks.pop(future.key)
+            sent = self._tasks.pop(future.key)
             if future.status == "cancelled":
                 raise EngineFailed("The Dask cluster has closed. A further run goes on where this one ended.")
             fault = future.exception() if future.status == "error" else None
             if isinstance(fault, KilledWorker):
-                yield FinishedTask(task, None, "")
+                yield FinishedTask(sent.task, None, "", self._cause())
             elif fault is not None:
                 raise fault
             else:
                 worker, outcome = future.result()
                 future.release()
-                yield FinishedTask(task, outcome, worker)
+                cpu_seconds = sent.cpu_seconds + outcome.cpu_seconds
+                if outcome.left:
+                    # The same worker, so that games are verified by another one.
+                    self._submit(_DaskTask(sent.task, 2 * sent.most, cpu_seconds), [worker])
+                else:
+                    yield FinishedTask(sent.task, replace(outcome, cpu_seconds=cpu_seconds), worker, self._cause())
+
+    def _submit(self, sent: "_DaskTask[TaskT]", workers: list[str] | None) -> None:
+        self._submitted += 1
+        key = f"thbridge-{os.getpid()}-{self._submitted}"
+        future = self._client.submit(
+            _carried_out,
+            sent.task,
+            sent.most,
+            key=key,
+            pure=False,
+            workers=workers,
+            allow_other_workers=workers is not None,  # once those named are gone
+            priority=int(sent.task.urgent),  # so that a difference shows early
+        )
+        self._tasks[key] = sent
+        self._ended.add(future)
+
+    def _hear(self, event: tuple[float, Mapping[str, object]]) -> None:
+        """Take an event of the scheduler, which does not say in any other form why it has ended a worker."""
+        if event[1].get("action") == "worker-ttl-timed-out":
+            self._causes.append(
+                f"The Dask scheduler ended a worker that had not answered for {event[1]['ttl']:.0f} s: a long compiled "
+                "call held its interpreter. Start the scheduler with a longer time, for example "
+                "`DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL=1h dask scheduler`."
+            )
+
+    def _cause(self) -> str | None:
+        """Return a sentence if the scheduler has ended workers since the last call."""
+        return self._causes.pop() if self._causes else None
 
     def __enter__(self) -> "DaskEngine[TaskT]":
         return self
@@ -79,6 +105,15 @@ class DaskEngine(Generic[TaskT]):
         self._client.close()
 
 
-def _carried_out(task: BatchTask) -> tuple[str, TaskOutcome]:
-    """Carry out a task, and return the worker that did it."""
-    return get_worker().address, task.carry_out()
+@dataclass(frozen=True, slots=True)
+class _DaskTask(Generic[TaskT]):
+    """A task that was sent, and the games of it: one at first, then twice as many each time."""
+
+    task: TaskT
+    most: int = 1
+    cpu_seconds: float = 0.0
+
+
+def _carried_out(task: BatchTask, most: int) -> tuple[str, TaskOutcome]:
+    """Carry out a task, or some games of it, and return the worker that did it."""
+    return get_worker().address, task.carry_out(most)

@@ -17,11 +17,13 @@ class FinishedTask(Generic[TaskT]):
         task: the task.
         outcome: None when its worker died.
         worker: name of the worker, as `Engine.submit` takes it.
+        cause: sentence on why workers were lost meanwhile; None where none was, or nobody knows.
     """
 
     task: TaskT
     outcome: TaskOutcome | None
     worker: str
+    cause: str | None = None
 
 
 class EngineFailed(Exception):  # noqa: N818 - it is told to people as a sentence

@@ -1,6 +1,7 @@
 """Scores of answers by a form's key, and how reliable the scores are."""
 
 import math
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -38,7 +39,8 @@ def is_right(item: Item, answer: object, levels: Mapping[str, str]) -> bool | No
     if right is None:
         return None
     if item.scale is Scale.TEXT and isinstance(answer, str) and isinstance(right, str):
-        return answer.strip().casefold() == right.strip().casefold()
+        given, right = (unicodedata.normalize("NFC", text).strip().casefold() for text in (answer, right))
+        return given == right
     return answer == right
 
 

@@ -84,7 +84,7 @@ class PowerTask:
         """See `BatchTask`."""
         return False
 
-    def carry_out(self) -> TaskOutcome:
+    def carry_out(self, most: int | None = None) -> TaskOutcome:
         """See `BatchTask`."""
         if not self.result.exists():
             kept = self.simulated.effects

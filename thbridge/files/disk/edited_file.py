@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.disk.regular_files import open_regular
-from thbridge.files.disk.text_files import read_text
+from thbridge.files.disk.text_files import read_bytes, text_of
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 
@@ -36,7 +36,7 @@ def read_edited(path: Path) -> TextOnDisk:
         if not path.parent.is_dir():
             raise BadFile(path, f"there is no folder {path.parent}", "Make it, or choose another name")
         return TextOnDisk("", exists=False)
-    text = read_text(path)
+    text = text_of(path, read_bytes(path))
     try:
         with open_regular(path) as file:
             marked = file.read(3) == _MARK.encode()

@@ -1,6 +1,7 @@
 """Opening of files that people name: a pipe or a device in a file's place would be waited for, or never end."""
 
 import stat
+import unicodedata
 from pathlib import Path
 from typing import BinaryIO
 
@@ -18,6 +19,34 @@ def is_regular(path: Path) -> bool:
     """True for a file that is there and can be looked at; False for any name that none can have."""
     try:
         return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def as_on_disk(path: Path) -> Path:
+    """Return the path of an existing file or folder in the spelling of the disk; unchanged if there is none.
+
+    Names with marks, such as "ä", are one letter (NFC) as people type them, and may be two (NFD) in names that were
+    made on macOS. Linux takes these for different names.
+    """
+    if str(path).isascii() or _is_there(path):
+        return path
+    found = Path(path.anchor)
+    for name in path.parts[bool(path.anchor) :]:
+        spelled = found / name
+        if not (name.isascii() or _is_there(spelled)):
+            composed = unicodedata.normalize("NFC", name)
+            try:
+                spelled = min(each for each in found.iterdir() if unicodedata.normalize("NFC", each.name) == composed)
+            except (OSError, ValueError):
+                return path
+        found = spelled
+    return found
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        return path.exists()
     except (OSError, ValueError):
         return False
 

@@ -1,9 +1,10 @@
 """Reading of text files that people write."""
 
 import codecs
+import unicodedata
 from pathlib import Path
 
-from thbridge.files.disk.regular_files import content_of
+from thbridge.files.disk.regular_files import as_on_disk, content_of
 from thbridge.files.errors import BadFile
 
 LARGEST_FILE = 1 << 20
@@ -15,12 +16,12 @@ _NAMES_OF_ICONV = {"Windows-1252": "WINDOWS-1252", "Latin-1": "ISO-8859-1"}
 
 
 def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
-    """Read the text of a file that people write.
+    """Read the text of a file that people write, composed (NFC), so that equal names are equal however they were typed.
 
     Raises:
         BadFile: it is missing, not a file, larger than `largest` bytes, or not UTF-8.
     """
-    return text_of(path, read_bytes(path, largest))
+    return unicodedata.normalize("NFC", text_of(path, read_bytes(path, largest)))
 
 
 def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
@@ -30,7 +31,7 @@ def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
         BadFile: it is missing, not a file, or larger than `largest` bytes.
     """
     try:
-        return content_of(path, largest)
+        return content_of(as_on_disk(path), largest)
     except FileNotFoundError:
         raise BadFile(path, "there is no such file", "Check the name and the folder") from None
     except OSError as error:

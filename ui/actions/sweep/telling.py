@@ -73,9 +73,11 @@ def show_status(status: SweepStatus) -> None:
     """Print the status of a sweep."""
     table = Table(show_header=False)
     table.add_row("games", str(status.games))
+    table.add_row("done", f"{status.done} of {status.games} ({status.done / max(1, status.games):.0%})")
     for name, count in status.by_status.items():
         table.add_row(name, str(count))
-    table.add_row("missing", str(status.missing))
+    table.add_row("running", str(status.running))
+    table.add_row("left", f"{status.missing}, with those that are running")
     table.add_row("played again", f"{status.verified} of {status.drawn}")
     table.add_row("not the same again", str(len(status.differing)))
     table.add_row("processor time", _clock(status.cpu_seconds))

@@ -1,5 +1,6 @@
 """`thbridge maps new` and `maps edit`: arenas made of maps that were not made for one, and drawn by hand."""
 
+import unicodedata
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, ParamSpec
@@ -80,7 +81,7 @@ def maps_new(
     folder = to or Path(source.resolve().parent.name if source.stem == "map" else source.stem)
     if folder.exists():
         fail(BAD_INPUT, f"--to: {folder} is there already. Name a folder that is to be made.")
-    called = [name.strip() for name in names.split(",")] if names else []
+    called = [name.strip() for name in unicodedata.normalize("NFC", names).split(",")] if names else []
     if "" in called or len(set(called)) < len(called):
         fail(BAD_INPUT, f"--names: {names!r} has an empty name or one twice. Give every room its own name.")
     if width is not None and resolution is not None:

@@ -103,7 +103,9 @@ def unfit(item: MissionItem, count: int) -> InvalidItem | None:
     """Return the reason why the item cannot be part of a mission of `count` items; None when it can."""
     rules = _COMMANDS.get(item.command)
     if rules is None:
-        return InvalidItem(mav.MAV_MISSION_UNSUPPORTED, f"command {item.command} is not for these robots")
+        known = ", ".join(map(str, sorted(_COMMANDS)))
+        sentence = f"command {_named(item.command)} is not for these robots, whose commands are {known}"
+        return InvalidItem(mav.MAV_MISSION_UNSUPPORTED, sentence)
     if (invalid := _off_earth(item)) is not None:
         return invalid
     for number, (fits, sentence) in rules.items():
@@ -120,6 +122,12 @@ def misplaced(denied: Denied) -> InvalidItem:
         None: mav.MAV_MISSION_INVALID,
     }[denied.axis]
     return InvalidItem(result, denied.sentence[:1].lower() + denied.sentence[1:].removesuffix("."))
+
+
+def _named(command: int) -> str:
+    """Return a command's number and its name; the dialect has no name for those of other autopilots."""
+    entry = mav.enums["MAV_CMD"].get(command)
+    return f"{command} (no command of the dialect)" if entry is None else f"{command} ({entry.name})"
 
 
 def _off_earth(item: MissionItem) -> InvalidItem | None:

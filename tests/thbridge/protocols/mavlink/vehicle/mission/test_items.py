@@ -60,6 +60,19 @@ def test_any_item_is_fit_or_has_a_reason(item, count):
     assert reason is None or (0 < reason.result < 16 and reason.sentence)
 
 
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (mav.MAV_CMD_NAV_TAKEOFF, "command 22 (MAV_CMD_NAV_TAKEOFF) is not for these robots"),
+        (41999, "command 41999 (no command of the dialect) is not for these robots"),
+        (65535, "command 65535 (no command of the dialect) is not for these robots"),
+    ],
+)
+def test_a_command_that_is_not_for_robots_is_told_with_those_that_are(command, told):
+    reason = unfit(MissionItem(command, mav.MAV_FRAME_GLOBAL), 1)
+    assert reason.sentence.startswith(f"{told}, whose commands are 16, 17, 19, 20, ")
+
+
 @given(st.lists(ITEMS, max_size=4), st.lists(ITEMS, max_size=4))
 def test_plans_have_equal_ids_if_they_are_equal(one, other):
     # Zero and minus zero are equal, but two plans on the wire.

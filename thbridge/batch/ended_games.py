@@ -1,0 +1,58 @@
+"""Games of an unfinished chunk that have ended, kept so that a chunk that is begun again plays only the others."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import msgspec
+
+from thbridge.app.compose.machine import versions
+from thbridge.batch.folder import SweepFolder
+from thbridge.batch.results import GameResult
+from thbridge.files.disk.own_links import own_target
+from thbridge.files.disk.regular_files import content_of
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.recording.append import append_whole
+
+_LARGEST = 1 << 28
+
+
+def read_ended(folder: SweepFolder, path: Path) -> Mapping[int, GameResult]:
+    """Return the games of a chunk that have ended, by seed: those of this program's version, with their bags.
+
+    Raises:
+        BadFile: the file is none, or too large.
+    """
+    try:
+        head, *lines = content_of(path, _LARGEST).splitlines() or [b""]
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise BadFile(path, f"it cannot be read ({reason_of(error)})", "Delete it, then go on") from None
+    if head != _head():
+        return {}
+    found = {}
+    for line in lines:
+        try:
+            game = msgspec.json.decode(line, type=GameResult)
+        except (msgspec.MsgspecError, RecursionError):
+            continue  # Its writer was killed in the middle of this line.
+        if game.bag is None or (folder.root / game.bag).exists():
+            found[game.seed] = game
+    return found
+
+
+def keep_ended(path: Path, game: GameResult) -> None:
+    """Keep a game. Raises BadFile: it cannot be written."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with own_target(path).open("ab", buffering=0) as file:
+            # The line end before it closes a line whose writer was killed.
+            head = _head() if file.tell() == 0 else b""
+            append_whole(file, head + b"\n" + msgspec.json.encode(game) + b"\n", synced=False)
+    except OSError as error:
+        raise BadFile(path, f"it cannot be written ({reason_of(error)})", "make room, then go on") from None
+
+
+def _head() -> bytes:
+    return json.dumps(versions(), sort_keys=True).encode()
