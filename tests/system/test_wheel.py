@@ -2,9 +2,11 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -97,6 +99,54 @@ def test_the_examples_run_where_nothing_is_but_the_wheel_and_what_it_names(tmp_p
     done = run(str(python), "-I", "-c", examples_of("api.md"), cwd=tmp_path / "elsewhere")
     assert done.returncode == 0, done.stderr
     assert Path(done.stdout.splitlines()[-1]).is_relative_to(tmp_path / "empty")
+
+
+ORDINARY = 65534
+"""User ID of nobody."""
+FIRST_DAY = (
+    "doctor",
+    "docs sweeps",
+    "play --headless --map practice --robots 1 --rate 0 --max-seconds 120 --bag a.bag",
+    "report a.bag",
+    "study init study.yaml",
+    "study check study.yaml",
+    "study new lab",
+    "study check lab",
+    "sweep run short.yaml",
+    "sweep collect short --to games.csv",
+)
+
+
+@pytest.mark.slow
+def test_an_ordinary_user_with_the_wheel_alone_checks_plays_studies_and_sweeps() -> None:
+    uv = Path(sys.executable).with_name("uv")
+    system = shutil.which("python3", path="/usr/bin")
+    as_user = {"user": ORDINARY, "group": ORDINARY, "extra_groups": []} if os.getuid() == 0 and system else {}
+    with TemporaryDirectory() as folder:
+        place = Path(folder)
+        place.chmod(0o755)
+        home = place / "home"
+        home.mkdir()
+        if as_user:
+            os.chown(home, ORDINARY, ORDINARY)
+        (home / "short.yaml").write_text("base: {map: practice, robots: 1}\nreplicates: 2\nmax_seconds: 5\n")
+        python = place / "empty" / "bin" / "python"
+        lock = ("--constraint", ROOT / "requirements.lock", "--link-mode", "copy")
+        base = system if as_user else sys.executable
+        build = (uv, "build", "--quiet", "--wheel", "--no-build-isolation", "--out-dir", place, ROOT)
+        subprocess.run(build, check=True)
+        subprocess.run((uv, "venv", "--quiet", "--python", base, place / "empty"), check=True)
+        (wheel,) = place.glob("*.whl")
+        subprocess.run((uv, "pip", "install", "--quiet", "--python", python, *lock, wheel), check=True)
+        bare = {"PATH": os.environ["PATH"], "HOME": str(home), "LC_ALL": "C.UTF-8"}
+        for line in FIRST_DAY:
+            command = [python.with_name("thbridge"), *line.split()]
+            done = subprocess.run(
+                command, cwd=home, env=bare, check=False, capture_output=True, text=True, timeout=300, **as_user
+            )
+            assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
+            assert "Traceback" not in done.stderr, done.stderr
+        assert "home" in str(next((home / ".cache" / "thbridge").iterdir()))
 
 
 @pytest.mark.slow
