@@ -4,7 +4,7 @@ import math
 
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
-from PySide6.QtGui import QFont, QTransform
+from PySide6.QtGui import QFont, QRegion, QTransform
 from PySide6.QtWidgets import QGraphicsSceneResizeEvent, QMenu
 
 from ui.model.theme import Palette
@@ -35,6 +35,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         letters: the font that items are drawn in.
         fitted: True while the whole map is shown, since nobody has moved it.
         bounds: box around the map, metres.
+        exposed: the part to be painted, logical pixels of this box; None while all of it is exported to a file.
     """
 
     def __init__(self, palette: Palette, letters: QFont, *, menu: bool) -> None:
@@ -42,6 +43,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         self.colors = palette
         self.letters = letters
         self.fitted = True
+        self.exposed: QRegion | None = None
         self.bounds = QRectF(-1.0, -1.0, 2.0, 2.0)
         self._menu = QMenu() if menu else None
         if self._menu is not None:
@@ -77,6 +79,10 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         """Return the transform from map meters to logical pixels of this box."""
         to_pixels: QTransform = self.childTransform()
         return to_pixels
+
+    def repaint_part(self, part: QRegion) -> None:
+        """Have a part of this box painted again, logical pixels; an item's `update` has all of it painted."""
+        self.getViewWidget().viewport().update(part.translated(self.scenePos().toPoint()))
 
     def updateMatrix(self, changed: object = None) -> None:
         """Put the map's origin on a whole device pixel, so that cached pictures shift without blur."""

@@ -28,15 +28,20 @@ def _same_room(one: RoomMark, other: RoomMark) -> bool:
     )
 
 
-def same_robots(some: Sequence[RobotMark], others: Sequence[RobotMark], scale: float) -> bool:
-    """Return True when two sequences of robots look the same at so many pixels a metre."""
-    return len(some) == len(others) and all(_same_robot(*pair, scale) for pair in zip(some, others, strict=True))
+def settled(shown: Sequence[RobotMark], robots: Sequence[RobotMark], scale: float) -> tuple[RobotMark, ...]:
+    """Return the robots now, but the mark that is shown of each that looks the same at so many pixels a meter."""
+    before = {mark.robot: mark for mark in shown}
+    return tuple(_settled(before.get(mark.robot), mark, scale) for mark in robots)
+
+
+def _settled(shown: RobotMark | None, mark: RobotMark, scale: float) -> RobotMark:
+    return mark if shown is None or not _same_robot(shown, mark, scale) else shown
 
 
 def _same_robot(one: RobotMark, other: RobotMark, scale: float) -> bool:
     return (
-        (one.robot, one.label, one.selected, one.trouble, one.ellipse)
-        == (other.robot, other.label, other.selected, other.trouble, other.ellipse)
+        (one.label, one.selected, one.trouble, one.ellipse, one.commander)
+        == (other.label, other.selected, other.trouble, other.ellipse, other.commander)
         and _same_pose(one.pose, other.pose, scale)
         and _same_pose(one.truth, other.truth, scale)
         and one.footprint is other.footprint

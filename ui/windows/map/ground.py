@@ -75,6 +75,11 @@ class Ground(MapItem):
         self._picture = None
         self.update()
 
+    @property
+    def picture(self) -> object:
+        """The last picture; another object once the ground is painted again, None until then."""
+        return self._picture
+
     def words(self, to_pixels: QTransform) -> FloatArray:
         """Return (m, 4) boxes of the text in the last picture: left, top, right and bottom, pixels of the view."""
         if self._picture is None:

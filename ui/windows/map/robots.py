@@ -1,12 +1,12 @@
 """Robots on the map: footprints with a nose, trails, planned paths, ellipses of uncertainty, and labels."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF, QTransform
+from PySide6.QtCore import QPointF, QRect, QRectF, QSizeF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF, QRegion, QTransform
 
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
@@ -36,6 +36,9 @@ LABEL_MARGIN = 40.0
 
 JUMP = 1.0
 """Distance between two frames that no robot drives, meters."""
+
+FLAG = 20.0
+"""Pixels around a path within which the flag at its end lies."""
 
 DASH, SPACE = 7.0, 5.0
 """Lengths of a dash and of the gap after it along a path, pixels."""
@@ -82,8 +85,38 @@ class _Body:
         return QTransform(c, -s, -s, -c, at.x(), at.y())
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Place:
+    """The place of a robot on the screen; boxes in logical pixels of the map's box.
+
+    Attributes:
+        mark: the robot.
+        near: box around its body, ring, ellipse and truth, and the last line of its trail.
+        trail: box around its trail.
+        path: box around its path and the flag at its end.
+        badge: its label; None while the robot is not in the view.
+        corner: upper left corner of the label.
+    """
+
+    mark: RobotMark
+    near: QRect
+    trail: QRect
+    path: QRect
+    badge: Badge | None = None
+    corner: QPointF = field(default_factory=QPointF)
+
+    @property
+    def label(self) -> QRect:
+        """Box around its label."""
+        if self.badge is None:
+            return QRect()
+        return QRectF(self.corner, QSizeF(self.badge.width, self.badge.height)).adjusted(-1, -1, 1, 1).toAlignedRect()
+
+
 class Robots(MapItem):
     """All robots. What lies flat on the floor is drawn first, labels last.
+
+    Where robots stand, and nothing passes them, nothing is painted: `show_robots` repaints only what has changed.
 
     Args:
         box: the view on the map.
@@ -99,6 +132,9 @@ class Robots(MapItem):
         self._bodies: dict[bytes, _Body] = {}
         self._trails: dict[int, tuple[FloatArray, FloatArray]] = {}
         self._pens: dict[str, list[QPen]] = {}
+        self._laid: dict[int, _Place] = {}
+        # View and ground for which the places are.
+        self._laid_in: tuple[QTransform, float, object] | None = None
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
         """Show the robots as they are now. After a jump labels are placed as if they were new."""
@@ -106,38 +142,87 @@ class Robots(MapItem):
         if any(mark.pose.distance(before.get(mark.robot, mark.pose)) > JUMP for mark in robots):
             self._places.clear()
         self.marks = tuple(robots)
-        self.update()
+        view = self.box.to_pixels(), self.box.getViewWidget().devicePixelRatioF(), self._ground.picture
+        if self._laid_in != view or before.keys() != {mark.robot for mark in robots}:
+            self._laid_in = None
+            self.update()
+            return
+        laid = self._laid
+        self._lay_out(*view)
+        changed = QRegion()
+        for robot, place in self._laid.items():
+            for part in _changed(view[0], laid[robot], place):
+                changed += part
+        self.box.repaint_part(changed)
 
     def invalidate(self) -> None:
         """Make the labels again, for example with another font or other colors."""
         self._badges.clear()
+        self._laid_in = None
         self.update()
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw all robots."""
-        order = sorted(self.marks, key=lambda mark: (mark.selected, -mark.robot))
-        for mark in order:
-            self._paint_trail(painter, to_pixels, mark)
-        for mark in order:
-            self._paint_path(painter, to_pixels, mark)
-        for mark in order:
-            self._paint_belief(painter, to_pixels, mark)
-        for mark in order:
-            self._paint_body(painter, to_pixels, mark)
-        around = self.box.rect().adjusted(-LABEL_MARGIN, -LABEL_MARGIN, LABEL_MARGIN, LABEL_MARGIN)
-        seen = [mark for mark in order[::-1] if around.contains(pixel(to_pixels, mark.pose.x, mark.pose.y))]
-        if not seen:
-            return
+        """Draw all robots of which something is to be painted."""
         # A file may have more pixels than the screen.
         ratio = self.box.getViewWidget().devicePixelRatioF() * painter.worldTransform().m11()
+        if self._laid_in != (to_pixels, ratio, self._ground.picture):
+            self._laid.clear()
+            self._lay_out(to_pixels, ratio, self._ground.picture)
+        exposed = self.box.exposed or QRegion(self.box.rect().toAlignedRect())
+        order = sorted(self._laid.values(), key=lambda place: (place.mark.selected, -place.mark.robot))
+        near = [place.mark for place in order if exposed.intersects(place.near)]
+        for place in order:
+            if exposed.intersects(place.trail):
+                self._paint_trail(painter, to_pixels, place.mark)
+        for place in order:
+            if exposed.intersects(place.path):
+                self._paint_path(painter, to_pixels, place.mark)
+        for mark in near:
+            self._paint_belief(painter, to_pixels, mark)
+        for mark in near:
+            self._paint_body(painter, to_pixels, mark)
+        for place in order[::-1]:
+            if place.badge is not None and exposed.intersects(place.label):
+                painter.drawPixmap(place.corner, place.badge.picture)
+
+    def _lay_out(self, to_pixels: QTransform, ratio: float, picture: object) -> None:
+        """Find the places of all robots in a view; those of robots that stand are kept."""
+        before, self._laid = self._laid, {}
+        for mark in self.marks:
+            place = before.get(mark.robot)
+            self._laid[mark.robot] = (
+                place if place is not None and place.mark is mark else self._placed(to_pixels, mark)
+            )
+        self._laid_in = to_pixels, ratio, picture
+        around = self.box.rect().adjusted(-LABEL_MARGIN, -LABEL_MARGIN, LABEL_MARGIN, LABEL_MARGIN)
+        order = sorted(self.marks, key=lambda mark: (mark.selected, -mark.robot), reverse=True)
+        seen = [mark for mark in order if around.contains(pixel(to_pixels, mark.pose.x, mark.pose.y))]
+        if not seen:
+            return
         palette, font = self.box.colors, self.box.letters
         badges = [self._badges.of(self._badge_text(mark), palette, font, ratio) for mark in seen]
         anchors = [self._anchor(to_pixels, mark, badge) for mark, badge in zip(seen, badges, strict=True)]
-        before = [self._places.get(mark.robot, -1) for mark in seen]
-        corners, places = place_labels(anchors, before, self._ground.words(to_pixels))
+        had = [self._places.get(mark.robot, -1) for mark in seen]
+        corners, places = place_labels(anchors, had, self._ground.words(to_pixels))
         self._places = {mark.robot: place for mark, place in zip(seen, places, strict=True)}
-        for badge, (x, y) in zip(badges, corners.tolist(), strict=True):
-            painter.drawPixmap(QPointF(round(x * ratio) / ratio, round(y * ratio) / ratio), badge.picture)
+        for mark, badge, (x, y) in zip(seen, badges, corners.tolist(), strict=True):
+            corner = QPointF(round(x * ratio) / ratio, round(y * ratio) / ratio)
+            place = self._laid[mark.robot]
+            if (place.badge, place.corner) != (badge, corner):
+                self._laid[mark.robot] = replace(place, badge=badge, corner=corner)
+
+    def _placed(self, to_pixels: QTransform, mark: RobotMark) -> _Place:
+        body = self._body(mark.footprint)
+        radius = body.reach * body.scale(to_pixels) + RING + 3.0
+        if mark.ellipse is not None:
+            radius = max(radius, mark.ellipse.major * to_pixels.m11() + 2.0)
+        points = [(mark.pose.x, mark.pose.y), *mark.trail[-1:].tolist()]
+        if mark.truth is not None:
+            points.append((mark.truth.x, mark.truth.y))
+        near = _around(to_pixels, np.array(points), radius)
+        trail = _around(to_pixels, mark.trail, 3.0).united(near) if len(mark.trail) else QRect()
+        path = _around(to_pixels, mark.path, FLAG) if len(mark.path) > 1 else QRect()
+        return _Place(mark, near, trail, path)
 
     def _badge_text(self, mark: RobotMark) -> BadgeText:
         return BadgeText(mark.label, self._colour(mark), mark.selected, mark.trouble, mark.commander)
@@ -247,6 +332,39 @@ class Robots(MapItem):
         radius = body.reach * body.scale(to_pixels) + ring
         at = pixel(to_pixels, mark.pose.x, mark.pose.y)
         return Anchor(at.x(), at.y(), radius, badge.width, badge.height)
+
+
+def _around(to_pixels: QTransform, points: FloatArray, margin: float) -> QRect:
+    """Return the box around (n, 2) map points, with a margin in pixels."""
+    pixels = mapped(to_pixels, points)
+    (left, top), (right, bottom) = pixels.min(axis=0).tolist(), pixels.max(axis=0).tolist()
+    return QRectF(left, top, right - left, bottom - top).adjusted(-margin, -margin, margin, margin).toAlignedRect()
+
+
+def _changed(to_pixels: QTransform, before: _Place, now: _Place) -> Iterator[QRect]:
+    """Yield boxes around all that looks different at two places of a robot."""
+    if before is now:
+        return
+    if before.label != now.label or before.badge is not now.badge:
+        yield before.label
+        yield now.label
+    old, new = before.mark, now.mark
+    if old is new:
+        return
+    yield before.near
+    yield now.near
+    if old.selected != new.selected:  # In front of the others now, or not any more.
+        yield from (before.trail, now.trail, before.path, now.path)
+        return
+    if old.trail is not new.trail:
+        yield from (before.trail, now.trail)
+    rest = len(new.path) - 1
+    if 0 < rest < len(old.path) and np.array_equal(old.path[-rest:], new.path[1:]):
+        # Dashes are counted from the far end: only the near end changes, and a dash around the first point that stays.
+        used = np.concatenate((old.path[: len(old.path) - rest + 1], new.path[:1]))
+        yield _around(to_pixels, used, DASH + 3.0)
+    else:
+        yield from (before.path, now.path)
 
 
 def _fading(colour: str) -> list[QPen]:

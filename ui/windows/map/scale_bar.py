@@ -12,9 +12,18 @@ LENGTHS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 SHORTEST = 60.0
 """Least length of a bar, pixels at the usual size of text."""
 
+LONGEST = 2.5 * SHORTEST
+"""Greatest length of a bar: no length is more than 2.5 times the one before."""
+
 
 class ScaleBar(MapItem):
     """Bar of a round number of meters in the lower right corner. pyqtgraph's own bar has one length at all scales."""
+
+    def boundingRect(self) -> QRectF:
+        """Return the lower right corner, in which the longest bar has room."""
+        scale, whole = text_scale(self.box.letters), self.box.rect()
+        wide, high = LONGEST * scale + 30.0, 12.0 + 11.0 * scale + 6.0
+        return QRectF(whole.width() - wide, whole.height() - high, wide, high)
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
         """Draw the bar."""

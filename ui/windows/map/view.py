@@ -7,7 +7,7 @@ import numpy as np
 import pyqtgraph as pg
 from pyqtgraph.GraphicsScene.mouseEvents import MouseClickEvent
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QFontMetricsF, QKeyEvent, QMouseEvent, QNativeGestureEvent, QResizeEvent
+from PySide6.QtGui import QFontMetricsF, QKeyEvent, QMouseEvent, QNativeGestureEvent, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QGraphicsScene, QSizePolicy, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
@@ -17,7 +17,7 @@ from ui.model.scene import RobotMark, RoomMark
 from ui.model.theme import Palette
 from ui.windows import pointer
 from ui.windows.map.box import MapBox
-from ui.windows.map.changes import same_robots, same_rooms
+from ui.windows.map.changes import same_rooms, settled
 from ui.windows.map.geometry import contains, unpack
 from ui.windows.map.ground import Ground
 from ui.windows.map.item import Z_SCALE_BAR
@@ -141,9 +141,10 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             self._ground.show_rooms(self._rooms)
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
-        """Show the robots as they are in this frame; nothing is painted when nobody would see a difference."""
-        if not same_robots(self._robots.marks, robots, 1.0 / self.metres(1.0)):
-            self._robots.show_robots(robots)
+        """Show the robots as they are in this frame; only what looks different is painted."""
+        marks = settled(self._robots.marks, robots, 1.0 / self.metres(1.0))
+        if marks != self._robots.marks:
+            self._robots.show_robots(marks)
         self._follow()
 
     def set_palette(self, palette: Palette) -> None:
@@ -250,6 +251,12 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
                 self.box.translateBy(x=FOLLOW_SHARE * x, y=FOLLOW_SHARE * y)
 
     # Events -----------------------------------------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Paint, and let items know the part that is to be painted."""
+        self.box.exposed = event.region().translated(-self.box.scenePos().toPoint())
+        super().paintEvent(event)
+        self.box.exposed = None
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
         """Take over another size; on a small map letters are smaller."""

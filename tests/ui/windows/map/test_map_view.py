@@ -5,12 +5,25 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QNativeGestureEvent, QPainter, QPointingDevice, QTransform, QWheelEvent
+from PySide6.QtGui import (
+    QColor,
+    QImage,
+    QNativeGestureEvent,
+    QPainter,
+    QPaintEvent,
+    QPixmap,
+    QPointingDevice,
+    QRegion,
+    QTransform,
+    QWheelEvent,
+)
 from PySide6.QtTest import QSignalSpy
 from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 
+from sim.common.geometry import Pose2
 from tests.ui.windows.map.houses import busy_robots, house_of, robot_at, rooms_of, shipped_map
 from thbridge.files.map_files import Map
 from ui.model.scene import RoomState
@@ -301,6 +314,53 @@ def test_nothing_is_painted_while_nothing_moves(qtbot: QtBot, view: MapView) -> 
     assert painted(0.02)
     assert not any(painted(0.02 + 0.0002 * step) for step in range(5))
     assert any(painted(0.021 + 0.0002 * step) for step in range(20))
+
+
+def pixels_of(picture: QPixmap) -> NDArray[np.int16]:
+    image = picture.toImage().convertToFormat(QImage.Format.Format_RGB32)
+    return np.frombuffer(image.constBits(), dtype=np.uint8).astype(np.int16)
+
+
+def test_what_is_painted_in_parts_looks_as_if_it_were_painted_at_once(qtbot: QtBot) -> None:
+    house = shipped_map("office")
+    view = shown(qtbot, house)
+    robots = [replace(mark, path=mark.path[::6]) for mark in busy_robots(house, 6)]
+    robots[3] = replace(robots[3], trail=np.empty((0, 2)))
+    view.show_robots(robots)
+    QApplication.processEvents()
+    whole = QRegion(view.viewport().rect())
+    parts, painted = Parts(view.viewport()), []
+    for step in range(1, 6):
+        for number in (0, 3):  # Two of six drive, a little beside their paths.
+            mark, (x, y) = robots[number], robots[number].path[1] + 0.1
+            trail = np.concatenate((mark.trail[1:], [[x, y]])) if number == 0 else mark.trail
+            pose, path = Pose2(x, y, mark.pose.theta + 0.1), np.concatenate(([[x, y]], mark.path[2:]))
+            robots[number] = replace(mark, pose=pose, trail=trail, path=path, ellipse=None, truth=pose)
+        lonely = robots[5].pose  # One has no path and no trail.
+        robots[5] = robot_at(5, lonely.x + 0.9 * (-1) ** step, lonely.y)
+        if step % 4 == 0:
+            robots = [replace(mark, selected=mark.robot == step // 4, trouble=step == 4) for mark in robots]
+        view.show_robots(robots)
+        QApplication.processEvents()
+        painted.append(parts.painted[-1])
+        on_screen = pixels_of(view.screen().grabWindow(view.winId()))
+        # Where a part ends, edges may be rounded differently.
+        assert np.abs(on_screen - pixels_of(view.grab())).max() <= 8, step
+    assert all(part != whole for part in painted)
+
+
+class Parts(QObject):
+    """Records which parts of a widget are painted."""
+
+    def __init__(self, widget: QWidget) -> None:
+        super().__init__(widget)
+        self.painted: list[QRegion] = []
+        widget.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if isinstance(event, QPaintEvent):
+            self.painted.append(event.region())
+        return False
 
 
 def test_items_are_painted_below_and_above_robots(view: MapView) -> None:
