@@ -122,11 +122,10 @@ def test_dask_workers_play_the_same_games_though_one_is_killed(
 
 
 @pytest.mark.slow
-def test_a_worker_that_the_scheduler_ends_is_told_with_the_cause(
-    cluster: tuple[str, list[int]], tmp_path: Path
-) -> None:
-    with DaskEngine[HoldingTask](cluster[0]) as engine:
-        engine.submit(HoldingTask(tmp_path, 30))
+def test_a_worker_that_the_scheduler_ends_is_told_with_the_cause(tmp_path: Path) -> None:
+    patience = _cluster(tmp_path, DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL="15s")
+    with patience as (address, _), DaskEngine[HoldingTask](address) as engine:
+        engine.submit(HoldingTask(tmp_path, 90))
         (ended,) = engine.finished()
     assert ended.outcome is not None
     assert ended.cause is not None
