@@ -32,7 +32,8 @@ from sim.robot.localization.wrong_pose import ParticleEvidence, probability
 from sim.robot.localization.wrong_pose_coefficients import PARTICLES
 
 SETTLED_SCANS = 5
-"""Scans in a row that nearly all particles must agree on one place, and the map explain, for the robot to be found."""
+"""Scans after which the cloud must be narrow for the robot to be found, while nearly all particles agree on one place
+that the map explains."""
 
 SEARCH_SHARE = 0.2
 """Share of the particles that are looked for all over the map every time that they are drawn, in a search."""

@@ -25,7 +25,7 @@ from sim.robot.localization.clusters import CloudSummary, bin_particles, summari
 from sim.robot.localization.estimate import read_only
 from sim.robot.localization.free_space import FreeSpace, elsewhere
 from sim.robot.localization.likelihood_field import Beams, LikelihoodField
-from sim.robot.localization.motion import AS_BELIEVED, MAX_NOISE_SCALE, Alphas, MotionModel, NoiseScales
+from sim.robot.localization.motion import AS_BELIEVED, Alphas, MotionModel, NoiseScales
 from sim.robot.localization.resampling import adaptive, systematic, tempered
 from sim.robot.localization.scan_agreement import ScanAgreement
 
@@ -59,8 +59,6 @@ MOST_NEAR = 500
 """Particles at most that are looked for around a place and the last one."""
 CLEARLY_BETTER = 0.1
 """Share of a scan that these must explain more: among other robots, chance finds places that are a little better."""
-MISLED = 1.5
-"""Factor on the errors of turns where odometry has misled the particles."""
 
 CONVERGED_DISTANCE = 0.5
 """Metres from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
@@ -99,7 +97,8 @@ class Hypothesis:
         covariance: (3, 3) of that pose; read-only.
         updates: scans weighed since it began.
         agreement: share of them that the map explains.
-        settled: scans in a row after which nearly all particles agreed on one place that the map explains.
+        settled: scans after which the cloud was narrow, since nearly all particles agree on one place that the map
+            explains.
         noise_scales: by how much odometry has turned out to be worse than the parameters say.
         share: the heaviest cluster's share of the weight at the last update.
     """
@@ -254,6 +253,9 @@ class CloudFilter:
         The last scan was explained as well as is usual, and this one is not, so that the odometry between them is in
         doubt: it was reset, or is off by more than its particles are spread. None where no place explains the scan as
         well as is usual, and clearly better: then the scan may be to blame, or the robot was carried off.
+
+        The factors on the errors of odometry stay: if they grew with every such scan, the cloud would soon be too wide
+        where scans are a metre apart.
         """
         count = min(self._parameters.max_particles, MOST_NEAR)
         candidates = noise.places.normals(view.tick, 3 * count * CANDIDATES_PER_PARTICLE).reshape(-1, 3) * NEARBY
@@ -264,8 +266,7 @@ class CloudFilter:
         better = found.agreement.last - now.agreement.last
         if better < CLEARLY_BETTER or not before.agreement.is_usual(found.agreement.last):
             return None
-        drive, turn = before.noise_scales
-        return replace(found, noise_scales=NoiseScales(drive, min(MISLED * turn, MAX_NOISE_SCALE)))
+        return replace(found, noise_scales=before.noise_scales)
 
     def _weighed(
         self, before: Hypothesis | None, particles: FloatArray, weights: FloatArray, view: ScanView, searching: bool
@@ -279,7 +280,9 @@ class CloudFilter:
         elif found is not None:
             agreement = agreement.after(found.share, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
         pull = PULL * parameters.laser_sigma_hit * (found.cut_short if found is not None else 0.0)
-        settled = (before.settled if before else 0) + 1 if self._sure(summary) and agreement.explained else 0
+        # A cloud that is wide is no reason to doubt the place: such a scan does not count, and interrupts nothing.
+        agreed = summary.weight >= SURE_SHARE and agreement.explained
+        settled = (before.settled if before else 0) + self._narrow(summary) if agreed else 0
         return Hypothesis(
             particles=read_only(particles),
             weights=read_only(weights),
@@ -291,11 +294,11 @@ class CloudFilter:
             share=summary.weight,
         )
 
-    def _sure(self, summary: CloudSummary) -> bool:
-        """Return True when nearly all particles agree on one place."""
+    def _narrow(self, summary: CloudSummary) -> bool:
+        """Return True when the heaviest cluster is as narrow as the parameters ask for."""
         parameters = self._parameters
         levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
-        return summary.weight >= SURE_SHARE and bool((np.sqrt(summary.variances) <= levels).all())
+        return bool((np.sqrt(summary.variances) <= levels).all())
 
     def _log_likelihood(self, particles: FloatArray, view: ScanView) -> FloatArray:
         """(n,) log likelihood of a scan from each particle, by the model that the parameters name."""

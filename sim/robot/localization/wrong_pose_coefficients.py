@@ -3,22 +3,22 @@
 from sim.robot.localization.wrong_pose import GaussianEvidence, ParticleEvidence
 
 PARTICLES = ParticleEvidence(
-    always=-3.9823,
-    lost=1.6353,
-    anywhere=-1.3299,
-    unproven=1.6412,
-    unproven_updates=0.3834,
-    updates=-0.5970,
-    unexplained=7.5077,
-    lately_unexplained=-3.1489,
-    below_usual=0.5931,
-    misfit=-0.7976,
-    lead=1.3570,
-    rival=0.8186,
-    unsettled=2.5552,
-    outside=-1.6444,
-    deviation=-0.1935,
-    turn_deviation=0.5538,
+    always=-3.6742,
+    lost=1.4113,
+    anywhere=-1.0175,
+    unproven=1.5026,
+    unproven_updates=0.4004,
+    updates=-0.6441,
+    unexplained=7.7630,
+    lately_unexplained=-3.2228,
+    below_usual=0.7527,
+    misfit=-0.7410,
+    lead=1.5243,
+    rival=0.9294,
+    unsettled=2.2274,
+    outside=-1.5387,
+    deviation=-0.1740,
+    turn_deviation=0.5483,
 )
 
 GAUSSIANS = GaussianEvidence(

@@ -223,6 +223,16 @@ def test_odometry_that_is_worse_than_its_parameters_say_is_corrected_by_scans(dr
     assert not any(estimate.lost for estimate in estimates)
 
 
+def test_a_robot_with_wrong_odometry_is_followed_where_scans_are_a_metre_apart(drive):
+    tour = drive(seconds=120, furnished=True)
+    amcl = amcl_of(tour, replace(PARAMETERS, update_min_d=1.0, update_min_a=0.7))
+    estimates = run(amcl, list(with_other_odometry(tour, turns=1.15)))
+    weighed = [number for number, estimate in enumerate(estimates) if estimate.updated]
+    assert len(weighed) > 80
+    assert errors_of(tour, estimates)[weighed][3:].max() < 0.5
+    assert not any(estimate.lost for estimate in estimates)
+
+
 def kidnapped(tour, when, until):
     """The robot is lifted from its place at one moment to its place at a later one; its wheels do not notice."""
     before = tour.moments[when - 1].odometry.base_in_odom
