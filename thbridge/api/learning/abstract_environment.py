@@ -31,7 +31,7 @@ class AbstractHuntEnv(TeamEnvironment):
         step: simulated seconds of a step; "decision": until a robot is ready.
         max_seconds: simulated seconds after which an episode is truncated.
         shared: every agent gets the reward of the team; False: each that of its own robot.
-        room_reward: reward of a room reached, beside the points of treasures.
+        room_reward: reward of a room reached, in addition to the points of treasures.
         energy_cost: cost of a unit of energy.
         time_cost: cost of a simulated second.
         render_mode: "rgb_array" for pictures by `render`.
@@ -123,7 +123,7 @@ class AbstractHuntEnv(TeamEnvironment):
 
     def _run(self) -> None:
         hunt = self._playing
-        # Whoever waits lets a tick pass, also where no other robot is under way.
+        # A robot that waits lets a tick pass, also where no other robot is under way.
         last = min(hunt.tick + (self._ticks or 1), self._last_tick)
         while True:
             hunt.run_to(last)
@@ -154,7 +154,7 @@ class AbstractHuntEnv(TeamEnvironment):
         return bodies
 
     def _straight_line(self, start: Pose2, goal: Pose2, ticks: int) -> tuple[BodyNumbers, BodyNumbers]:
-        """Return the numbers of a robot at both ends of a straight line that it drives in so many ticks."""
+        """Return the numbers of a robot at the start and the end of a straight line."""
         x, y = goal.x - start.x, goal.y - start.y
         length, heading = elementary.hypot(x, y), elementary.atan2(y, x)
         twist = Twist(length / (ticks * TICK), 0.0)

@@ -40,7 +40,7 @@ class HuntEnv(TeamEnvironment):
         step: simulated seconds of a step, by default 1, or 0.1 for velocities; "decision": until a robot is ready.
         max_seconds: simulated seconds after which an episode is truncated.
         shared: every agent gets the reward of the team; False: each that of its own robot.
-        room_reward: reward of a room reached, beside the points of treasures.
+        room_reward: reward of a room reached, in addition to the points of treasures.
         energy_cost: cost of a unit of energy.
         time_cost: cost of a simulated second.
         reach: metres, see above.

@@ -196,7 +196,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
 
     @abstractmethod
     def _bodies(self) -> list[BodyNumbers]:
-        """Return what observations need of robots beside the game."""
+        """Return what observations need of robots in addition to the game."""
 
     # Actions
 

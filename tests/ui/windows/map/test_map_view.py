@@ -331,7 +331,7 @@ def test_what_is_painted_in_parts_looks_as_if_it_were_painted_at_once(qtbot: QtB
     whole = QRegion(view.viewport().rect())
     parts, painted = Parts(view.viewport()), []
     for step in range(1, 6):
-        for number in (0, 3):  # Two of six drive, a little beside their paths.
+        for number in (0, 3):  # Two of six drive, close to their paths.
             mark, (x, y) = robots[number], robots[number].path[1] + 0.1
             trail = np.concatenate((mark.trail[1:], [[x, y]])) if number == 0 else mark.trail
             pose, path = Pose2(x, y, mark.pose.theta + 0.1), np.concatenate(([[x, y]], mark.path[2:]))
