@@ -47,6 +47,7 @@ from ui.model.screen import (
     TakeUpAgain,
     TreasurePopup,
     TypeDigit,
+    TypeLetter,
 )
 
 TALKATIVE = "sklar-azhar-2015"
@@ -198,6 +199,13 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     assert pop.aside.label == "Close"
     assert seat.do(ShowNext()).popup is None
     assert seat.screen.waiting == ()
+
+
+def test_a_remark_on_a_find_goes_with_it():
+    seat = Seat(robots=2)
+    go(seat, 3)
+    assert seat.press(TypeLetter("%")).banner.text == "No name begins with “%”."
+    assert seat.press(ChooseRobot(1)).banner is None
 
 
 def test_a_picture_is_talked_over_and_taken_once_agreed():

@@ -198,7 +198,7 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 )
                 _pick(memory, hunt, choice)
                 if choice.name is None:
-                    note(memory, hunt.texts.text("hints.no_such_name", letters=choice.letters), now)
+                    note(memory, hunt.texts.text("hints.no_such_name", letters=choice.letters), now, item)
         case TakeThePicture():
             if view.room(room).picture is None and not _refused(
                 memory, why_not_picture(hunt.texts, hunt.known, item.robot, room), now
@@ -215,7 +215,7 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
         case SubmitName():
             name = hunt.picked
             if name is None:
-                note(memory, hunt.texts.text("hints.pick_first"), now)
+                note(memory, hunt.texts.text("hints.pick_first"), now, item)
             elif name != memory.last_drawn.picked:
                 return
             elif not _refused(memory, why_not_name(hunt.texts, hunt.known, item.robot, room), now):
@@ -267,7 +267,10 @@ def _answer(memory: ParticipantMemory, hunt: HuntMemory, choice: int) -> None:
 
 
 def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> None:
-    if not 0 <= robot < len(hunt.view.robots) or robot == memory.selected:
+    if not 0 <= robot < len(hunt.view.robots):
+        return
+    if robot == memory.selected:
+        hunt.popups.turn_to(robot)
         return
     memory.selected, memory.turned = robot, True
     memory.typed = ""

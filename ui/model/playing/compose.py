@@ -145,7 +145,7 @@ def next_change(memory: ParticipantMemory, now: float) -> float:
     """Time at which the screen changes if nothing happens until then; infinite if never."""
     due = [memory.connection.next_change(now), memory.typed_until]
     if memory.note is not None:
-        due.append(memory.note[1])
+        due.append(memory.note.until)
     if memory.hunt is not None:
         due += [since + PICTURE_TIMEOUT for since in memory.hunt.picture_times.values()]
         due += [memory.hunt.choice.until] if memory.hunt.choice is not None else []
@@ -169,10 +169,12 @@ def _banner(memory: ParticipantMemory, now: float) -> Banner | None:
         return Banner(texts.text("game.robots_away"), "bad")
     if trouble is not None and view is not None and view.over is None:
         return Banner(trouble, "bad")
-    if memory.note is not None and now < memory.note[1]:
+    if memory.note is not None and now < memory.note.until:
         # The card of the end says already that the game is over.
-        twice = view is not None and view.over is not None and memory.note[0] == texts.text("hints.refused_game_over")
-        return None if twice else Banner(memory.note[0], "note")
+        twice = (
+            view is not None and view.over is not None and memory.note.sentence == texts.text("hints.refused_game_over")
+        )
+        return None if twice else Banner(memory.note.sentence, "note")
     if view is not None and view.over is None and all(robot.condition is Condition.SILENT for robot in view.robots):
         return Banner(texts.text("game.all_silent"), "bad")
     if view is not None and view.over is None and all(robot.has_other_commander for robot in view.robots):

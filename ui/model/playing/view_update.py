@@ -31,6 +31,7 @@ from ui.model.playing.memory.state import (
     LeaveLast,
     LeaveUndecided,
     LeaveWindow,
+    Note,
     ParticipantMemory,
     Reroute,
 )
@@ -50,9 +51,9 @@ NOTE = 6.0
 """Seconds for which a sentence is shown."""
 
 
-def note(memory: ParticipantMemory, sentence: str, now: float) -> None:
-    """Show a sentence for a while, and have it read out."""
-    memory.note = (sentence, now + NOTE)
+def note(memory: ParticipantMemory, sentence: str, now: float, about: PopupItem | None = None) -> None:
+    """Show a sentence for a while, but no longer than the pop-up that it is about, and have it read out."""
+    memory.note = Note(sentence, now + NOTE, about)
     memory.history.announce(sentence)
 
 
@@ -116,6 +117,8 @@ def settle(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     hunt.note_reading()
     if hunt.enlarged != hunt.popups.shown:
         hunt.enlarged = None
+    if memory.note is not None and memory.note.about not in (None, hunt.popups.shown):
+        memory.note = None
     if hunt.popups.shown is not None:
         memory.turned = False
         if hunt.popups.shown.robot != memory.selected:
@@ -188,7 +191,7 @@ def _receive_refunds(memory: ParticipantMemory, before: View, view: View, now: f
     for was, robot in zip(before.robots, view.robots, strict=True):
         stopped = was.moving_to and robot.moving_to is None and view.room(was.moving_to).state != "visited"
         if stopped and robot.energy > was.energy:
-            memory.note = (stopped_words(memory.texts, was, robot), now + NOTE)
+            memory.note = Note(stopped_words(memory.texts, was, robot), now + NOTE)
 
 
 def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, former: GameState, now: float) -> None:
@@ -217,7 +220,7 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
 def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureItem, left: bool, now: float) -> None:
     """Say how a treasure that was left can be taken up again; show it when the participant has asked for that."""
     if left:
-        memory.note = (hunt.texts.text("history.left_for_now", room=item.room, robot=item.robot), now + NOTE)
+        memory.note = Note(hunt.texts.text("history.left_for_now", room=item.room, robot=item.robot), now + NOTE)
         memory.history.announce(hunt.texts.text("history.can_take_up", robot=item.robot))
         return
     memory.note = None
@@ -255,7 +258,7 @@ def _commander(texts: Texts, robot: RobotView) -> str:
 
 def _announce(memory: ParticipantMemory, sentence: str, robot: RobotView, now: float) -> None:
     memory.history.add_event(sentence, robot.robot)
-    memory.note = (sentence, now + NOTE)
+    memory.note = Note(sentence, now + NOTE)
 
 
 def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
@@ -267,7 +270,7 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
     if refusal is None:
         return
     sentence = why_refused(hunt.texts, hunt.known, refusal, hunt.pending.drop_refused(refusal))
-    memory.note = (sentence, now + NOTE)
+    memory.note = Note(sentence, now + NOTE)
     memory.history.add_event(sentence)
     if refusal.wish == kind_of(IdentifyTreasure):
         hunt.submitted_names.clear()

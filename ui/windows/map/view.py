@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import pyqtgraph as pg
 from pyqtgraph.GraphicsScene.mouseEvents import MouseClickEvent
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QFontMetricsF, QKeyEvent, QMouseEvent, QNativeGestureEvent, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QGraphicsScene, QSizePolicy, QWidget
 
@@ -65,18 +65,21 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
     Attributes:
         box: the view on the map, to which items belong.
         followed: index of the robot that is kept in the middle, or None.
+        sight: the part in whose middle it is kept, logical pixels; None: the whole widget.
         hovered: number of the room that the pointer was moved onto, or None.
 
     Signals:
         room_clicked: number of the room, counted from 1.
         robot_clicked: index of the robot.
         room_hovered: `hovered`, when it is another.
+        follow_ended: the robot is no longer followed, since the map was dragged, or all of it is shown.
         point_pressed, point_dragged, point_released: x, y in map meters, while a tool has the left button.
     """
 
     room_clicked = Signal(int)
     robot_clicked = Signal(int)
     room_hovered = Signal(object)
+    follow_ended = Signal()
     point_pressed = Signal(float, float)
     point_dragged = Signal(float, float)
     point_released = Signal(float, float)
@@ -93,6 +96,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         self._lay_out()
         self._rooms: tuple[RoomMark, ...] = ()
         self.followed: int | None = None
+        self.sight: QRect | None = None
         self._tool: Qt.CursorShape | None = None
         self._stroking = False
         self.hovered: int | None = None
@@ -172,7 +176,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
 
     def fit(self) -> None:
         """Show the whole floor plan, also after changes of size; no robot is followed any more."""
-        self.followed = None
+        self._end_follow()
         self.box.fit()
 
     @property
@@ -218,6 +222,12 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         (left, bottom), (right, top) = region.min(axis=0), region.max(axis=0)
         return QRectF(self.pixel(left, top), self.pixel(right, bottom))
 
+    def opposite_corner(self, robot: int) -> tuple[bool, bool] | None:
+        """Return the corner of the map that is farthest from a robot, if it is shown: at the right, at the bottom."""
+        pose = next((mark.pose for mark in self._robots.marks if mark.robot == robot), None)
+        middle = self.box.bounds.center()
+        return None if pose is None else (pose.x < middle.x(), pose.y > middle.y())
+
     def metres(self, pixels: float) -> float:
         """Return a length on the screen in meters on the map."""
         return pixels / self.box.to_pixels().m11()
@@ -242,10 +252,15 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
         """Return no least size: the window decides."""
         return QSize()
 
+    def _end_follow(self) -> None:
+        if self.followed is not None:
+            self.followed = None
+            self.follow_ended.emit()
+
     def _follow(self) -> None:
         target = next((mark.pose for mark in self._robots.marks if mark.robot == self.followed), None)
         if target is not None:
-            middle_x, middle_y = self.box.middle
+            middle_x, middle_y = self.box.middle if self.sight is None else self.point(QRectF(self.sight).center())
             x, y = target.x - middle_x, target.y - middle_y
             if math.hypot(x, y) > self.metres(FOLLOW_TOLERANCE):
                 self.box.translateBy(x=FOLLOW_SHARE * x, y=FOLLOW_SHARE * y)
@@ -312,7 +327,7 @@ class MapView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no types
             return
         super().mouseMoveEvent(event)
         if self.scene().dragItem is not None:
-            self.followed = None
+            self._end_follow()
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
         elif not event.buttons():
             self._point_at(event.position())

@@ -83,8 +83,15 @@ class MapArea(QWidget):
         self._place()
 
     def keep_in_sight(self) -> None:
-        """Move the pop-up to another corner if it hides what it is about, and would hide less there."""
+        """Move the pop-up to another corner if it hides what it is about, and would hide less there.
+
+        Where the map follows the robot, the map moves instead: it is kept in the middle of the part left free.
+        """
+        self._map.sight = None
         if self._panel is None or self._robot is None or self._corner is None:
+            return
+        if self._map.followed == self._robot:
+            self._map.sight = self._free(self._panel.geometry())
             return
         size, space = self._panel.size(), self._space()
         hidden = self._hides(self._at(self._corner, size, space))
@@ -160,7 +167,15 @@ class MapArea(QWidget):
         return self.rect().adjusted(GAP, GAP, -GAP, -GAP - below)
 
     def _best_corner(self, size: QSize, space: QRect) -> Corner:
-        """Return the corner in which a pop-up hides least of what it is about, and is farthest from it."""
+        """Return the corner in which a pop-up hides least of what it is about, and is farthest from it.
+
+        A robot that is followed is in the middle of the view wherever it is: then its place on the whole map counts,
+        and the view has room to move to the free side.
+        """
+        if self._robot is not None and self._map.followed == self._robot:
+            opposite = self._map.opposite_corner(self._robot)
+            if opposite is not None:
+                return opposite
 
         def merit(corner: Corner) -> tuple[int, int]:
             place, about = self._at(corner, size, space), self._about()
@@ -173,6 +188,19 @@ class MapArea(QWidget):
         """Return how much of what a pop-up is about it would hide: the earlier of the places count for more."""
         about = self._about()
         return sum(2 ** (len(about) - at) for at, part in enumerate(about) if place.intersects(part))
+
+    def _free(self, panel: QRect) -> QRect:
+        """Return the part of the map beside a pop-up in a corner, or the one above or below it if that is wider."""
+        beside, over = self._space(), self._space()
+        if panel.center().x() > beside.center().x():
+            beside.setRight(panel.left())
+        else:
+            beside.setLeft(panel.right())
+        if panel.center().y() > over.center().y():
+            over.setBottom(panel.top())
+        else:
+            over.setTop(panel.bottom())
+        return max(beside, over, key=lambda part: min(part.width(), part.height()))
 
     @staticmethod
     def _at(corner: Corner, size: QSize, space: QRect) -> QRect:

@@ -34,6 +34,7 @@ from ui.model.screen import (
     DeclineToTakePart,
     DialoguePopup,
     FitMap,
+    FollowRobot,
     GoOnFromGame,
     Phase,
     PickName,
@@ -196,6 +197,7 @@ class ParticipantWindow(QWidget):
             panel.requested.connect(self.do)
         self.map.room_clicked.connect(lambda room: self._do_on_map(ChooseRoom(room)))
         self.map.robot_clicked.connect(lambda robot: self._do_on_map(ChooseRobot(robot)))
+        self.map.follow_ended.connect(self._end_follow)
         self.map.room_hovered.connect(lambda _room: self._consider())
         self.column.tiles.looked_at.connect(self._consider)
 
@@ -262,6 +264,10 @@ class ParticipantWindow(QWidget):
         if self._clock() - self._popped_at >= ANSWER_DELAY:
             self.do(act)
 
+    def _end_follow(self) -> None:
+        if self._model.followed is not None:
+            self.do(FollowRobot())
+
     def _consider(self) -> None:
         """Have the model consider the room looked at on the map or among the tiles, if it is another than before."""
         room = self.map.hovered or self.column.tiles.considered
@@ -291,6 +297,7 @@ class ParticipantWindow(QWidget):
             self.map_area.place_anew()
         if self._model.followed != self.map.followed:
             self.map.follow(self._model.followed)
+            self.map_area.place_anew()
         self.map_area.keep_in_sight()
 
     def _show(self, screen: Screen, before: Screen | None, now: float) -> None:

@@ -118,6 +118,7 @@ class ResearcherWindow(DockedWindow):
         self.team.selected.connect(self._choose_row)
         self.robot_stepped.connect(self._next_robot)
         self.follow_toggled.connect(self._follow)
+        self._map.follow_ended.connect(lambda: self.follow.setChecked(False))
         self.fit.connect(self._fit)
         self._map.robot_clicked.connect(self.select)
         self.topics.opened.connect(self._list_numbers)

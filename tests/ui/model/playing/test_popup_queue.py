@@ -51,6 +51,19 @@ def test_what_was_put_aside_and_asked_for_is_not_aside_any_more():
     assert popups.shown == A
 
 
+def test_turning_to_a_robot_shows_what_waits_of_it_even_what_was_put_aside():
+    popups = shown(A, B)
+    popups.turn_to(1)
+    assert popups.shown == B
+    popups.turn_to(0)
+    assert popups.shown == A
+    popups.put_aside()
+    popups.turn_to(2)
+    assert popups.shown is None
+    popups.turn_to(0)
+    assert (popups.shown, popups.waiting) == (A, (B,))
+
+
 def test_what_came_back_is_new():
     popups = shown(A)
     popups.put_aside()

@@ -599,6 +599,34 @@ def test_a_pop_up_moves_to_another_corner_only_if_its_robot_would_be_hidden(open
     assert not panel.geometry().contains(before.center())
 
 
+@pytest.mark.parametrize("size", [(1024, 600), (1200, 800)])
+def test_a_robot_that_is_followed_stays_in_sight_of_its_pop_up(opened: Open, size: tuple[int, int]) -> None:
+    shown = opened(STATES["playing"], *size)
+    window = shown.window
+    for robot, pop in product(range(3), (samples.dialogue(), samples.treasure())):
+        shown.show(STATES["playing"])
+        shown.model.followed = robot
+        shown.show(replace(STATES["playing"], popup=replace(pop, robot=robot)))
+        for _ in range(60):
+            window.refresh()
+        panel = window.dialogue if window.dialogue.isVisible() else window.treasure
+        place = window.map.robot_place(robot)
+        assert place is not None
+        assert window.map.rect().contains(place.toPoint())
+        assert not covered(shown, panel).contains(place.toPoint()), robot
+
+
+def test_a_drag_ends_following(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    shown.model.followed = 0
+    shown.show(STATES["playing"])
+    view, middle = shown.window.map.viewport(), shown.window.map.rect().center()
+    qtbot.mousePress(view, LEFT, pos=middle)
+    qtbot.mouseMove(view, middle + QPoint(40, 20))
+    qtbot.mouseRelease(view, LEFT, pos=middle + QPoint(40, 20))
+    assert shown.done == [FollowRobot()]
+
+
 def test_a_map_that_was_moved_stays_where_it_is_and_the_pop_up_in_another_corner(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["playing"], 1200, 800)
     middle = shown.window.map.rect().center()

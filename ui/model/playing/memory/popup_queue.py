@@ -72,11 +72,18 @@ class PopupQueue:
         self.shown = item
 
     def turn_to(self, robot: int) -> None:
-        """Show what waits of this robot, if anything; what was shown of another robot waits until that has ended."""
+        """Show what waits of this robot, if anything; what was shown of another robot waits until that has ended.
+
+        What was put aside is shown too, but last.
+        """
         if self.shown is None or self.shown.robot != robot:
             if self.shown is not None:
                 self._left.add(self.shown)
-            self.shown = next((item for item in self._fresh() if item.robot == robot), None)
+            of_robot = (item for item in self._items if item.robot == robot)
+            self.shown = None
+            first = min(of_robot, key=lambda item: (item in self._aside, item in self._left), default=None)
+            if first is not None:
+                self.show(first)
 
     def put_aside(self) -> None:
         """Let the item shown wait until it is asked for, and show `next`."""

@@ -55,6 +55,21 @@ class LeaveWindow:
     ends: bool
 
 
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A sentence shown for a while.
+
+    Attributes:
+        sentence: the words.
+        until: time at which it goes.
+        about: the pop-up that it is about, with which it goes.
+    """
+
+    sentence: str
+    until: float
+    about: PopupItem | None = None
+
+
 PendingStep = Reroute | LeaveUndecided | EndGameEarly | LeaveLast | LeaveWindow
 """A step that waits for the participant's confirmation."""
 
@@ -236,7 +251,7 @@ class ParticipantMemory:
         typed_until: time at which they are forgotten.
         followed: the robot kept in the middle of the map.
         help_open: True while the sheet of keys is open.
-        note: a sentence shown for a while, and until when.
+        note: the sentence shown for a while.
         connection: state of the connection to the game.
         history: lines of this game.
         pictures: pictures taken in this game.
@@ -261,7 +276,7 @@ class ParticipantMemory:
     typed_until: float = math.inf
     followed: int | None = None
     help_open: bool = False
-    note: tuple[str, float] | None = None
+    note: Note | None = None
     connection: ConnectionStatus = field(default_factory=ConnectionStatus)
     history: GameHistory = field(default_factory=GameHistory)
     pictures: Pictures = field(default_factory=Pictures)
