@@ -2,7 +2,7 @@
 
 from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QResizeEvent
-from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QSizePolicy, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts, counted
 from ui.model.screen import Action, RobotCard
@@ -288,6 +288,15 @@ class Cards(ActionWidget):
         chosen = [card.robot for card in cards if card.selected]
         if chosen and chosen != selected:
             self.reveal.emit(self.cards[chosen[0]])
+            focused = QApplication.focusWidget()
+            if focused is not None and self.isAncestorOf(focused):
+                self.focus_selected()
+
+    def focus_selected(self) -> None:
+        """Give the focus to the card of the robot selected: two framed cards would look selected both."""
+        for shown, card in zip(self.cards, self._shown, strict=True):
+            if card.selected:
+                shown.face.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def _made(self) -> Card:
         card = Card(self._texts, self)

@@ -413,14 +413,23 @@ class ParticipantWindow(QWidget):
     def _focused_region(self) -> QWidget | None:
         """Return the region that the focus is in."""
         focused = QApplication.focusWidget()
-        return next((home for home in self.regions if focused is not None and home.isAncestorOf(focused)), None)
+        if focused is None:
+            return None
+        return next((home for home in self.regions if home is focused or home.isAncestorOf(focused)), None)
 
     def _keep_focus(self, before: QWidget | None) -> None:
         """Move the focus from a region that has gone to what has come in its place."""
         regions = self.regions
         if before is not None and before not in regions and regions:
-            # Not the tools, where the next Enter would press one.
-            focus.focus_region(self.column.cards if regions[0] is self.top else regions[0])
+            if regions[0] is self.top:
+                self.column.cards.focus_selected()  # Not the tools, where the next Enter would press one.
+            elif regions[0] is self.dialogue:
+                # Not its first button, which puts it aside: a second Enter after a name would press that.
+                self.dialogue.setFocus(Qt.FocusReason.OtherFocusReason)
+            elif regions[0] is self.treasure and self.treasure.names.isVisible():
+                self.treasure.names.setFocus(Qt.FocusReason.OtherFocusReason)  # Where Enter submits the name.
+            else:
+                focus.focus_region(regions[0])
 
     def _announce(self, screen: Screen) -> None:
         if screen.announcement_number != self._announced:

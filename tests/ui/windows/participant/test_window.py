@@ -478,20 +478,29 @@ def test_a_pop_up_leaves_the_focus_where_it_is(opened: Open) -> None:
     assert QApplication.focusWidget() is names
 
 
-def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(opened: Open) -> None:
+def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["treasure"])
     shown.window.treasure.names.setFocus()
     shown.show(STATES["dialogue"])
-    focused = QApplication.focusWidget()
-    assert focused is not None and shown.window.dialogue.isAncestorOf(focused)
+    assert QApplication.focusWidget() is shown.window.dialogue
+    qtbot.keyClick(shown.window.dialogue, Qt.Key.Key_Return)
+    assert shown.done == [], "Enter a second time presses nothing"
+    qtbot.keyClick(shown.window.dialogue, Qt.Key.Key_Down)
+    assert QApplication.focusWidget() is shown.window.dialogue.choices.buttons[0]
+    shown.show(STATES["treasure"])
+    assert QApplication.focusWidget() is shown.window.treasure.names
 
 
 def test_the_focus_goes_to_the_robots_where_nothing_takes_the_place(opened: Open) -> None:
     shown = opened(STATES["treasure"])
     shown.window.treasure.leave.setFocus()
     shown.show(STATES["playing"])
-    focused = QApplication.focusWidget()
-    assert focused is not None and shown.window.column.cards.isAncestorOf(focused)
+    cards = STATES["playing"].cards
+    for robot in (1, 2):
+        shown.show(
+            replace(STATES["playing"], cards=tuple(replace(card, selected=card.robot == robot) for card in cards))
+        )
+        assert QApplication.focusWidget() is shown.window.column.cards.cards[robot].face
 
 
 def test_what_was_said_last_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
