@@ -26,6 +26,7 @@ from ui.commands.offline.localize import localize_command
 from ui.commands.offline.plan import plan
 from ui.commands.offline.scan import scan
 from ui.commands.play import play
+from ui.commands.plugins import plugins_app
 from ui.commands.replay import replay_command
 from ui.commands.report import report
 from ui.commands.ros import ros_app
@@ -130,6 +131,7 @@ app.add_typer(mavlink_app, name="mavlink")
 app.add_typer(ros_app, name="ros")
 app.add_typer(keys_app, name="keys")
 app.add_typer(talk_app, name="talk")
+app.add_typer(plugins_app, name="plugins")
 app.add_typer(desktop_app, name="desktop")
 sweep_app.command("run")(sweep_run)
 sweep_app.command("plot")(sweep_plot)

@@ -173,13 +173,52 @@ LookOption = Annotated[
 ]
 
 
-class ParticipantKind(StrEnum):
-    """Kind of participant: a person who types, or a simulated one by its strategy."""
+PERSON = "person"
+"""Participant who types."""
+_SIMULATED = tuple(each.value for each in BotStrategy)
 
-    PERSON = "person"
-    SUGGESTION = BotStrategy.SUGGESTION
-    NEAREST = BotStrategy.NEAREST
-    RANDOM = BotStrategy.RANDOM
+
+def _simulated_participant(name: str | None) -> str | None:
+    """Return the name of a simulated participant. Raises BadParameter: there is none of this name."""
+    if name is None or name in _SIMULATED:
+        return name
+    return _known(name, _SIMULATED)
+
+
+def _participant(name: str | None) -> str | None:
+    """Return the name of a participant, who may be a person; likewise."""
+    return name if name == PERSON or name is None or name in _SIMULATED else _known(name, (PERSON, *_SIMULATED))
+
+
+def _known(name: str, built_in: tuple[str, ...]) -> str:
+    from thbridge.files.plugins import PARTICIPANTS  # noqa: PLC0415 - help and completion load nothing of it
+
+    if name not in (installed := PARTICIPANTS.names()):
+        raise typer.BadParameter(f"{name!r} is not one of {', '.join(map(repr, (*built_in, *installed)))}.")
+    return name
+
+
+ParticipantName = Annotated[
+    str | None,
+    typer.Option(
+        "--participant",
+        metavar="|".join((PERSON, *_SIMULATED, "NAME")),
+        callback=_participant,
+        autocompletion=lambda: [PERSON, *_SIMULATED],
+        help="You in the terminal (`person`), or how a simulated participant chooses rooms, or the NAME of one that is "
+        "installed; without a window.",
+    ),
+]
+SimulatedParticipant = Annotated[
+    str | None,
+    typer.Option(
+        "--participant",
+        metavar="|".join((*_SIMULATED, "NAME")),
+        callback=_simulated_participant,
+        autocompletion=lambda: [*_SIMULATED],
+        help="Let a simulated participant play anew, instead of saying again what was said.",
+    ),
+]
 
 
 def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:

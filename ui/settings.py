@@ -11,7 +11,6 @@ from thbridge.files.resources import shipped
 from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
 from thbridge.files.yaml.load import Loaded
 from thbridge.protocols.mavlink.options import AutopilotIdentity
-from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import Address, parse_address, parse_target
 from thbridge.study.built_in import study_at
 from thbridge.study.overrides import StudyChange
@@ -54,7 +53,7 @@ def with_language(study: Study, language: str | None, file: Path | None) -> Stud
     return dataclasses.replace(study, dialogue=dataclasses.replace(study.dialogue, language=language))
 
 
-def with_strategy(study: Study, strategy: BotStrategy | None) -> Study:
+def with_strategy(study: Study, strategy: str | None) -> Study:
     """The study with the strategy of the simulated participant who plays; None changes nothing."""
     if strategy is None:
         return study

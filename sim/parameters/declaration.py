@@ -28,6 +28,7 @@ def param(
     minimum: float | None = None,
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
+    plugins: str = "",
 ) -> T:
     """Declare a dataclass field that an admin may set, with what a reader of the file needs to know about it.
 
@@ -38,8 +39,9 @@ def param(
         minimum: least allowed value, inclusive.
         maximum: greatest allowed value, inclusive.
         choices: the allowed words; empty when free.
+        plugins: group of entry points, whose installed names are allowed in addition to the choices; empty: none.
     """
-    metadata = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices}
+    metadata = _metadata(help, unit, minimum, maximum, choices, plugins)
     # Every parameter class is frozen, so one default may serve all.
     return field(default=default, metadata=metadata)
 
@@ -51,13 +53,31 @@ def live(
     minimum: float | None = None,
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
+    plugins: str = "",
 ) -> T:
     """Declare a parameter that may change while a robot runs; ROS has it in a .cfg file for dynamic_reconfigure.
 
     Arguments as for `param`; see `sim.parameters.reconfiguration`, also for those that ROS does not have.
     """
-    metadata = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices, "live": True}
-    return field(default=default, metadata=metadata)
+    return field(default=default, metadata=_metadata(help, unit, minimum, maximum, choices, plugins) | {"live": True})
+
+
+def _metadata(
+    help: str,  # noqa: A002 - as above
+    unit: str,
+    minimum: float | None,
+    maximum: float | None,
+    choices: tuple[str, ...],
+    plugins: str,
+) -> dict[str, object]:
+    known: dict[str, object] = {
+        "help": help,
+        "unit": unit,
+        "minimum": minimum,
+        "maximum": maximum,
+        "choices": choices,
+    }
+    return known | {"plugins": plugins} if plugins else known
 
 
 def is_section(value: object) -> "TypeGuard[DataclassInstance]":

@@ -22,7 +22,6 @@ from thbridge.files.tables.table_files import Array, arrow_table
 from thbridge.recording.bag.damage import damage_as_bad_file
 from thbridge.recording.bag.reading.reader import info, messages, recorded
 from thbridge.recording.recordings import make_room, try_place
-from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.ros.messages.foreign_types import check_type_name, store_of, types_in
 
 
@@ -146,10 +145,9 @@ class HuntRecording:
         setting = setting_of(study) if participant is None else with_strategy(setting_of(study), participant)
         if bag is not None and (bag.suffix != ".bag" or bag.resolve() == self.path.resolve()):
             raise HuntError(f"to: {bag} is no name for a new bag. Give another one that ends in .bag.", bag)
-        strategy = None if participant is None else BotStrategy(participant)
-        if strategy is not None and not self.participant:
+        if participant is not None and not self.participant:
             raise HuntError(f"participant: nobody played inside the program that recorded {self.path}. Leave it out.")
-        options = ReplayOptions(0.0, 0.0, bag, bool(changes or participant or bag), strategy)
+        options = ReplayOptions(0.0, 0.0, bag, bool(changes or participant or bag), participant)
         with told():
             if bag is not None:
                 make_room(bag)

@@ -32,6 +32,7 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.watch_requests import WatchRequest, objection
+from thbridge.files.plugins import PARTICIPANTS
 from thbridge.hunt.codec import kind_of, to_json
 from thbridge.hunt.events import Commander, Event
 from thbridge.hunt.rooms import Room
@@ -97,7 +98,7 @@ class HuntSession:
 
     Args:
         study: the study.
-        participant: strategy of a simulated participant who plays; None: the caller does.
+        participant: name of a simulated participant who plays, built-in or installed; None: the caller does.
         record: path of a recording, `NAME.bag`; an older one is kept under a new name. None: no recording.
 
     Raises:
@@ -126,8 +127,9 @@ class HuntSession:
         if participant is None:
             self._tabui = TabUI(self._queue)
         else:
-            strategy, attitude = BotStrategy(participant), setting.study.participant.attitude
-            self._tabui = TabUI(build_bot(setting.templates, strategy, setting.study.seed, attitude))
+            attitude = setting.study.participant.attitude
+            with told():
+                self._tabui = TabUI(build_bot(setting.templates, participant, setting.study.seed, attitude))
         self._session = Session(build_keeper(setting), [simr, hider], (), self._tabui, vehicle_factory(setting, simr))
         self._team = team
         self._plays = participant is None
@@ -473,10 +475,11 @@ def inside(session: HuntSession) -> Session:
 
 def with_strategy(setting: StudySetting, strategy: str) -> StudySetting:
     """Return a setting whose simulated participant has a strategy. Raises HuntError: there is none of this name."""
-    if strategy not in set(BotStrategy):
+    if strategy not in set(BotStrategy) and strategy not in PARTICIPANTS.names():
         problem = f"participant: no strategy is called {strategy!r}"
-        raise HuntError(f"{problem}. Write {', '.join(BotStrategy)}, or None.", key="participant")
-    participant = replace(setting.study.participant, strategy=BotStrategy(strategy))
+        known = ", ".join((*BotStrategy, *PARTICIPANTS.names()))
+        raise HuntError(f"{problem}. Write {known}, or None.", key="participant")
+    participant = replace(setting.study.participant, strategy=strategy)
     return replace(setting, study=replace(setting.study, participant=participant))
 
 

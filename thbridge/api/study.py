@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 from thbridge.api.errors import HuntError, told
 from thbridge.app.compose.setting import StudySetting, read_setting
@@ -18,8 +18,8 @@ from thbridge.study.text import as_yaml, resolved
 StudyValue: TypeAlias = bool | int | float | str | Path | Sequence["StudyValue"] | Mapping[str, "StudyValue"] | None
 """Value of a key of a study: as YAML has it; a mapping is a section, of which the other keys stay."""
 
-Simulated: TypeAlias = Literal["suggestion", "nearest", "random"]
-"""Strategy of a simulated participant."""
+Simulated: TypeAlias = str
+"""Name of a simulated participant: `suggestion`, `nearest`, `random`, or one that is installed."""
 
 CHANGES = Path("changes")
 """Name of the source in faults of keys that are given as arguments."""

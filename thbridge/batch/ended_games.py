@@ -1,7 +1,7 @@
 """Games of an unfinished chunk that have ended, kept so that a chunk that is begun again plays only the others."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import msgspec
@@ -17,8 +17,13 @@ from thbridge.recording.append import append_whole
 _LARGEST = 1 << 28
 
 
-def read_ended(folder: SweepFolder, path: Path) -> Mapping[int, GameResult]:
+def read_ended(folder: SweepFolder, path: Path, plugins: Iterable[str] = ()) -> Mapping[int, GameResult]:
     """Return the games of a chunk that have ended, by seed: those of this program's version, with their bags.
+
+    Args:
+        folder: of the sweep.
+        path: of the file.
+        plugins: keys of those that the sweep's studies name.
 
     Raises:
         BadFile: the file is none, or too large.
@@ -29,7 +34,7 @@ def read_ended(folder: SweepFolder, path: Path) -> Mapping[int, GameResult]:
         return {}
     except OSError as error:
         raise BadFile(path, f"it cannot be read ({reason_of(error)})", "Delete it, then go on") from None
-    if head != _head():
+    if head != _head(plugins):
         return {}
     found = {}
     for line in lines:
@@ -42,17 +47,17 @@ def read_ended(folder: SweepFolder, path: Path) -> Mapping[int, GameResult]:
     return found
 
 
-def keep_ended(path: Path, game: GameResult) -> None:
-    """Keep a game. Raises BadFile: it cannot be written."""
+def keep_ended(path: Path, game: GameResult, plugins: Iterable[str] = ()) -> None:
+    """Keep a game; `plugins` as for `read_ended`. Raises BadFile: it cannot be written."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with own_target(path).open("ab", buffering=0) as file:
             # The line end before it closes a line whose writer was killed.
-            head = _head() if file.tell() == 0 else b""
+            head = _head(plugins) if file.tell() == 0 else b""
             append_whole(file, head + b"\n" + msgspec.json.encode(game) + b"\n", synced=False)
     except OSError as error:
         raise BadFile(path, f"it cannot be written ({reason_of(error)})", "make room, then go on") from None
 
 
-def _head() -> bytes:
-    return json.dumps(versions(), sort_keys=True).encode()
+def _head(plugins: Iterable[str]) -> bytes:
+    return json.dumps(versions(plugins), sort_keys=True).encode()

@@ -19,6 +19,7 @@ from thbridge.files.disk.whole import PART, whole_file
 from thbridge.files.errors import BadFile
 from thbridge.files.resources import shipped
 from thbridge.json_text import json_of
+from thbridge.study.plugins import plugins_of
 from thbridge.study.study_file import Study
 from thbridge.study.text import resolved
 
@@ -117,7 +118,7 @@ def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
         told = {
             "layout": LAYOUT,
             "digest": _digest_of(here),
-            "versions": versions(),
+            "versions": versions(plugins_of(*(condition.study for condition in design.conditions))),
             "machine": machine(),
             "design": here,
         }

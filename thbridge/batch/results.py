@@ -6,7 +6,7 @@ import io
 import json
 import re
 import types
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
@@ -141,26 +141,44 @@ OWN_COLUMNS = (
 
 
 def write_games(
-    path: Path, games: Sequence[GameResult], condition: int, factors: FactorColumns, measures: Collection[str]
+    path: Path,
+    games: Sequence[GameResult],
+    condition: int,
+    factors: FactorColumns,
+    measures: Collection[str],
+    plugins: Iterable[str] = (),
 ) -> None:
-    """Write the games of a chunk; those measures of them that are named. Raises BadFile: it cannot be written."""
+    """Write the games of a chunk; those measures of them that are named.
+
+    Args:
+        path: of the file.
+        games: of the chunk.
+        condition: of the sweep.
+        factors: as columns.
+        measures: names of those that are kept.
+        plugins: keys of the plug-ins that the sweep's studies name.
+
+    Raises:
+        BadFile: it cannot be written.
+    """
     columns: dict[str, pa.Array] = {"seed": pa.array([game.seed for game in games], pa.int64())}
     for factor, kind in factors.kinds.items():
         columns[factor] = pa.array([factors.levels[condition][factor]] * len(games), pa.type_for_alias(kind))
     columns |= _columns(games, GameResult, {"status", "fault"})
     columns |= _columns([game.measures for game in games], GameMeasures, measures)
     columns |= _columns(games, GameResult, {"messages", "bag", "worker", "cpu_seconds"})
-    _write(path, columns)
+    _write(path, columns, plugins)
 
 
-def write_verified(path: Path, games: Sequence[Verification]) -> None:
-    """Write the games of a chunk that were played again. Raises BadFile: it cannot be written."""
+def write_verified(path: Path, games: Sequence[Verification], plugins: Iterable[str] = ()) -> None:
+    """Write the games of a chunk that were played again; see `write_games`."""
     named = {field.name for field in dataclasses.fields(Verification)}
-    _write(path, _columns(games, Verification, named) | {"equal": pa.array([game.equal for game in games], pa.bool_())})
+    equal = {"equal": pa.array([game.equal for game in games], pa.bool_())}
+    _write(path, _columns(games, Verification, named) | equal, plugins)
 
 
-def _write(path: Path, columns: Mapping[str, pa.Array]) -> None:
-    table = pa.table(columns).replace_schema_metadata({VERSIONS: json.dumps(versions()), _SUM: _NO_SUM})
+def _write(path: Path, columns: Mapping[str, pa.Array], plugins: Iterable[str]) -> None:
+    table = pa.table(columns).replace_schema_metadata({VERSIONS: json.dumps(versions(plugins)), _SUM: _NO_SUM})
     written = io.BytesIO()
     parquet.write_table(table, written, compression="zstd")
     content = written.getvalue()

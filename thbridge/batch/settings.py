@@ -6,6 +6,7 @@ from pathlib import Path
 from sim.parameters import RobotParameters, WorldParameters
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.files.yaml.load import Loaded
+from thbridge.study.plugins import plugins_of
 from thbridge.study.study_file import ParticipantSection, RecordingSection, Study
 
 
@@ -22,7 +23,7 @@ class SettingCache:
 
     def of(self, study: Study, written: Loaded[Study] | None = None) -> StudySetting:
         """Return the setting of a study; `written` and faults as for `read_setting`."""
-        key = repr(_naming(study))
+        key = repr((_naming(study), plugins_of(study)))
         if key not in self._settings:
             self._settings[key] = read_setting(study, self._beside, written=written)
         return dataclasses.replace(self._settings[key], study=study)

@@ -81,7 +81,7 @@ def status_of(root: Path) -> SweepStatus:
             faults += game_faults(path, chunk.condition)
         else:
             kept = folder.ended(chunk)
-            ended = read_ended(folder, kept)
+            ended = read_ended(folder, kept, manifest.versions)
             running += _is_running(folder.attempts(chunk), ended)
             with suppress(FileNotFoundError):  # The chunk has just ended, or there was no such file.
                 written.append((kept.stat().st_mtime, len(ended)))

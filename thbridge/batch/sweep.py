@@ -11,6 +11,7 @@ from thbridge.batch.engines.engine import Engine, EngineFailed, FinishedTask
 from thbridge.batch.folder import SweepFolder
 from thbridge.batch.results import game_faults
 from thbridge.batch.tasks import MOST_DEATHS, SweepTask
+from thbridge.study.plugins import plugins_of
 
 EVERYTHING = Shard()
 WARM = ("thbridge.batch.tasks",)
@@ -100,6 +101,7 @@ def run_sweep(
 
 def tasks_of(design: SweepDesign, folder: SweepFolder, wanted: Callable[[GameChunk], bool]) -> list[SweepTask]:
     """Return the tasks that play the chunks that are wanted."""
+    plugins = plugins_of(*(condition.study for condition in design.conditions))
     return [
         SweepTask(
             folder=folder.root.resolve(),
@@ -111,6 +113,7 @@ def tasks_of(design: SweepDesign, folder: SweepFolder, wanted: Callable[[GameChu
             max_seconds=design.max_seconds,
             one_bag_in=design.one_bag_in,
             one_verified_in=design.one_verified_in,
+            plugins=plugins,
         )
         for chunk in chunks_of(len(design.conditions), design.seeds, design.chunk)
         if wanted(chunk)

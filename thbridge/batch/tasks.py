@@ -56,6 +56,7 @@ class SweepTask:
         one_bag_in: one of so many games is recorded; 0: none.
         one_verified_in: one of so many games is played again; 0: none.
         again: True to play those again, and to compare.
+        plugins: keys of the plug-ins that the sweep's studies name, whose versions are recorded.
     """
 
     folder: Path
@@ -68,6 +69,7 @@ class SweepTask:
     one_bag_in: int
     one_verified_in: int
     again: bool = False
+    plugins: tuple[str, ...] = ()
 
     @property
     def verified_seeds(self) -> tuple[int, ...]:
@@ -114,7 +116,7 @@ def _play(task: SweepTask, most: int | None) -> int:
     """Play the games of a chunk, but no more than `most`; return the number of those that are left."""
     folder, games = SweepFolder(task.folder), dict[int, GameResult]()
     journal, kept = folder.attempts(task.chunk), folder.ended(task.chunk)
-    deaths, ended = _deaths(journal), read_ended(folder, kept)
+    deaths, ended = _deaths(journal), read_ended(folder, kept, task.plugins)
     left = [seed for seed in task.chunk.seeds if seed not in ended]
     _note(journal, f"{ATTEMPT} {worker_name()}")
     for seed in left[:most]:
@@ -125,13 +127,13 @@ def _play(task: SweepTask, most: int | None) -> int:
         _note(journal, str(seed))
         games[seed] = _game(task, seed, recorded=seed in task.recorded_seeds, hashed=seed in task.verified_seeds)
         if games[seed].fault is None:
-            keep_ended(kept, games[seed])
+            keep_ended(kept, games[seed], task.plugins)
     games |= ended
     if len(games) < len(task.chunk.seeds):
         _note(journal, ENDED)
         return len(task.chunk.seeds) - len(games)
     result = [games[seed] for seed in task.chunk.seeds]
-    write_games(folder.games(task.chunk), result, task.chunk.condition, task.factors, task.measures)
+    write_games(folder.games(task.chunk), result, task.chunk.condition, task.factors, task.measures, task.plugins)
     for path in (journal, kept):
         path.unlink(missing_ok=True)
     return 0
@@ -148,7 +150,7 @@ def _verify(task: SweepTask) -> None:
             continue  # It had no result.
         again = _game(task, seed, recorded=False, hashed=True)
         games.append(Verification(seed, said, again.messages, by, worker_name()))
-    write_verified(folder.verified(task.chunk), games)
+    write_verified(folder.verified(task.chunk), games, task.plugins)
 
 
 def _game(task: SweepTask, seed: int, *, recorded: bool, hashed: bool) -> GameResult:

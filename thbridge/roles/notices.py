@@ -150,6 +150,16 @@ class ParticipantReady(NoticeValue, frozen=True, omit_defaults=True, tag="Partic
     run: str = ""
 
 
+class ParticipantFault(NoticeValue, frozen=True, tag="Failed"):
+    """Participant to keeper, for the record: a plug-in failed, and a built-in participant decided.
+
+    Attributes:
+        fault: the error.
+    """
+
+    fault: str
+
+
 class Subscribe(NoticeValue, frozen=True, tag="Subscribe"):
     """Participant to SimR: subscribe to pose telemetry for the next few seconds."""
 

@@ -20,6 +20,7 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.plugins import PARTICIPANTS
 from thbridge.files.ros.defaults import ros_defaults, sentences_of
 from thbridge.files.ros.parameters import RosParameters, parse_ros_files
 from thbridge.files.yaml.load import Loaded, load_tree
@@ -93,7 +94,12 @@ class ShowsSection:
 class ParticipantSection:
     """The participant: what they see and decide, and the strategy of a simulated one."""
 
-    strategy: BotStrategy = param(BotStrategy.SUGGESTION, "how a simulated participant chooses rooms")
+    strategy: str = param(
+        BotStrategy.SUGGESTION.value,
+        "how a simulated participant chooses rooms; or the name of one that is installed, which decides everything",
+        choices=tuple(each.value for each in BotStrategy),
+        plugins=PARTICIPANTS.group,
+    )
     attitude: Attitude = param(
         Attitude.CREDULOUS,
         "how a simulated participant replies to robots: credulous, makes the most agreeable choice; cautious, asks for "

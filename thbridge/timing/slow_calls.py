@@ -2,6 +2,7 @@
 
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,6 +22,25 @@ def told_if_slow(seconds: float, tell: Callable[[], None]) -> Iterator[None]:
         yield
     finally:
         timer.cancel()
+
+
+class Stopwatch:
+    """Measures the wall time of calls.
+
+    Attributes:
+        seconds: of all calls so far.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+
+    def measure(self, asked: Callable[[], T]) -> T:
+        """Return what a call returns, or raise what it raises."""
+        began = time.perf_counter()
+        try:
+            return asked()
+        finally:
+            self.seconds += time.perf_counter() - began
 
 
 class ImpatientCaller(Generic[T]):

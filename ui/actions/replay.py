@@ -17,7 +17,7 @@ from ui.terminal import out, show
 
 def other_versions(record: SessionRecord) -> Iterator[str]:
     """Sentences on versions and machine with which a session was recorded, where they differ from those of now."""
-    now = versions()
+    now = versions(record.versions)
     then = {name: was for name, was in record.versions.items() if name not in MACHINE}
     other = [f"{name} {was} then, {now.get(name, 'none')} now" for name, was in then.items() if now.get(name) != was]
     if other:

@@ -12,6 +12,7 @@ from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
 from ui.display import why_no_window
 from ui.options import (
+    PERSON,
     AsJson,
     BagFile,
     ColourScheme,
@@ -27,7 +28,7 @@ from ui.options import (
     MavlinkUdp,
     MavlinkUdpListen,
     OpenTo,
-    ParticipantKind,
+    ParticipantName,
     Port,
     Robots,
     Ros,
@@ -50,12 +51,7 @@ def play(
     robots: Robots = None,
     map_name: MapName = None,
     headless: Annotated[bool, typer.Option(help="Without a window, though there is a display.")] = False,
-    participant: Annotated[
-        ParticipantKind | None,
-        typer.Option(
-            help="You in the terminal (`person`), or how a simulated participant chooses rooms; without a window."
-        ),
-    ] = None,
+    participant: ParticipantName = None,
     seed: Seed = None,
     language: LanguageOption = None,
     rate: Annotated[
@@ -124,7 +120,6 @@ def play(
     from thbridge.app.session.session import TickRecord
     from thbridge.files.language_texts import shipped_languages
     from thbridge.protocols.text import legacy
-    from thbridge.roles.participant.bot_strategy import BotStrategy
     from thbridge.study.built_in import STANDARD
     from thbridge.study.overrides import with_changes
     from ui.actions.programs import new_token
@@ -159,8 +154,8 @@ def play(
     study = with_server(with_options(study, {"robots": robots, "map": map_name, "seed": seed}), None, port)
     study = with_mavlink(study, mavlink, identity=identity, udp=udp, udp_listen=udp_listen, tcp=tcp, tlog=tlog)
     study = with_language(with_open_to(study, open_to), language, study_file)
-    if participant not in (None, ParticipantKind.PERSON):
-        study = with_strategy(study, BotStrategy(participant))
+    if participant != PERSON:
+        study = with_strategy(study, participant)
     if study.robots_from is RobotsFrom.ROS:
         problem = "robots_from: this study is for real robots, and `play` simulates"
         fail(BAD_INPUT, f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or write sim in the study.")
@@ -171,9 +166,9 @@ def play(
     note_doubts(setting)
     others = _roles(outside)
     graph = graph_of(ros, ros_master, ros_host, study.open_to)
-    who = participant or ParticipantKind(study.participant.strategy)
+    who = participant or study.participant.strategy
     ports = ports_of(study, study_file, signing_key)
-    people = windowed or bool(others) or who is ParticipantKind.PERSON or ports is not None
+    people = windowed or bool(others) or who == PERSON or ports is not None
     limit = max_seconds or (math.inf if people else AN_HOUR)
     pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
     told = hosts_of(graph, as_json)
@@ -191,7 +186,7 @@ def play(
         games = WindowGames(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--look", look.value))
         return
-    if who is ParticipantKind.PERSON:
+    if who == PERSON:
         START_BAR.close()  # Who types needs the line.
         text = None if legacy.TABUI in others else setting.consent
         seat = seat_of_person(setting.texts, None if text is None else ask_for_consent(setting.texts, text))
@@ -211,7 +206,7 @@ def play(
     rooms = setting.map.room_names
 
     def progress(moment: TickRecord) -> None:
-        if not as_json and who is not ParticipantKind.PERSON:
+        if not as_json and who != PERSON:
             print_story(moment, rooms)
 
     compile_ahead(whole_hunt=pace > 0.0)

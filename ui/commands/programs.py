@@ -13,6 +13,7 @@ from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
 from ui.display import why_no_window
 from ui.options import (
+    PERSON,
     AsJson,
     BagFile,
     ColourScheme,
@@ -21,7 +22,7 @@ from ui.options import (
     LookOption,
     MapName,
     OpenTo,
-    ParticipantKind,
+    ParticipantName,
     Port,
     Robots,
     Ros,
@@ -193,12 +194,7 @@ def tabui(
     study_option: StudyOption = None,
     server: Server = None,
     key: ServerKey = None,
-    participant: Annotated[
-        ParticipantKind | None,
-        typer.Option(
-            help="You in the terminal (`person`), or how a simulated participant chooses rooms; without a window."
-        ),
-    ] = None,
+    participant: ParticipantName = None,
     templates: Templates = None,
     seed: Seed = None,
     look: LookOption = ColourScheme.SYSTEM,
@@ -212,6 +208,7 @@ def tabui(
         raise typer.Exit(play_hosted(look.value))
     from thbridge.app import programs
     from thbridge.files.language_texts import shipped_texts
+    from thbridge.roles.participant.bot_strategy import BotStrategy
     from ui.actions.programs import ANOTHER_GAME, address_of, new_token, seat_of, show_nothing, tell_lost
     from ui.door_keys import key_of
     from ui.event_loop import run
@@ -228,7 +225,7 @@ def tabui(
 
             raise typer.Exit(play_at(host, port, new_token(), look.value, shown))
         note(f"{why} A simulated participant plays.")
-    participant = participant or ParticipantKind.SUGGESTION
+    participant = participant or BotStrategy.SUGGESTION.value
     seat = seat_of(participant, study, study_file, templates, seed)
     program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing, shown)
     last = run(program, seat.typed)
@@ -241,7 +238,7 @@ def tabui(
         visited = sum(room.state == "visited" for room in last.rooms)
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
     else:
-        if participant is not ParticipantKind.PERSON:  # Who types has been told.
+        if participant != PERSON:  # Who types has been told.
             show(f"The game is over. Score {last.score}.")
         note(ANOTHER_GAME)
 

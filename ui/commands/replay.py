@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.roles.participant.bot_strategy import BotStrategy
-from ui.options import AsJson
+from ui.options import AsJson, SimulatedParticipant
 from ui.outputs import make_copy_ready
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
@@ -29,10 +28,7 @@ def replay_command(
             help="What if: same inputs, but this in the study, e.g. `--with seed=2`. May be given several times.",
         ),
     ] = None,
-    participant: Annotated[
-        BotStrategy | None,
-        typer.Option(help="Let a simulated participant play anew, instead of saying again what was said."),
-    ] = None,
+    participant: SimulatedParticipant = None,
     beside: Annotated[Path, typer.Option(help="Folder that paths in the study start from.")] = Path(),
     as_json: AsJson = False,
 ) -> None:

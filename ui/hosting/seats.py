@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from thbridge.app.compose.game import build_bot
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.template_files import TemplateSet
-from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import GiveConsent
 from thbridge.study.study_file import Study
 from ui.hosting.terminal_player import TerminalPlayer
-from ui.options import ParticipantKind
 from ui.terminal import show
 
 
@@ -28,9 +26,9 @@ class Seat:
     typed: Callable[[str], None] | None
 
 
-def seat_of_bot(who: ParticipantKind, templates: TemplateSet, study: Study) -> Seat:
+def seat_of_bot(who: str, templates: TemplateSet, study: Study) -> Seat:
     """Seat a simulated participant with the study's seed and attitude, who knows the treasures."""
-    return Seat(TabUI(build_bot(templates, BotStrategy(who), study.seed, study.participant.attitude)), None)
+    return Seat(TabUI(build_bot(templates, who, study.seed, study.participant.attitude)), None)
 
 
 def seat_of_person(texts: Texts, consent: GiveConsent | None = None) -> Seat:

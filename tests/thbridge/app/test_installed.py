@@ -106,9 +106,15 @@ def test_an_installed_strategy_is_told_of_the_manner_and_a_seed() -> None:
     ("name", "told"),
     [
         ("stuborn", r"no strategy stuborn is installed. The nearest is stubborn"),
-        ("fussy", r"fussy: it cannot be made: TypeError: .* positional arguments? but 2 were given"),
-        ("sick", r"sick: it cannot be made: RuntimeError: not today \(lab_of_tests.py, line \d+\). Name a class"),
-        ("mute", r"mute: it makes a str, which has no method choose. Name a class"),
+        (
+            "fussy",
+            r"fussy: package lab-of-tests 1.0: it cannot be made: TypeError: .* arguments? but 2 were given",
+        ),
+        (
+            "sick",
+            r"sick: package lab-of-tests 1.0: it .* not today \(lab_of_tests.py, line \d+\). Name a class",
+        ),
+        ("mute", r"mute: package lab-of-tests 1.0: it makes a str, which has no method choose. Name a class"),
     ],
 )
 def test_a_strategy_that_is_not_there_or_cannot_be_made_is_told(name: str, told: str) -> None:

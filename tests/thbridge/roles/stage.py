@@ -7,6 +7,7 @@ from pathlib import Path
 
 from thbridge.app.compose.game import build_bot, build_hider, known_treasures
 from thbridge.app.session.session import Session, TickRecord
+from thbridge.app.trials.puppets import Puppets
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.scripted.protocols import TemplateProtocol
 from thbridge.dialogue.scripted.scripted_engine import ScriptedEngine
@@ -15,17 +16,12 @@ from thbridge.dialogue.scripted.templates import TemplatePhrasing
 from thbridge.files.language_texts import shipped_texts
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
-from thbridge.hunt.events import Condition, DialogueOpened, DialogueSaid, Event, JournalEntry
-from thbridge.hunt.rooms import Room
+from thbridge.hunt.events import DialogueOpened, DialogueSaid, Event, JournalEntry
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper
-from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, TeamRejection, TeamStatus
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.role import Role
@@ -54,79 +50,6 @@ class Log:
 
     def append(self, entries: Sequence[JournalEntry]) -> None:
         self.entries += entries
-
-
-class Puppets:
-    """Robots that obey orders and need `ticks` for each way; those in `stuck` report that there is none."""
-
-    name = legacy.SIMR
-
-    def __init__(
-        self, robots: int, costs: tuple[tuple[float | None, ...], ...], ticks: int = 10, place: str = "stage"
-    ) -> None:
-        self.robots = robots
-        self.place = place
-        self.costs = costs
-        self.ticks = ticks
-        self.stuck: set[int] = set()
-        self.unfit: str | None = None
-        self.mute = False
-        self.conditions = [Condition.WELL] * robots
-        self.researchers: tuple[str | None, ...] = ()
-        self.orders: list[Orders] = []
-        self._introduce = False
-        self._moves: dict[int, tuple[MoveOrder, int]] = {}
-        self._results: list[MoveResult | None] = [None] * robots
-        self._game = 0
-        self._recalled = False
-
-    def connected(self) -> None:
-        self._introduce = True
-
-    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        said: list[TextMessage] = []
-        if self._introduce:
-            self._introduce = False
-            said.append(encode_notice(self.name, KEEPER, RobotsReady(self.place, self.robots, self.costs)))
-        for message in messages:
-            notice = parse_notice(message)
-            if isinstance(notice, Notice):
-                if (orders := decode_notice(notice, Orders)) is not None and len(orders.moves) == self.robots:
-                    self._follow(orders, tick)
-                if (unfit := decode_notice(notice, TeamRejection)) is not None:
-                    self.unfit = unfit.sentence
-        ended = [(robot, order) for robot, (order, due) in self._moves.items() if due <= tick]
-        for robot, order in ended:
-            del self._moves[robot]
-            there = robot not in self.stuck
-            self._results[robot] = MoveResult(order.move, there, "" if there else "There is no way.", 0.5)
-            if there and not self.mute:
-                said.append(legacy.RoomReached(robot, Room(order.room).wire).message())
-        if ended or self._recalled or tick % 50 == 0:
-            self._recalled = False
-            poses = tuple((float(robot), 0.0, 0.0) for robot in range(self.robots))
-            status = TeamStatus(self._game, poses, tuple(self._results), tuple(self.conditions), self.researchers)
-            said.append(encode_notice(self.name, KEEPER, status))
-        return said
-
-    def _follow(self, orders: Orders, tick: int) -> None:
-        self.orders.append(orders)
-        self._game = orders.game
-        for robot, order in enumerate(orders.moves):
-            known = self._moves.get(robot)
-            last = self._results[robot]
-            if (
-                order is not None
-                and order.room > 0
-                and (known is None or known[0] != order)
-                and (last is None or last.move != order.move)
-            ):
-                self._moves[robot] = (order, tick + self.ticks)
-                self._results[robot] = None
-            elif order is None and known is not None:
-                del self._moves[robot]
-                self._results[robot] = MoveResult(known[0].move, False, "It was called back.", 0.5)
-                self._recalled = True
 
 
 class Stage:

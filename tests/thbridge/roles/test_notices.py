@@ -17,8 +17,8 @@ STATES = [
 ]
 VALUES = (*STATES, View, DeclineConsent, *get_args(ParticipantRequest))
 ON_THE_WIRE = """
-    RobotsReady Orders Status MoveCosts HiderReady HidePlease HideTreasures Reply ParticipantReady Subscribe Whereabouts
-    Ways House Texts Picture MayRecord Recordable Unfit
+    RobotsReady Orders Status MoveCosts HiderReady HidePlease HideTreasures Reply ParticipantReady Failed Subscribe
+    Whereabouts Ways House Texts Picture MayRecord Recordable Unfit
     View Decline Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave TakeUp
     GiveUp PlayAgain Measure Tell
 """

@@ -6,6 +6,7 @@ from dataclasses import replace
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import index_of
 from sim.numerics import noise
+from thbridge.app.compose.installed import installed_participant
 from thbridge.app.compose.setting import StudySetting
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
@@ -29,6 +30,7 @@ from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import FloorPlan, GameTexts, RoomOutline
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import Bot, TreasureKnowledge
+from thbridge.roles.participant.installed_participant import InstalledParticipant
 from thbridge.study.study_file import DialogueSection, MannerSection, Study
 
 
@@ -146,13 +148,26 @@ def known_treasures(templates: TemplateSet) -> tuple[TreasureKind, ...]:
     return tuple(replace(kind, image=None) for kind in templates.kinds)
 
 
+def knowledge_of(templates: TemplateSet) -> TreasureKnowledge:
+    """Return the knowledge of a simulated participant, who recognizes pictures as a person does."""
+    shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
+    return TreasureKnowledge(known_treasures(templates), shown_by)
+
+
 def build_hider(templates: TemplateSet, seed: int) -> Hider:
     """Return the treasures' role."""
     return Hider(templates.kinds, seed, templates.rooms, templates.properties)
 
 
-def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int, attitude: Attitude = Attitude.CREDULOUS) -> Bot:
-    """Return a simulated participant."""
-    # The bot recognises pictures as a person does.
-    shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
-    return Bot(strategy, TreasureKnowledge(known_treasures(templates), shown_by), seed, attitude)
+def build_bot(
+    templates: TemplateSet, strategy: str, seed: int, attitude: Attitude = Attitude.CREDULOUS
+) -> Bot | InstalledParticipant:
+    """Return a simulated participant: by a built-in strategy, or the installed one of this name.
+
+    Raises:
+        BadFile: there is none of this name; see `installed_participant`.
+    """
+    knowledge = knowledge_of(templates)
+    if strategy in set(BotStrategy):
+        return Bot(BotStrategy(strategy), knowledge, seed, attitude)
+    return installed_participant(strategy, knowledge, seed, attitude)

@@ -1,22 +1,21 @@
-"""Programs of labs that a study names, found by their entry points: authors of wordings, and strategies of robots."""
+"""Plug-ins that a study names, loaded, checked and watched; see `thbridge.files.plugins`."""
 
-import difflib
 import logging
-import sys
-from collections.abc import Callable
-from contextlib import AbstractContextManager, redirect_stdout
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from importlib.metadata import entry_points
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
-from thbridge.dialogue.other_programs import RAISED, told_error
+from thbridge.dialogue.games.strategies import Attitude
 from thbridge.dialogue.robot_strategies import StrategyFactory
-from thbridge.files.errors import BadFile
+from thbridge.files.plugins import PARTICIPANTS, STRATEGIES, WORDINGS, printing_aside
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.bots import Bot, TreasureKnowledge
+from thbridge.roles.participant.installed_participant import InstalledParticipant, ParticipantCaller, ParticipantFactory
+from thbridge.roles.view import ParticipantRequest
 from thbridge.timing.slow_calls import ImpatientCaller, told_if_slow
 
 if TYPE_CHECKING:
@@ -24,9 +23,9 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-WORDINGS, STRATEGIES = "thbridge.wordings", "thbridge.strategies"
-"""Groups of entry points."""
-
+MOST_LOGGED = 100
+"""Different faults of a plug-in that are logged."""
+_NO_TREASURES = TreasureKnowledge((), {})
 PATIENCE = 2.0
 """Seconds of wall time after which people are told that a game waits for a strategy."""
 
@@ -50,7 +49,7 @@ class WatchedStrategy:
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
         """Return the strategy's move; see `GameStrategy`."""
         told = f"the strategy {self.name} has not chosen a move for {PATIENCE:g} s; the game waits for it"
-        with told_if_slow(PATIENCE, lambda: _log.warning(told)), _printing_aside():
+        with told_if_slow(PATIENCE, lambda: _log.warning(told)), printing_aside():
             return self.factory(self.manner, self.seed).choose(conversation, number)
 
 
@@ -72,7 +71,7 @@ class ImpatientStrategy:
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
         """Return the strategy's move; see `GameStrategy`. Raises TimeoutError when there is none in time."""
-        with _printing_aside():
+        with printing_aside():
             return self.caller.call(lambda: self.factory(self.manner, self.seed).choose(conversation, number))
 
 
@@ -82,11 +81,11 @@ def installed_author(name: str) -> "WordingAuthor":
     Raises:
         BadFile: none of this name is installed, or it cannot be imported, or called.
     """
-    author: WordingAuthor = _installed(WORDINGS, name, "author of wordings")
+    author: WordingAuthor = WORDINGS.load(name)
     told = f"the author {name} has not worded a sentence for {PATIENCE:g} s; the game waits for it"
 
     def watched(request: "WordingRequest", /) -> str | None:
-        with told_if_slow(PATIENCE, lambda: _log.warning(told)), _printing_aside():
+        with told_if_slow(PATIENCE, lambda: _log.warning(told)), printing_aside():
             return author(request)
 
     return watched
@@ -98,11 +97,11 @@ def impatient_author(name: str, seconds: float) -> "WordingAuthor":
     Raises:
         BadFile: as for `installed_author`.
     """
-    author: WordingAuthor = _installed(WORDINGS, name, "author of wordings")
+    author: WordingAuthor = WORDINGS.load(name)
     caller = ImpatientCaller[str | None](seconds)
 
     def impatient(request: "WordingRequest", /) -> str | None:
-        with _printing_aside():
+        with printing_aside():
             return caller.call(lambda: author(request))
 
     return impatient
@@ -130,40 +129,69 @@ def impatient_strategy(name: str, seconds: float) -> StrategyFactory:
     return partial(ImpatientStrategy, _strategy(name), ImpatientCaller(seconds))
 
 
-def _strategy(name: str) -> StrategyFactory:
-    factory: StrategyFactory = _installed(STRATEGIES, name, "strategy")
-    remedy = "Name a class, or function, that takes a manner and a seed and returns what has a method `choose`"
-    try:
-        with _printing_aside():
-            made: object = factory(Manner(), 0)
-    except RAISED as error:
-        raise BadFile(Path(STRATEGIES), f"it cannot be made: {told_error(error)}", remedy, key=name) from error
-    if not callable(getattr(made, "choose", None)):
-        problem = f"it makes a {type(made).__name__}, which has no method choose"
-        raise BadFile(Path(STRATEGIES), problem, remedy, key=name)
+def participant_factory(name: str) -> ParticipantFactory:
+    """Return the factory of the simulated participant of a name.
+
+    Raises:
+        BadFile: as for `installed_author`; or it takes other arguments, or makes no participant of them.
+    """
+    factory: ParticipantFactory = PARTICIPANTS.load(name)
+    takes = "a TreasureKnowledge, an attitude and a seed"
+    PARTICIPANTS.made(name, lambda: factory(_NO_TREASURES, Attitude.CREDULOUS, 0), ("requests",), takes)
     return factory
 
 
-def _installed(group: str, name: str, what: str) -> Callable[..., Any]:  # type: ignore[explicit-any]  # of others
-    """Return what the entry point of a name in a group names. Raises BadFile, in which `what` is the kind of thing."""
-    found = {each.name: each for each in entry_points(group=group)}
-    if name not in found:
-        near = difflib.get_close_matches(name, found, n=1)
-        installed = f"Installed are: {', '.join(sorted(found))}" if found else "None is installed"
-        remedy = f"The nearest is {near[0]}" if near else installed
-        raise BadFile(Path(group), f"no {what} {name} is installed", remedy, key=name)
-    entry = found[name]
-    try:
-        with _printing_aside():
-            program: object = entry.load()
-    except RAISED as error:
-        problem = f"{entry.value} cannot be imported: {type(error).__name__}: {error}"
-        raise BadFile(Path(group), problem, "Mend it, or install it anew", key=name) from error
-    if not callable(program):
-        raise BadFile(Path(group), f"{entry.value} is no function", "Name a function, or a class", key=name)
-    return program
+def installed_participant(
+    name: str, knowledge: TreasureKnowledge, seed: int, attitude: Attitude, call: ParticipantCaller | None = None
+) -> InstalledParticipant:
+    """Return the simulated participant of a name.
+
+    Args:
+        name: of the participant.
+        knowledge: of treasures.
+        seed: random seed.
+        attitude: toward what robots say.
+        call: calls it in a trial, in which no fault is logged; None: the game waits for it.
+
+    Raises:
+        BadFile: as for `participant_factory`.
+    """
+    factory = participant_factory(name)
+    told = f"the participant {name} has not decided for {PATIENCE:g} s; the game waits for it"
+
+    def watched(asked: Callable[[], Sequence[ParticipantRequest]]) -> Sequence[ParticipantRequest]:
+        with told_if_slow(PATIENCE, lambda: _log.warning(told)), printing_aside():
+            return asked()
+
+    def ignored(_fault: str) -> None:
+        pass
+
+    report = ignored if call else FaultLog(f"a built-in participant decided, because {name} failed")
+    with printing_aside():
+        player = factory(replace(knowledge, shown_by=dict(knowledge.shown_by)), attitude, seed)
+    stand_in = Bot(BotStrategy.SUGGESTION, knowledge, seed, attitude)
+    return InstalledParticipant(player, stand_in, call or watched, report)
 
 
-def _printing_aside() -> AbstractContextManager[object]:
-    """Context in which what a program of others prints goes to standard error: standard output is for results."""
-    return redirect_stdout(sys.stderr)
+class FaultLog:
+    """Logs each fault of a plug-in once.
+
+    Args:
+        sentence: beginning of what is logged.
+    """
+
+    def __init__(self, sentence: str) -> None:
+        self._sentence = sentence
+        self._logged: set[str] = set()
+
+    def __call__(self, fault: str) -> None:
+        """Log a fault, unless it has been logged."""
+        if fault not in self._logged and len(self._logged) < MOST_LOGGED:
+            self._logged.add(fault)
+            _log.warning("%s: %s", self._sentence, fault)
+
+
+def _strategy(name: str) -> StrategyFactory:
+    factory: StrategyFactory = STRATEGIES.load(name)
+    STRATEGIES.made(name, lambda: factory(Manner(), 0), ("choose",), "a manner and a seed")
+    return factory

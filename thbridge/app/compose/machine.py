@@ -3,11 +3,14 @@
 import os
 import platform
 import re
+from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 
 from llvmlite import binding as llvm
 from numpy._core._multiarray_umath import __cpu_features__  # type: ignore[import-not-found]  # not in its stubs
+
+from thbridge.files.plugins import package_of
 
 RECORDED_PACKAGES = (
     "thbridge",
@@ -25,15 +28,20 @@ RECORDED_PACKAGES = (
 """Packages whose versions a bag records, since another version may run the same study differently."""
 
 
-def versions() -> dict[str, str]:
-    """Return the versions of this program and of the installed packages that its results depend on."""
+def versions(plugins: Iterable[str] = ()) -> dict[str, str]:
+    """Return the versions of this program and of the installed packages that its results depend on.
+
+    Args:
+        plugins: keys of plug-ins, as `plugins_of` returns them or versions that were recorded have them; other keys
+            are left out. The version of each that is installed is that of its package, with the package's name.
+    """
     found = {"python": platform.python_version()}
     for package in RECORDED_PACKAGES:
         try:
             found[package] = metadata.version(package)
         except metadata.PackageNotFoundError:
             continue  # clingo is optional
-    return found
+    return found | {key: told for key in plugins if (told := package_of(key)) is not None}
 
 
 def machine() -> dict[str, str]:

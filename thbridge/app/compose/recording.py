@@ -18,13 +18,15 @@ from thbridge.ros.parameters import tree_of
 from thbridge.ros.publisher import Planners, TeamPublisher
 from thbridge.ros.repetitions import RepetitionFilter
 from thbridge.ros.topics import MessageFilter, is_of_errors
+from thbridge.study.plugins import plugins_of
 from thbridge.study.text import resolved
 
 
 def build_record(setting: StudySetting, program: str, roles: Sequence[str], participant: str) -> SessionRecord:
     """Return a bag's first record; see `SessionRecord` for the arguments."""
     study = setting.study
-    return SessionRecord(resolved(study), study.seed, versions() | machine(), program, tuple(roles), participant)
+    recorded = versions(plugins_of(study)) | machine()
+    return SessionRecord(resolved(study), study.seed, recorded, program, tuple(roles), participant)
 
 
 def build_publisher(setting: StudySetting) -> TeamPublisher:

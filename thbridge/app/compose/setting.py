@@ -13,7 +13,7 @@ from sim.common.geometry import Pose2
 from sim.common.robot_numbers import index_of
 from sim.common.traversability import TraversabilityMap
 from sim.robot.costmap.footprint import radii
-from thbridge.app.compose.installed import installed_author, installed_strategy
+from thbridge.app.compose.installed import installed_author, installed_strategy, participant_factory
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.robot_strategies import StrategyFactory
@@ -35,6 +35,7 @@ from thbridge.files.yaml.load import Loaded
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.hunt.rooms import RoomNames
+from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.study_file import CostModel, DialogueSection, Study
 
 LARGEST_CONSENT = 8000
@@ -151,6 +152,9 @@ def read_setting(
     for robot, key, name in _strategy_names(talk):
         with faults.kept(), keys.naming(key):
             strategies[robot] = None if name is None else installed_strategy(name)
+    with faults.kept(), keys.naming("participant.strategy"):
+        if study.participant.strategy not in set(BotStrategy):
+            participant_factory(study.participant.strategy)
     with faults.kept(), keys.naming("participant.consent"):
         consent = _consent(study, beside)
     with faults.kept(), keys.naming("participant.farewell"):

@@ -36,7 +36,6 @@ from thbridge.protocols.text import legacy
 from thbridge.recording.bag.options import RecordingDetail
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.recording.bag.reading.reader import RawMessage
-from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.role import Role
 from thbridge.ros import names
@@ -109,7 +108,7 @@ class ReplayOptions:
         start: session time up to which it runs as fast as possible in any case, seconds.
         to: path of a new recording; None for none.
         to_the_end: True to go on after a difference.
-        participant: strategy of a simulated participant who plays anew in place of the recorded one; None: the recorded
+        participant: name of a simulated participant who plays anew in place of the recorded one; None: the recorded
             participant's messages are sent again, even if they no longer fit.
     """
 
@@ -117,7 +116,7 @@ class ReplayOptions:
     start: float
     to: Path | None
     to_the_end: bool
-    participant: BotStrategy | None = None
+    participant: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,7 +281,7 @@ async def replay(
 
 
 def _replayed_session(
-    setting: StudySetting, record: SessionRecord, participant: BotStrategy | None, recorders: Sequence[TickRecorder]
+    setting: StudySetting, record: SessionRecord, participant: str | None, recorders: Sequence[TickRecorder]
 ) -> tuple[Session | SimrSession, Callable[[inputs.Input], None]]:
     """Return the recorded session anew, and what takes its inputs; messages of its participant are among these."""
     simr, study = build_simr(setting), setting.study

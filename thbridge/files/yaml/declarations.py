@@ -10,6 +10,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Literal, cast, get_args, get_origin, get_type_hints
 
+from thbridge.files.plugins import names_in
+
 Metadata = Mapping[str, object]
 
 
@@ -65,6 +67,18 @@ def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:
     if isinstance(hint, type) and issubclass(hint, StrEnum):
         return tuple(member.value for member in hint)
     return cast(tuple[str, ...], metadata.get("choices", ()))
+
+
+def with_plugins(metadata: Metadata) -> Metadata:
+    """The metadata of a field, whose choices are now those that are declared and the plug-ins that are installed.
+
+    Looking for plug-ins takes some milliseconds, so that it is for those alone who need all names.
+    """
+    group = metadata.get("plugins")
+    if not group:
+        return metadata
+    built_in = cast(tuple[str, ...], metadata["choices"])
+    return {**metadata, "choices": (*built_in, *(name for name in names_in(str(group)) if name not in built_in))}
 
 
 def allowed(hint: object, metadata: Metadata) -> str:

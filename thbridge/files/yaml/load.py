@@ -33,6 +33,7 @@ from thbridge.files.yaml.declarations import (
     ros_only_of,
     sections_named_in,
     wanted,
+    with_plugins,
 )
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse
 
@@ -154,6 +155,9 @@ class _Reader:
         if hint is int or hint is float:
             return self.number(node, hint, metadata, key)
         choices = choices_of(hint, metadata)
+        if choices and node.text not in choices:
+            metadata = with_plugins(metadata)
+            choices = choices_of(hint, metadata)
         if choices and node.text not in choices:
             return self.wrong(node.line, key, f"{node.text!r} is no choice here", wanted(hint, metadata))
         if isinstance(hint, type) and issubclass(hint, Path) and (problem := fault_of_path(node.text)):

@@ -13,6 +13,7 @@ from thbridge.roles.notices import (
     KEEPER,
     FloorPlan,
     GameTexts,
+    ParticipantFault,
     ParticipantReady,
     PicturePiece,
     PlannedPaths,
@@ -108,6 +109,7 @@ class TabUI:
         self._sent: dict[ParticipantRequest, int] = {}
         self._last_number = first_number - 1
         self._next_poll = 0
+        self._fault = ""
 
     def connected(self) -> None:
         """Request the view from the keeper with the next step; requests sent before may be lost."""
@@ -156,6 +158,9 @@ class TabUI:
 
     def _due_requests(self, tick: int, view: View) -> list[TextMessage]:
         requests = dict.fromkeys(self._player.requests(view))
+        fault: str = getattr(self._player, "fault", "")
+        reported = [encode_notice(self.name, KEEPER, ParticipantFault(fault))] if fault and fault != self._fault else []
+        self._fault = fault
         self._sent = {request: at for request, at in self._sent.items() if request in requests}
         good = {request: number for request, number in self._numbers.items() if tick < number[1]}
         self._numbers = {request: good.get(request) or self._fresh_number(tick) for request in requests}
@@ -163,7 +168,7 @@ class TabUI:
         for request in due:
             self._sent[request] = tick
         self._next_poll = min(self._sent.values(), default=tick) + RETRY_PERIOD
-        return [encode_request_line(request, self._numbers[request][0]) for request in due]
+        return [*reported, *(encode_request_line(request, self._numbers[request][0]) for request in due)]
 
     def _fresh_number(self, tick: int) -> tuple[int, int]:
         self._last_number += 1

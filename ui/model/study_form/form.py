@@ -20,6 +20,7 @@ from thbridge.files.yaml.declarations import (
     renamed_of,
     required,
     sections_named_in,
+    with_plugins,
 )
 from thbridge.files.yaml.edit import in_brackets
 from thbridge.files.yaml.places import node_at, path_of, source_of, steps_of
@@ -299,7 +300,7 @@ class _Builder:
         place = written[0] if written else key
         node = node_at(self._tree, steps_of(place))
         minimum, maximum = bounds(metadata)
-        choices = choices_of(hint, metadata)
+        choices = choices_of(hint, with_plugins(metadata))
         made = FormField(
             key=key,
             label=_label(key),

@@ -4,11 +4,9 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
-from importlib.metadata import entry_points
 from pathlib import Path
 
 from sim.parameters import RobotParameters
-from thbridge.app.compose.installed import STRATEGIES, WORDINGS
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.experiment.folder import EXPERIMENT
 from thbridge.experiment.questionnaires.form import SHIPPED, read_form
@@ -17,6 +15,7 @@ from thbridge.files.errors import BadFile
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.map_files import read_map
 from thbridge.files.map_times import MAP_TIMES
+from thbridge.files.plugins import STRATEGIES, WORDINGS, PluginKind
 from thbridge.files.resources import shipped
 from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.files.template_files import read_template_set
@@ -224,12 +223,10 @@ def _authors(_draft: StudyDraft) -> Iterator[NamedResource]:
     return _installed(WORDINGS)
 
 
-def _installed(group: str) -> Iterator[NamedResource]:
-    """Yield the programs that are installed in a group of entry points; none of them is loaded for it."""
-    found = {entry.name: entry for entry in entry_points(group=group)}
-    for name, entry in sorted(found.items()):
-        package = "" if entry.dist is None else f", of the package {entry.dist.name} {entry.dist.version}"
-        yield NamedResource(name, f"{entry.value}{package}")
+def _installed(kind: PluginKind) -> Iterator[NamedResource]:
+    """Yield the plug-ins that are installed; none of them is loaded for it."""
+    for name in kind.names():
+        yield NamedResource(name, kind.describe(name))
 
 
 def _rulebook(draft: StudyDraft) -> Rulebook:

@@ -1,0 +1,125 @@
+"""Trial of a simulated participant: whole games with robots that are not simulated."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.app.compose.game import build_hider, build_keeper, knowledge_of
+from thbridge.app.compose.installed import installed_participant
+from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.app.session.session import Session
+from thbridge.app.trials.plugin_trial import PluginTrial
+from thbridge.app.trials.puppets import Puppets
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.strategies import Attitude
+from thbridge.files.plugins import printing_aside
+from thbridge.roles.keeper.disclosed.disclosure import plain_costs
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.bots import Bot
+from thbridge.roles.participant.installed_participant import InstalledParticipant
+from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.view import ParticipantRequest, View
+from thbridge.study.study_file import DialogueSection, Study
+from thbridge.timing.slow_calls import ImpatientCaller
+
+LONGEST_GAME = 400 * TICKS_PER_SECOND
+"""Ticks after which a game counts as one that never ends."""
+MOST_REFUSED = 10
+"""Times that the same request may be refused in a game."""
+_TEAMS = ((DialogueCondition.SCRIPT, 1, ()), *((condition, 3, (0,)) for condition in DialogueCondition))
+"""Conditions, numbers of robots, and the indices of those that find no path."""
+
+
+class _OnTrial:
+    """Player whose faults are collected, and whose time is compared with that of a built-in participant."""
+
+    def __init__(self, trial: PluginTrial, title: str, tried: InstalledParticipant, built_in: Bot) -> None:
+        self._trial = trial
+        self._title = title
+        self._tried = tried
+        self._built_in = built_in
+        self.returned: list[str] = []
+
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
+        """See `Player`."""
+        requests = self._tried.requests(view)
+        self._trial.built_in.measure(lambda: self._built_in.requests(view))
+        if self._tried.fault:
+            remedy = "Correct it for this view: it has to return a list of requests, which may be empty"
+            self._trial.note(self._tried.fault, remedy, (self._title, *_position(view)))
+        self.returned.append(repr([*requests]))
+        return requests
+
+
+def try_participant(name: str, seed: int, seconds: float) -> PluginTrial:
+    """Return the trial of a simulated participant in games of all conditions, with robots that find no path, too.
+
+    Args:
+        name: of the participant.
+        seed: random seed.
+        seconds: of wall time that it may take for a view.
+
+    Raises:
+        BadFile: there is no such participant; see `installed_participant`.
+    """
+    trial = PluginTrial("participant")
+    # One that argues: it reads all files that any game needs.
+    study = Study(templates="everyday-things", seed=seed, dialogue=DialogueSection(DialogueCondition.COLLABORATOR))
+    setting = read_setting(study, Path())
+    for condition, robots, stuck in _TEAMS:
+        talk = replace(study.dialogue, condition=condition)
+        game = replace(setting, study=replace(study, robots=robots, dialogue=talk))
+        without = f", {len(stuck)} of which finds no path" if stuck else ""
+        title = f"A game with {robots} robot{'s' if robots > 1 else ''}{without}, in the condition {condition}"
+        trial.twice(title, lambda: _play(trial, title, game, name, stuck, seconds))  # noqa: B023 - called at once
+    trial.end()
+    return trial
+
+
+def _play(
+    trial: PluginTrial, title: str, setting: StudySetting, name: str, stuck: Sequence[int], seconds: float
+) -> Iterator[str]:
+    """Play a game; yield all requests for each view."""
+    study, knowledge = setting.study, knowledge_of(setting.templates)
+    caller = ImpatientCaller[Sequence[ParticipantRequest]](seconds)
+
+    def call(asked: Callable[[], Sequence[ParticipantRequest]]) -> Sequence[ParticipantRequest]:
+        with printing_aside():
+            return caller.call(lambda: trial.own.measure(asked))
+
+    tried = installed_participant(name, knowledge, study.seed, Attitude.CREDULOUS, call)
+    player = _OnTrial(trial, title, tried, Bot(BotStrategy.NEAREST, knowledge, study.seed))
+    robots = Puppets(study.robots, plain_costs(setting.costs))
+    robots.stuck.update(stuck)
+    participant = TabUI(player)
+    session = Session(build_keeper(setting), [robots, build_hider(setting.templates, study.seed)], (), participant)
+    refused = Counter[tuple[str, str]]()
+    while session.tick < LONGEST_GAME:
+        record = session.step()
+        refused.update((each.asked, each.refused.sentence) for each in record.refusals)
+        if session.game is not None and session.game.ended is not None:
+            break
+    else:
+        view = () if participant.view is None else _position(participant.view)
+        problem = f"its game has not ended after {LONGEST_GAME // TICKS_PER_SECOND} s of simulated time"
+        remedy = "Let it request something for each view in which a robot waits, or end the game by GiveUp"
+        trial.note(problem, remedy, (title, *view))
+    for (asked, sentence), times in sorted(refused.items()):
+        if times > MOST_REFUSED:
+            problem = f"it requested the same again after more than {MOST_REFUSED} refusals"
+            trial.note(problem, "Look at view.refusal, and request something else", (title, asked, sentence))
+    yield from player.returned
+
+
+def _position(view: View) -> Iterator[str]:
+    """Yield lines that describe a view."""
+    for robot in view.robots:
+        where = f"in room {robot.place}" if robot.place else "in the corridor"
+        going = "" if robot.moving_to is None else f", on the way to room {robot.moving_to}"
+        yield f"Robot {robot.robot + 1} is {where}{going}, with energy {robot.energy:g}"
+    yield f"Unvisited rooms: {', '.join(str(room.room) for room in view.rooms if room.state == 'unvisited') or 'none'}"
+    for talk in view.dialogues:
+        yield f"Dialogue {talk.dialogue} with robot {talk.robot + 1}: {talk.said[-1] if talk.said else ''}"
+        yield f"Choices: {'; '.join(talk.choices) or 'none'}"

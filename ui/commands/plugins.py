@@ -1,0 +1,62 @@
+"""`thbridge plugins`: programs of a lab that replace parts of a session."""
+
+from typing import Annotated
+
+import typer
+
+from ui.commands.group import CommandGroup
+from ui.options import AsJson, Seed
+from ui.terminal import BAD_INPUT, bad_input, fail, print_json, say
+
+plugins_app = typer.Typer(
+    cls=CommandGroup,
+    help="Plug-ins: programs of your lab that replace a part, found by their entry points.",
+    no_args_is_help=True,
+)
+
+
+@plugins_app.command("list")
+def plugins_list(as_json: AsJson = False) -> None:
+    """List the plug-ins that are installed; none of them is loaded."""
+    from thbridge.files.plugins import KINDS
+    from ui.actions.plugin_check import listed
+
+    found = [*listed()]
+    if as_json:
+        print_json({"plugins": [{"group": kind.group, "name": name, "from": what} for kind, name, what in found]})
+        return
+    for kind, name, what in found:
+        say(f"{kind.what} {name}: {what}")
+    if not found:
+        say(f"None is installed. Groups of entry points: {', '.join(kind.group for kind in KINDS)}.")
+
+
+@plugins_app.command("check")
+def plugins_check(
+    participant: Annotated[
+        str | None, typer.Option(help="A simulated participant that is installed: it plays games of all conditions.")
+    ] = None,
+    seed: Seed = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Try plug-ins in many situations, twice and in a second process, and report faults.
+
+    Strategies and authors of wordings: `thbridge talk check`.
+    """
+    from thbridge.files.plugins import PARTICIPANTS
+    from ui.actions.plugin_check import check_plugin
+
+    asked = [(kind, name) for kind, name in ((PARTICIPANTS, participant),) if name is not None]
+    if not asked:
+        fail(BAD_INPUT, "nothing to check. Write --participant NAME; `thbridge plugins list` shows all names.")
+    with bad_input():
+        checked = [check_plugin(kind, name, seed or 0) for kind, name in asked]
+    ok = all(each.ok for each in checked)
+    if as_json:
+        print_json({"ok": ok, "plugins": [each.as_json() for each in checked]})
+    else:
+        for each in checked:
+            for line in each.lines():
+                say(line)
+    if not ok:
+        raise typer.Exit(BAD_INPUT)
