@@ -1,5 +1,7 @@
 """Strip along the bottom with all that waits for the participant."""
 
+import math
+
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QFontMetricsF, QPaintEvent, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QWidget
@@ -33,9 +35,8 @@ class WaitingChip(ParticipantButton):
 
     def sizeHint(self) -> QSize:
         """Return the size of two lines of words."""
-        metrics = QFontMetricsF(font("small"))
         text = self._waiting.text if self._waiting is not None else ""
-        wide = min(px(190), max(px(90), metrics.horizontalAdvance(text) / 2.0 + 2 * GAP))
+        wide = max(float(px(90)), _width_of_two_lines(text))
         return QSize(int(wide + chip_size() + 3 * GAP + self._key_room()), self.height_of_two_lines())
 
     @staticmethod
@@ -64,6 +65,13 @@ class WaitingChip(ParticipantButton):
     def _key_room(self) -> float:
         """Return the width that its key takes, logical pixels."""
         return key_size(self._shown_key)[0] + GAP / 2.0 if self._shown_key else 0.0
+
+
+def _width_of_two_lines(text: str) -> float:
+    """Return the least width in which words take two lines at most, broken where `WRAPPED` does, logical pixels."""
+    metrics, words = QFontMetricsF(font("small")), text.split()
+    lines = ((" ".join(words[:at]), " ".join(words[at:])) for at in range(1, len(words) + 1))
+    return math.ceil(min((max(map(metrics.horizontalAdvance, pair)) for pair in lines), default=0.0)) + 1.0
 
 
 class HorizontalScrollArea(QScrollArea):

@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import combinations, product
 
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QAccessible, QCursor, QFontMetricsF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
@@ -63,6 +63,7 @@ from ui.windows.participant.score import ScoreLabel
 from ui.windows.participant.tiles import below
 from ui.windows.participant.top import BannerLine
 from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
+from ui.windows.participant.widgets.painting import chip_size
 from ui.windows.participant.widgets.panels import RobotChip, SpeechBubble, TitledPanel, Transcript
 
 Open = Callable[..., Opened]
@@ -476,6 +477,19 @@ def test_a_pop_up_leaves_the_focus_where_it_is(opened: Open) -> None:
     names.setFocus()
     shown.show(replace(STATES["treasure"], waiting=samples.waiting(3), confirmation=None))
     assert QApplication.focusWidget() is names
+
+
+@pytest.mark.parametrize(
+    "text", ["Roboter 1: Plüschwürfel benennen?", "Robot 1 is in room 3 and found something", "Wer?"]
+)
+def test_what_waits_fits_into_its_two_lines(opened: Open, text: str) -> None:
+    shown = opened(replace(STATES["playing"], waiting=tuple(replace(each, text=text) for each in samples.waiting(1))))
+    (chip,) = shown.window.waiting.chips
+    metrics = QFontMetricsF(font("small"))
+    beside = 2.75 * GAP + chip_size() + chip._key_room()
+    space = QRectF(0.0, 0.0, chip.width() - beside, 1000.0)
+    wrapped = metrics.boundingRect(space, int(Qt.TextFlag.TextWordWrap), text)
+    assert wrapped.height() <= 2.0 * metrics.height() + 1.0 and wrapped.width() <= space.width()
 
 
 def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(qtbot: QtBot, opened: Open) -> None:
