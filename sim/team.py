@@ -37,11 +37,13 @@ from sim.inputs import (
     TeamInput,
     WithdrawGoal,
 )
+from sim.numerics import noise
 from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
 from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.global_planning.wave import Workspace
+from sim.robot.installed_parts import InstalledParts
 from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Localizer, carried_on
 from sim.robot.localization.fake_localization import FakeLocalization
@@ -125,9 +127,11 @@ class Team:
         charge: the energy each starts with.
         schedule: inputs known beforehand; they act before those that come in at the same tick.
         true_grid: the true map where it is not the one that robots know.
+        parts: those of labs that the parameters name; None: they name none.
 
     Raises:
-        ValueError: robots and starts differ in number, or a start is not free.
+        ValueError: robots and starts differ in number, a start is not free, or parameters name a part that is not
+            among `parts`.
     """
 
     def __init__(
@@ -140,7 +144,11 @@ class Team:
         charge: float,
         schedule: Sequence[ScheduledInput] = (),
         true_grid: OccupancyGrid | None = None,
+        parts: InstalledParts | None = None,
     ) -> None:
+        parts = parts or InstalledParts()
+        for parameters in robots:
+            parts.check(parameters)
         if len(robots) != len(starts):
             raise ValueError(f"{len(robots)} robots but {len(starts)} start poses")
         self._world = World(true_grid or grid, world, seed, charge)
@@ -167,7 +175,9 @@ class Team:
         for index, parameters in enumerate(robots):
             localizer = self._localizer(index, parameters, grid, world, seed)
             localizer.start(starts[index], START_COVARIANCE)
-            navigator = Navigator(parameters, footprint, grid, index, space)
+            navigator = Navigator(
+                parameters, footprint, grid, index, space, int(noise.key(seed, namespace_of(index))), parts.recoveries
+            )
             self._robots.append(Robot(index, localizer, navigator, footprint))
 
     def _localizer(
@@ -361,7 +371,7 @@ class Team:
                 self._dead.add(robot)
                 if (output := self._outputs[robot]) is not None:
                     # The last output stands for the dead robot from now on: it ends no goal and shows no costmap twice.
-                    last = replace(output.navigation, result=None, global_costmap=None, local_costmap=None)
+                    last = replace(output.navigation, result=None, global_costmap=None, local_costmap=None, fault="")
                     self._outputs[robot] = RobotOutput(output.observations, output.estimate, last, output.neighbour)
                 # The last snapshot holds the old array.
                 self._commands = self._commands.copy()

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 from sim.parameters.declaration import live, param
 
-Behaviour = Literal["conservative_reset", "rotate_recovery", "aggressive_reset"]
+BUILT_IN_RECOVERIES = ("conservative_reset", "rotate_recovery", "aggressive_reset")
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,7 +15,13 @@ class RecoveryBehavior:
 
     ros_only: ClassVar[Mapping[str, str]] = {"type": "the plugin's class; here the name says which behaviour it is"}
 
-    name: Behaviour = field(metadata={"help": "which behaviour"})
+    name: str = field(
+        metadata={
+            "help": "which behaviour; also one that is installed",
+            "choices": BUILT_IN_RECOVERIES,
+            "plugins": "thbridge.recovery_behaviors",
+        }
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -151,8 +151,8 @@ class Robot:
         self.lost, self._skipped = estimate.lost, False
         carries = self.localizer.awaits_scan and not estimate.lost
         self.next_due = self.navigator.next_due(tick, neighbours) if carries else tick + 1
-        if navigation.result or navigation.global_costmap or navigation.local_costmap:
-            lasting = replace(navigation, result=None, global_costmap=None, local_costmap=None)
+        if navigation.result or navigation.global_costmap or navigation.local_costmap or navigation.fault:
+            lasting = replace(navigation, result=None, global_costmap=None, local_costmap=None, fault="")
             # The output, but for what holds in its own tick alone.
             self._left = RobotOutput(observations, estimate, lasting, neighbour)
         return output

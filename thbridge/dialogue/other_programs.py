@@ -4,11 +4,13 @@ import re
 import traceback
 from pathlib import Path
 
+import sim
+
 RAISED = (Exception, SystemExit, GeneratorExit)
 """All that a program of others may raise without ending ours; an interrupt is a person's."""
 LONGEST_FAULT = 300
 """Greatest length of a fault, in characters."""
-_PACKAGE = Path(__file__).parents[1]
+_OURS = (Path(__file__).parents[1], Path(sim.__path__[0]))
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
 
@@ -17,7 +19,7 @@ def told_error(error: BaseException) -> str:
     text = in_a_line(traceback.format_exception_only(error)[-1])
     frames = traceback.extract_tb(error.__traceback__)
     # The last one in the program itself, which may have called us again.
-    theirs = [frame for frame in frames if not Path(frame.filename).is_relative_to(_PACKAGE)]
+    theirs = [frame for frame in frames if not any(map(Path(frame.filename).is_relative_to, _OURS))]
     return f"{text} ({Path(theirs[-1].filename).name}, line {theirs[-1].lineno})" if theirs else text
 
 

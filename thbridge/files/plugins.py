@@ -98,7 +98,8 @@ class PluginKind:
 STRATEGIES = PluginKind("thbridge.strategies", "strategy")
 WORDINGS = PluginKind("thbridge.wordings", "author of wordings")
 PARTICIPANTS = PluginKind("thbridge.participants", "simulated participant")
-KINDS = (STRATEGIES, WORDINGS, PARTICIPANTS)
+RECOVERIES = PluginKind("thbridge.recovery_behaviors", "recovery behavior")
+KINDS = (STRATEGIES, WORDINGS, PARTICIPANTS, RECOVERIES)
 """All kinds."""
 
 

@@ -14,6 +14,7 @@ from sim.common.observations import TICK
 from sim.inputs import PutThing, ScheduledInput, SendGoal, TeamInput
 from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.installed_parts import InstalledParts
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.team import Team
 from sim.world.physics import Misplaced, World
@@ -66,6 +67,7 @@ def drive(
     seed: int,
     true_grid: OccupancyGrid | None = None,
     schedule: Sequence[ScheduledInput] = (),
+    parts: InstalledParts | None = None,
 ) -> DriveResult | Misplaced:
     """Drive to a goal, the only robot on the map; or return why it cannot stand at its start.
 
@@ -77,6 +79,7 @@ def drive(
         seed: seed of all random numbers.
         true_grid: the true map where it is not the robot's; its origin is the same.
         schedule: obstacles that come and go (`PutThing`, `RemoveThing`), map frame.
+        parts: those of labs that the software names; None: it names none.
     """
     true_grid = true_grid or grid
     if grid.origin.theta != 0.0:
@@ -92,7 +95,7 @@ def drive(
     placed = World(true_grid, world, seed, charge=math.inf).start([task.start])
     if isinstance(placed, Misplaced):
         return placed
-    team = Team(grid, world, [robot], [task.start], seed, math.inf, schedule, true_grid)
+    team = Team(grid, world, [robot], [task.start], seed, math.inf, schedule, true_grid, parts)
     room = _Room(true_grid, np.array(world.footprint, dtype=np.float64))
     room.enter(placed.poses[0])
     inputs = [SendGoal(0, Goal(0, task.goal))]

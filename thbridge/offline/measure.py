@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from statistics import fmean, stdev
 
 from sim.common.observations import TICK
 from sim.inputs import SendGoal
 from sim.numerics import noise
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.installed_parts import InstalledParts
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.team import Team
 from thbridge.files.map_files import Map
@@ -27,12 +28,14 @@ class MeasurementSetup:
         world: bodies, motors and sensors.
         robot: the software that drives.
         seed: seed of all random numbers.
+        parts: those of labs that the software names.
     """
 
     place: Map
     world: WorldParameters
     robot: RobotParameters
     seed: int
+    parts: InstalledParts = field(default_factory=InstalledParts)
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -101,7 +104,7 @@ def drive(course: MeasurementSetup, trip: RoomTrip) -> TripResult:
     start = starts[trip.run % len(starts)] if trip.start.is_corridor else place.rooms[trip.start.people - 1].goal
     words = ("measure", str(trip.start.people), str(trip.goal.people), str(trip.run))
     seed = int(noise.key(course.seed, *words)) % 2**31
-    team = Team(place.grid, course.world, [course.robot], [start], seed, charge=math.inf)
+    team = Team(place.grid, course.world, [course.robot], [start], seed, charge=math.inf, parts=course.parts)
     inputs = [SendGoal(0, Goal(0, place.rooms[trip.goal.people - 1].goal))]
     for tick in range(1, round(LIMIT / TICK)):
         result = team.step(inputs).robots[0].navigation.result

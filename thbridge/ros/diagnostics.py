@@ -85,6 +85,8 @@ class RobotDiagnostics:
             self._lost = output.estimate.lost
             text = "the robot does not know where it is" if self._lost else "the robot knows where it is"
             yield LogLine(LogLevel.WARN if self._lost else LogLevel.INFO, self._localiser, text)
+        if output.navigation.fault:
+            yield LogLine(LogLevel.ERROR, self._navigator, output.navigation.fault)
         clears = output.navigation.state == "clearing"
         if clears and not self._clears:
             yield LogLine(LogLevel.WARN, self._navigator, "no way on: the robot tries to get free")

@@ -110,7 +110,7 @@ def _navigator(own: Tree) -> Tree:
     listed: list[ParameterValue] = []
     for number, name in enumerate(names):
         again = names[:number].count(name)
-        listed.append({"name": f"{name}_{again + 1}" if again else name, "type": _RECOVERIES[name]})
+        listed.append({"name": f"{name}_{again + 1}" if again else name, "type": _RECOVERIES.get(name, name)})
     tree["recovery_behaviors"] = listed
     return tree
 

@@ -1,10 +1,15 @@
 """Plug-ins that a study names."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from thbridge.files.plugins import PARTICIPANTS, STRATEGIES, WORDINGS
+from sim.parameters import RobotParameters
+from sim.robot.installed_parts import PartKind, installed_names
+from thbridge.files.plugins import PARTICIPANTS, RECOVERIES, STRATEGIES, WORDINGS, PluginKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.study_file import Study
+
+PART_KINDS: Mapping[PartKind, PluginKind] = {"recoveries": RECOVERIES}
+"""Kind of plug-ins of each kind of parts of robots."""
 
 
 def plugins_of(*studies: Study) -> tuple[str, ...]:
@@ -12,7 +17,15 @@ def plugins_of(*studies: Study) -> tuple[str, ...]:
     return tuple(sorted({key for study in studies for key in _plugins_of(study)}))
 
 
+def part_keys(*robots: RobotParameters) -> Iterator[str]:
+    """Yield the keys of the plug-ins that parameters of robots name."""
+    for software in robots:
+        for kind, _, name in installed_names(software):
+            yield PART_KINDS[kind].key(name)
+
+
 def _plugins_of(study: Study) -> Iterator[str]:
+    yield from part_keys(study.robot, *study.each.values())
     talk = study.dialogue
     if study.participant.strategy not in set(BotStrategy):
         yield PARTICIPANTS.key(study.participant.strategy)

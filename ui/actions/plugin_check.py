@@ -7,14 +7,18 @@ from dataclasses import dataclass
 
 from thbridge.app.trials.participant_check import try_participant
 from thbridge.app.trials.plugin_trial import DETERMINED, PluginTrial
-from thbridge.files.plugins import KINDS, PARTICIPANTS, PluginKind
+from thbridge.app.trials.recovery_check import try_recovery
+from thbridge.files.plugins import KINDS, PARTICIPANTS, RECOVERIES, PluginKind
 from ui.actions.talk.check import counted
 from ui.actions.talk.trial_faults import fault_as_json, fault_lines
 
 LONGEST = 5.0
 """Seconds of wall time after which a call counts as one that never ends."""
 
-TRIALS: Mapping[PluginKind, Callable[[str, int, float], PluginTrial]] = {PARTICIPANTS: try_participant}
+TRIALS: Mapping[PluginKind, Callable[[str, int, float], PluginTrial]] = {
+    PARTICIPANTS: try_participant,
+    RECOVERIES: try_recovery,
+}
 """Trial of each kind of plug-in, given a name, a seed and the seconds that a call may take."""
 
 

@@ -36,6 +36,9 @@ def plugins_check(
     participant: Annotated[
         str | None, typer.Option(help="A simulated participant that is installed: it plays games of all conditions.")
     ] = None,
+    recovery: Annotated[
+        str | None, typer.Option(help="A recovery behavior that is installed: it runs in places of all kinds.")
+    ] = None,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
@@ -43,12 +46,15 @@ def plugins_check(
 
     Strategies and authors of wordings: `thbridge talk check`.
     """
-    from thbridge.files.plugins import PARTICIPANTS
+    from thbridge.files.plugins import PARTICIPANTS, RECOVERIES
     from ui.actions.plugin_check import check_plugin
 
-    asked = [(kind, name) for kind, name in ((PARTICIPANTS, participant),) if name is not None]
+    asked = [(kind, name) for kind, name in ((PARTICIPANTS, participant), (RECOVERIES, recovery)) if name is not None]
     if not asked:
-        fail(BAD_INPUT, "nothing to check. Write --participant NAME; `thbridge plugins list` shows all names.")
+        fail(
+            BAD_INPUT,
+            "nothing to check. Write --participant NAME, say; see `thbridge plugins list`.",
+        )
     with bad_input():
         checked = [check_plugin(kind, name, seed or 0) for kind, name in asked]
     ok = all(each.ok for each in checked)

@@ -17,7 +17,7 @@ even with `oscillation_timeout: 0`.
 
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from operator import attrgetter
 
@@ -26,7 +26,7 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist, next_turn
-from sim.numerics import elementary_arrays
+from sim.numerics import elementary_arrays, noise
 from sim.numerics.float_array import FloatArray
 from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters
 from sim.robot.costmap.obstacle import CostmapObservation
@@ -51,7 +51,15 @@ from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, 
 from sim.robot.navigator.making_way import MakingWay
 from sim.robot.navigator.navigation import Navigation, NavigatorState
 from sim.robot.navigator.progress import GoalProgress
-from sim.robot.navigator.recovery import OscillationDetector, RecoveryBehaviours, RecoveryProgress
+from sim.robot.navigator.recovery import (
+    LONGEST_RECOVERY,
+    OscillationDetector,
+    RecoveryBehaviours,
+    RecoveryFactory,
+    RecoveryProgress,
+    RecoverySituation,
+    RunningRecovery,
+)
 from sim.robot.navigator.rotated_map import RotatedMap
 from sim.robot.navigator.stale_neighbours import StaleNeighbours
 from sim.robot.navigator.states import (
@@ -66,6 +74,7 @@ from sim.robot.navigator.states import (
     WantedPath,
 )
 from sim.robot.navigator.transitions import check_transition
+from sim.robot.part_failure import PartFailed
 
 _CLAIM = attrgetter("claim")
 
@@ -86,6 +95,8 @@ class Navigator:
         static: the map.
         robot: its index in the team.
         space: room to plan in, which it may share with others: nothing is kept there between plans. None: of its own.
+        seed: random seed of recovery behaviors.
+        recoveries: recovery behaviors of others, by name.
     """
 
     def __init__(
@@ -95,7 +106,12 @@ class Navigator:
         static: OccupancyGrid,
         robot: int = 0,
         space: Workspace | None = None,
+        seed: int = 0,
+        recoveries: Mapping[str, RecoveryFactory] | None = None,
     ) -> None:
+        self._seed = seed
+        self._recoveries = recoveries or {}
+        self._fault = ""
         self._rotated = RotatedMap(static)
         static = self._rotated.grid
         self._parameters = parameters
@@ -286,6 +302,7 @@ class Navigator:
     def _report(self, tick: int, pose: Pose2) -> Navigation:
         name: NavigatorState = "idle" if self._goal is None else "planning"
         plan, times, remaining, claim = NO_POSES, NO_TIMES, 0.0, None
+        fault, self._fault = self._fault, ""
         output, waits_for = STANDING, None if self._goal is None else self._progress.yields_to(tick)
         state = self._state.then if isinstance(self._state, Clearing) else self._state
         match state:
@@ -308,6 +325,7 @@ class Navigator:
             *self._costmaps.shown(tick, pose, self._stale, self._controller.pending),
             waits_for,
             self._making_way.now(tick, self._makes_way_for(tick), has_goal=self._goal is not None),
+            fault,
         )
 
     def _makes_way_for(self, tick: int) -> int | None:
@@ -420,8 +438,19 @@ class Navigator:
                 self._stop("way given")
         elif behaviour == "rotate_recovery":
             self._stop("recovery", Clearing(math.tau, self._standing()))
+        elif behaviour in self._recoveries:
+            self._begin(behaviour, tick)
         else:
             self._costmaps.clear_outside(pose.x, pose.y, self._recovery.reset_side(behaviour))
+
+    def _begin(self, name: str, tick: int) -> None:
+        """Begin a recovery behavior of others."""
+        try:
+            behavior = self._recoveries[name](int(noise.key(self._seed, "recovery", name, str(tick))))
+        except PartFailed as failed:
+            self._fault = str(failed)
+        else:
+            self._stop("recovery", Clearing(0.0, self._standing(), behavior, tick))
 
     def _given_up(self, goal: Goal) -> NoPath:
         match self._state:
@@ -563,8 +592,11 @@ class Navigator:
         match self._state:
             case Controlling():
                 self._control(self._state, tick, pose, twist, bodies)
-            case Clearing():
-                self._turn(self._state, pose, twist, bodies)
+            case Clearing() as state:
+                if state.behavior is None:
+                    self._turn(state, pose, twist, bodies)
+                else:
+                    self._behave(state, state.behavior, tick, pose, twist, bodies)
             case _:
                 self._command = STANDSTILL
 
@@ -597,6 +629,35 @@ class Navigator:
             self._enter("command due", replace(state, turn_left=left))
         else:
             self._stop("recovery ended", state.then)
+
+    def _behave(
+        self,
+        state: Clearing,
+        behavior: RunningRecovery,
+        tick: int,
+        pose: Pose2,
+        twist: Twist,
+        bodies: Sequence[Neighbour],
+    ) -> None:
+        """Choose the command of a recovery behavior of others, as far as that is safe."""
+        controller, seconds = self._controller, (tick - state.began) * TICK
+        scan = None if controller.pending is None else controller.pending.scan
+        controller.update_costmap(pose, bodies)
+        goal = None if self._goal is None else self._rotated.pose_in_grid(self._goal.base_in_map)
+        costs, footprint = controller.costmap.costs.copy(), controller.costmap.footprint.copy()
+        for array in (costs, footprint):
+            array.setflags(write=False)
+        now = RecoverySituation(seconds, pose, twist, goal, scan, costs, controller.costmap.frame, footprint)
+        try:
+            command = None if seconds > LONGEST_RECOVERY else behavior.command(now)
+        except PartFailed as failed:
+            command, self._fault = None, str(failed)
+        if command is None:
+            self._stop("recovery ended", state.then)
+            return
+        safe = controller.planner.safe(pose, twist, command, controller.surroundings(pose, bodies))
+        self._command = command if safe else STANDSTILL
+        self._enter("command due", state)
 
 
 def _plans_by(parameters: RobotParameters) -> tuple[str, NavfnParameters, GlobalPlannerParameters]:

@@ -30,6 +30,7 @@ class Navigation:
         local_costmap: the same for commands.
         waits_for: the robot that this one lets go first, if it stands because of one.
         makes_way_for: the robot that has the right of way while this one waits for it, or drives aside or round it.
+        fault: failure of a planner or recovery behavior of others in this very tick; empty without one.
     """
 
     command: Twist
@@ -45,3 +46,4 @@ class Navigation:
     local_costmap: CostmapView | None = None
     waits_for: int | None = None
     makes_way_for: int | None = None
+    fault: str = ""

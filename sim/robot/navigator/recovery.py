@@ -8,10 +8,60 @@ robot between two closed doors would drive to and fro for ever.
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 from sim.common.geometry import Pose2
-from sim.common.observations import TICKS_PER_SECOND
+from sim.common.observations import TICKS_PER_SECOND, Scan, Twist
+from sim.numerics.float_array import FloatArray
 from sim.parameters import MoveBaseParameters
+from sim.robot.costmap.costs import CostFrame, Costs
+
+LONGEST_RECOVERY = 30.0
+"""Seconds after which a recovery behavior is ended."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecoverySituation:
+    """All that a recovery behavior knows when a command is due. Arrays cannot be written to.
+
+    Attributes:
+        seconds: simulated time since the behavior began.
+        base_in_map: believed pose of the robot.
+        twist: its velocity, by odometry.
+        goal_in_map: pose of the goal; None where the robot makes room without one.
+        scan: the last one that the local costmap has not taken in yet; None without one.
+        costs: (rows, cols) the local costmap.
+        frame: its place in the map.
+        footprint: (n, 2) padded corners of the body, base frame, metres.
+    """
+
+    seconds: float
+    base_in_map: Pose2
+    twist: Twist
+    goal_in_map: Pose2 | None
+    scan: Scan | None
+    costs: Costs
+    frame: CostFrame
+    footprint: FloatArray
+
+
+class RunningRecovery(Protocol):
+    """A recovery behavior that has begun (nav_core::RecoveryBehavior, a command at a time)."""
+
+    def command(self, now: RecoverySituation) -> Twist | None:
+        """Return the next command, or None at the end. Where a command leaves no room to stop, the robot stands."""
+
+
+class RecoveryFactory(Protocol):
+    """Factory of a recovery behavior: a class or function."""
+
+    def __call__(self, seed: int, /) -> RunningRecovery:
+        """Return the behavior, which begins now.
+
+        Args:
+            seed: random seed, another one for each robot and each time.
+        """
+        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from sim.common.frozen import frozen
 from sim.common.observations import Claim
 from sim.numerics.float_array import FloatArray
 from sim.robot.navigator.follower import STANDING, Follower, FollowerOutput
+from sim.robot.navigator.recovery import RunningRecovery
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,15 +70,19 @@ class Controlling:
 
 @dataclass(frozen=True, slots=True)
 class Clearing:
-    """The robot turns once around, to see more (rotate_recovery).
+    """The robot turns once around, to see more (rotate_recovery), or does as another recovery behavior says.
 
     Attributes:
         turn_left: radians.
         then: the state to go on in.
+        behavior: the other behavior; None: the robot turns.
+        began: tick in which that began.
     """
 
     turn_left: float
     then: Idle | Planning | Controlling
+    behavior: RunningRecovery | None = None
+    began: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +137,7 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     (Controlling, "told to replan", Planning),
     (Controlling, "goal ended", Idle),  # Reached, given up or cancelled.
     (Controlling, "lost", Lost),
-    (Clearing, "command due", Clearing),  # Turn on, as far as that is safe.
+    (Clearing, "command due", Clearing),  # Turn on, or as the behavior says, as far as that is safe.
     (Clearing, "asked to clear", Clearing),  # Give way after the turn.
     (Clearing, "recovery ended", Idle),
     (Clearing, "recovery ended", Planning),

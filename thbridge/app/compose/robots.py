@@ -41,7 +41,9 @@ def _team(setting: StudySetting, robots: Sequence[int], schedule: Sequence[Sched
     study = setting.study
     starts = [setting.map.starts[robot] for robot in robots]
     software = [study.software(number_of(robot)) for robot in robots]
-    return Team(setting.map.grid, study.world, software, starts, study.seed, study.game.energy, schedule)
+    return Team(
+        setting.map.grid, study.world, software, starts, study.seed, study.game.energy, schedule, parts=setting.parts
+    )
 
 
 def rehearse(setting: StudySetting) -> None:

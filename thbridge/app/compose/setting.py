@@ -13,7 +13,9 @@ from sim.common.geometry import Pose2
 from sim.common.robot_numbers import index_of
 from sim.common.traversability import TraversabilityMap
 from sim.robot.costmap.footprint import radii
+from sim.robot.installed_parts import InstalledParts, installed_names
 from thbridge.app.compose.installed import installed_author, installed_strategy, participant_factory
+from thbridge.app.compose.installed_parts import installed_parts, load_part
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.robot_strategies import StrategyFactory
@@ -56,6 +58,7 @@ class StudySetting:
         language: in which robots argue; likewise.
         strategies: of robots that argue, by index, and under None of the others; None for a robot's own.
         author: of other wordings of what robots say; None: the language's files alone.
+        parts: parts of robots' software that are plug-ins.
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
         texts: of the game's language, for participants.
@@ -70,6 +73,7 @@ class StudySetting:
     language: Language | None
     strategies: Mapping[int | None, StrategyFactory | None]
     author: WordingAuthor | None
+    parts: InstalledParts = field(default_factory=InstalledParts)
     consent: str | None = None
     farewell: str = ""
     texts: Texts = field(default_factory=shipped_texts)
@@ -152,6 +156,10 @@ def read_setting(
     for robot, key, name in _strategy_names(talk):
         with faults.kept(), keys.naming(key):
             strategies[robot] = None if name is None else installed_strategy(name)
+    for key, software in (("robot", study.robot), *((f"each.{number}", each) for number, each in study.each.items())):
+        for kind, parameter, name in installed_names(software):
+            with faults.kept(), keys.naming(f"{key}.{parameter}"):
+                load_part(kind, name)
     with faults.kept(), keys.naming("participant.strategy"):
         if study.participant.strategy not in set(BotStrategy):
             participant_factory(study.participant.strategy)
@@ -171,6 +179,7 @@ def read_setting(
         language,
         strategies,
         author,
+        installed_parts((study.robot, *study.each.values())),
         consent,
         farewell,
         texts,

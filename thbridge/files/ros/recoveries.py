@@ -1,5 +1,6 @@
 """Recovery behaviours in files of ROS: each with any name, the type of a plugin, and a section of settings."""
 
+from thbridge.files.plugins import RECOVERIES
 from thbridge.files.ros.normalize import Entry
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
 
@@ -68,8 +69,13 @@ def _named_here(node: Node) -> dict[str, str]:
         elif kind.endswith("ClearCostmapRecovery"):
             # The first behaviour that clears costmaps keeps what is near, the next ones clear more.
             names[name] = AGGRESSIVE if CONSERVATIVE in names.values() else CONSERVATIVE
-        elif kind:
-            names[name] = ""
+        elif kind or name not in USUAL:
+            installed = RECOVERIES.names()
+            found = next((word for word in (kind, name) if word in installed), None)
+            if found is not None:
+                names[name] = found
+            elif kind:
+                names[name] = ""
     return names
 
 

@@ -15,6 +15,7 @@ from thbridge.files.progress import Tell
 from thbridge.hunt.rooms import Room
 from thbridge.offline.kept_trips import KeptTrips, digest_of, kept_path
 from thbridge.offline.measure import MeasurementSetup, RoomTrip, TripResult, TripTimes, by_pair, drive, trips
+from thbridge.study.plugins import part_keys
 from ui.actions.engines import stopped_by_sigterm
 from ui.terminal import FAILED, fail, note, out
 
@@ -38,7 +39,7 @@ def measure_trips(
     wanted = list(trips(course.place, runs))
     if result is None:
         return by_pair(_driven(course, wanted, {}, None, jobs, tell).values())
-    with KeptTrips(result, digest_of(course, versions())) as kept:
+    with KeptTrips(result, digest_of(course, versions(part_keys(course.robot)))) as kept:
         if kept.dropped:
             note(f"{kept.path} has trips on another map or with other settings. Measuring from the beginning.")
         done = {trip: kept.done[trip] for trip in wanted if trip in kept.done}

@@ -32,6 +32,7 @@ def maps_measure(
 
     A run that was stopped goes on: until the file is written, the trips are kept next to it.
     """
+    from thbridge.app.compose.installed_parts import installed_parts
     from thbridge.files.map_files import read_map
     from thbridge.files.map_times import map_times
     from thbridge.offline.measure import MeasurementSetup
@@ -52,7 +53,8 @@ def maps_measure(
     study = study_of(the_study(study_file, study_option), {"seed": seed})
     with bad_input():
         place = read_map(folder, study.world.footprint, with_costs=False)
-    course = MeasurementSetup(place, study.world, study.robot, study.seed)
+        parts = installed_parts([study.robot])
+    course = MeasurementSetup(place, study.world, study.robot, study.seed, parts)
     announce_compiling()
     result = None if to == STANDARD_OUTPUT else to
     if result is not None and result.exists():

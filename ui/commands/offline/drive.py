@@ -66,6 +66,7 @@ def drive(
     """Drive one simulated robot over a map: noisy sensors, localisation, planning and all."""
     from sim.common.geometry import Pose2
     from sim.world.physics import Misplaced
+    from thbridge.app.compose.installed_parts import installed_parts
     from thbridge.files.ros.defaults import sentences_of
     from thbridge.offline.drive import DriveResult, DriveTask
     from thbridge.offline.drive import drive as driven
@@ -81,6 +82,7 @@ def drive(
         files = read_parameters(params or [])
         true_grid, told_of_unmapped = (grid, ()) if unmapped is None else read_unmapped(unmapped, grid)
         schedule = () if moving is None else read_moving(moving, grid)
+        parts = installed_parts([files.parameters.robot])
     for sentence in (*files.notices, *sentences_of(files.defaults), *told_of_unmapped):
         note(sentence)
     given = files.parameters
@@ -90,7 +92,7 @@ def drive(
         note(f"local_costmap.footprint is not the simulated body; to drive that one, add --footprint '{corners}'")
     announce_compiling()
     errand = DriveTask(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
-    result = driven(grid, world, given.robot, errand, seed, true_grid, schedule)
+    result = driven(grid, world, given.robot, errand, seed, true_grid, schedule, parts)
     if isinstance(result, Misplaced):
         result = DriveResult(False, False, 0.0, 0.0, 0.0, f"the start is not free: {result.sentence}")
     if as_json:

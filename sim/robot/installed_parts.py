@@ -1,0 +1,34 @@
+"""Parts of a robot's software that labs bring, by the names that parameters have for them."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from sim.parameters import BUILT_IN_RECOVERIES, RobotParameters
+from sim.robot.navigator.recovery import RecoveryFactory
+
+PartKind = Literal["recoveries"]
+
+
+@dataclass(frozen=True, slots=True)
+class InstalledParts:
+    """Factories of parts. What they make raises `PartFailed`, and nothing else, where it fails.
+
+    Attributes:
+        recoveries: recovery behaviors.
+    """
+
+    recoveries: Mapping[str, RecoveryFactory] = field(default_factory=dict)
+
+    def check(self, parameters: RobotParameters) -> None:
+        """Raise ValueError where parameters name a part that is not here."""
+        for kind, _, name in installed_names(parameters):
+            if name not in getattr(self, kind):
+                raise ValueError(f"there is no part {name} among the {kind}")
+
+
+def installed_names(parameters: RobotParameters) -> Iterator[tuple[PartKind, str, str]]:
+    """Yield the kind, the parameter and the name of each part that parameters name and that is not built in."""
+    for behavior in parameters.move_base.recovery_behaviors:
+        if behavior.name not in BUILT_IN_RECOVERIES:
+            yield "recoveries", "move_base.recovery_behaviors", behavior.name
