@@ -8,6 +8,7 @@ widgets keep to them by `follow_text`.
 """
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import ClassVar, Literal, TypeVar, cast
 from weakref import WeakKeyDictionary
@@ -131,9 +132,16 @@ def colours() -> Palette:
 
 def font(size: Size = "body", *, bold: bool = False) -> QFont:
     """The typeface in one of its sizes, with figures of equal width so that numbers stand still while they change."""
+    # A copy, since callers change theirs; Qt copies only a font that is changed.
+    return QFont(_made_font(_Current.body * _SCALE[size], bold))
+
+
+@cache
+def _made_font(points: float, bold: bool) -> QFont:
+    """Make a typeface once; painting and layout ask for it hundreds of times a frame."""
     made = QFont()
     made.setFamilies(["Inter", QFont().defaultFamily()])
-    made.setPointSizeF(_Current.body * _SCALE[size])
+    made.setPointSizeF(points)
     made.setWeight(QFont.Weight.DemiBold if bold else QFont.Weight.Normal)
     made.setFeature(QFont.Tag("tnum"), 1)
     return made
