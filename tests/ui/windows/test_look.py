@@ -1,7 +1,9 @@
 """Windows are light or dark as the system or the person wants, and legible."""
 
+from collections.abc import Iterator
+
 import pytest
-from PySide6.QtWidgets import QApplication, QMessageBox
+from PySide6.QtWidgets import QApplication, QMessageBox, QStyle
 from pytestqt.qtbot import QtBot
 
 from ui.model.theme import DARK, LIGHT, contrast
@@ -23,8 +25,23 @@ def test_the_number_on_a_robots_chip_can_be_read(qapp: QApplication, palette) ->
     look.apply_palette(qapp, LIGHT)
 
 
-def test_boxes_have_flat_signs_and_buttons_without_icons(qapp: QApplication, qtbot: QtBot) -> None:
+class IconStyle(look.WindowStyle):
+    """Qt's style as on desktops whose buttons have icons."""
+
+    def styleHint(self, hint: QStyle.StyleHint, *others: object) -> int:
+        return int(hint is QStyle.StyleHint.SH_DialogButtonBox_ButtonsHaveIcons) or super().styleHint(hint, *others)
+
+
+@pytest.fixture
+def icons_on_buttons(qapp: QApplication) -> Iterator[None]:
     look.apply_palette(qapp, LIGHT)
+    qapp.setStyle(IconStyle())
+    yield
+    qapp.setStyle(look.WindowStyle())
+
+
+@pytest.mark.usefixtures("icons_on_buttons")
+def test_boxes_have_flat_signs_and_buttons_without_icons(qtbot: QtBot) -> None:
     box = QMessageBox(QMessageBox.Icon.Warning, "Desk", "Close the desk?")
     qtbot.addWidget(box)
     cancel = box.addButton(QMessageBox.StandardButton.Cancel)

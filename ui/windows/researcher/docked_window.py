@@ -244,7 +244,11 @@ class DockedWindow(QMainWindow):
         ]
         figures = self._docks[2:]
         bottom = [*(self._dock(LISTS[kind][0], log, BOTTOM) for kind, log in self.logs.items())]
-        if not live:
+        if live:
+            # A session has no pane for them: without a parent, they would outlive the window.
+            self.topics.setParent(self)
+            self.topics.hide()
+        else:
             bottom.append(self._dock("Topics", self.topics, BOTTOM))
         bottom.append(self._dock("Wizard", self.wizard, BOTTOM))
         self.wizard.hide()  # until its tab is in front: it is high, and the window must not grow for it

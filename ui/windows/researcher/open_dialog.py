@@ -70,7 +70,8 @@ class OpenDialog(QDialog):
         column.addLayout(_row(self.key, ("Key…", self._browse_key)))
         if recent:
             column.addWidget(label("Opened before:"))
-            column.addWidget(self.recent, 1)
+        column.addWidget(self.recent, 1)
+        self.recent.setVisible(bool(recent))
         column.addWidget(self.fault)
         column.addStretch()
         column.addWidget(buttons)

@@ -69,6 +69,7 @@ class WatchProgram(QObject):
     def ask(self, parent: QWidget | None) -> None:
         """Open the dialog *Open*."""
         self.dialog = OpenDialog(self._memory.recent(), self.open, parent)
+        self.dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.dialog.open()
 
     def _open_from(self, window: ResearcherWindow, path: str) -> None:

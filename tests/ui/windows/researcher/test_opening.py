@@ -1,5 +1,6 @@
 """What is opened from the researcher's windows: by the dialog, from the list of recent ones, dropped on a window."""
 
+import gc
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -111,9 +112,16 @@ def test_only_the_latest_recordings_are_remembered_with_their_bookmarks(memory: 
     assert memory.bookmarks("/1.bag") == []
 
 
-def test_a_window_that_is_closed_is_freed(program: WatchProgram, bag: Path, qtbot: QtBot) -> None:
-    program.open(str(bag))
+@pytest.mark.parametrize("live", [False, True])
+def test_a_window_that_is_closed_is_freed_with_all_its_parts(
+    program: WatchProgram, bag: Path, qtbot: QtBot, live: bool
+) -> None:
+    assert QApplication.allWidgets() == []
+    program.open("127.0.0.1:1" if live else str(bag))
     window = program.windows[0]
     window.close()
     assert program.windows == []
     qtbot.waitUntil(lambda: not isValid(window))
+    del window
+    gc.collect()
+    assert QApplication.allWidgets() == []
