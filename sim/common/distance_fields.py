@@ -4,7 +4,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from sim.common.grid import OCCUPIED, OccupancyGrid
 from sim.numerics.float_array import FloatArray
@@ -31,6 +30,9 @@ def cells_away(free: NDArray[np.bool_]) -> FloatArray:
 
 def nearest_cells(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
     """(2, rows, cols) row and column of the cell nearest to each one of those in a mask, which must not be empty."""
+    # Reading a study needs no scipy, whose import would take half of the time.
+    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415
+
     nearest: NDArray[np.int32] = distance_transform_edt(~mask, return_distances=False, return_indices=True)
     return nearest
 

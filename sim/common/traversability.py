@@ -7,7 +7,6 @@ from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label
 
 from sim.common.distance_fields import cells_away
 from sim.common.geometry import Pose2
@@ -148,6 +147,9 @@ class CrowdedFloor:
 def _areas(passable: Mask) -> NDArray[np.int32]:
     """Number of the area that each cell belongs to, from 1; 0 where there is none."""
     # From a cell a robot gets to the four beside it, not past the corner between two walls.
+    # Reading a study needs no scipy, whose import would take half of the time.
+    from scipy.ndimage import label  # noqa: PLC0415
+
     return cast(tuple[NDArray[np.int32], int], label(passable))[0]
 
 

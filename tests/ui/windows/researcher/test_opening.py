@@ -118,10 +118,10 @@ def test_a_window_that_is_closed_is_freed_with_all_its_parts(
 ) -> None:
     assert QApplication.allWidgets() == []
     program.open("127.0.0.1:1" if live else str(bag))
-    window = program.windows[0]
-    window.close()
+    shown = list(program.windows)
+    shown[0].close()
     assert program.windows == []
-    qtbot.waitUntil(lambda: not isValid(window))
-    del window
+    qtbot.waitUntil(lambda: not isValid(shown[0]))
+    shown.clear()
     gc.collect()
     assert QApplication.allWidgets() == []
