@@ -1,16 +1,19 @@
-"""Permissions of what commands write, beside a real program: a test in this process has no umask of its own."""
+"""Permissions of what commands write; `tests/system/test_readers.py` looks at those of real programs."""
 
+import os
 import stat
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from tests.commands import thbridge
+from ui.outputs import keep_to_owner
+
 
 def run(folder: Path, umask: int, *arguments: str) -> None:
-    command = [sys.executable, "-c", "from ui.cli import main; main()", *arguments]
-    subprocess.run(command, cwd=folder, umask=umask, check=False, capture_output=True)
+    os.umask(umask)
+    keep_to_owner()
+    thbridge(folder, *arguments)
 
 
 def mode(path: Path) -> int:

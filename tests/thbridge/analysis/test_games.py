@@ -9,7 +9,7 @@ import pyarrow.parquet
 import pytest
 
 from sim.common.observations import TICK
-from tests.system.test_play import thbridge
+from tests.commands import thbridge
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.report.gathering import read_games
 from thbridge.analysis.report.page import build_report
@@ -123,8 +123,8 @@ def test_every_row_of_a_table_tells_its_game(games: tuple[Report, ...], bag: Pat
 def test_a_figure_is_of_one_game(games: tuple[Report, ...], bag: Path) -> None:
     asked = ("bag", "plot", bag.name, "--what", "energy", "--to", "energy.svg")
     refused = thbridge(bag.parent, *asked)
-    assert refused.returncode == 2 and "--game" in refused.stderr and "1, 2" in refused.stderr
-    assert thbridge(bag.parent, *asked, "--game", "2").returncode == 0
+    assert refused.exit_code == 2 and "--game" in refused.stderr and "1, 2" in refused.stderr
+    assert thbridge(bag.parent, *asked, "--game", "2").exit_code == 0
 
 
 @pytest.mark.slow

@@ -1,14 +1,13 @@
 """Sessions of `thbridge.api`: equal to those of the command line, replayed bit for bit, and what they take."""
 
 import math
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.commands import thbridge
 from thbridge import api
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros.names import SESSION
@@ -26,8 +25,7 @@ def test_a_game_is_that_of_the_command_line_byte_for_byte(tmp_path: Path) -> Non
     with api.HuntSession(STUDY, participant="nearest", record=ours) as session:
         assert session.play()
     command = ["play", "study.yaml", "--participant", "nearest", "--bag", str(theirs), "--json", "--port", "0"]
-    program = "import sys; from ui.cli import main; sys.exit(main())"
-    subprocess.run([sys.executable, "-c", program, *command], cwd=tmp_path, check=True, capture_output=True)
+    assert thbridge(tmp_path, *command).exit_code == 0
     mine, other = contents(ours), contents(theirs)
     # The session record holds the study, whose port differs, so that no other program is in the way.
     assert [each for each in mine if each[0] != SESSION] == [each for each in other if each[0] != SESSION]

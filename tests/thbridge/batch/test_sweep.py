@@ -13,6 +13,7 @@ from threading import Thread
 
 import pytest
 
+from tests.commands import thbridge
 from tests.thbridge.batch.rig import DESIGN, InlineEngine, games, run
 from thbridge.batch import tasks
 from thbridge.batch.batch_task import worker_name
@@ -46,7 +47,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_game_says_what_it_says_in_play_with_the_same_study_and_seed(whole: Path) -> None:
     study, bag = SweepFolder(whole).study(4), whole / "played.bag"
     play = ("play", study, "--seed", "5", "--headless", "--port", "0", "--max-seconds", "4", "--bag", bag, "--json")
-    subprocess.run([*PROGRAM, *map(str, play)], env=SURROUNDINGS, capture_output=True, check=False)
+    thbridge(whole, *play)
     row = next(row for row in games(whole).to_pylist() if (row["condition"], row["seed"]) == (4, 5))
     assert row["messages"] == digest_of(bag)
 
