@@ -68,13 +68,13 @@ def test_a_game_without_a_report_loads_nothing_of_analysis_and_of_other_filters(
     assert not {name for name in modules if name.startswith(("filterpy", "scipy.stats", "sim.robot.localization.ekf"))}
 
 
-def test_the_particle_filter_loads_nothing_of_other_filters(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("kind", "is_loaded"), [("amcl", False), pytest.param("ekf", True, marks=pytest.mark.slow)])
+def test_the_particle_filter_loads_nothing_of_other_filters(tmp_path: Path, kind: str, is_loaded: bool) -> None:
     write(tmp_path / "a.bag", Robot(), seconds=1.0)
     command = ("localize", "a.bag", "--map", str(write_map(tmp_path)), "--global")
-    for kind, is_loaded in (("amcl", False), ("ekf", True)):
-        modules = loaded(tmp_path, *command, "--localization", kind)
-        assert "thbridge.offline.localize" in modules
-        assert ("filterpy" in modules) is is_loaded
+    modules = loaded(tmp_path, *command, "--localization", kind)
+    assert "thbridge.offline.localize" in modules
+    assert ("filterpy" in modules) is is_loaded
 
 
 @pytest.mark.parametrize(

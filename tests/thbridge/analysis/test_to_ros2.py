@@ -174,7 +174,7 @@ def test_types_of_ros_2_become_those_of_noetic_and_others_are_kept(tmp_path: Pat
     assert converted(tmp_path / "lab").left_out == {}
 
 
-@pytest.mark.parametrize("name", STORAGES)
+@pytest.mark.parametrize("name", ["mcap", pytest.param("sqlite", marks=pytest.mark.slow)])
 def test_a_robot_is_localised_in_it_as_in_the_bag_that_it_was(tmp_path: Path, name: str) -> None:
     from rosbags.convert.converter import convert  # noqa: PLC0415 - rosbags' own conversion, as the judge
 

@@ -52,7 +52,7 @@ def test_each_page_that_a_help_text_or_a_message_names_is_there() -> None:
     assert named <= set(pages.pages())
 
 
-@pytest.mark.parametrize("has_browser", [True, False])
+@pytest.mark.parametrize("has_browser", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_page_for_a_browser_links_to_the_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, has_browser: bool
 ) -> None:

@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from tests.slow import slow
 from tests.thbridge.offline.plans import plan
 from thbridge.files.grid_files import read_grid, write_grid
 from thbridge.hunt.rooms import Room
@@ -132,7 +133,7 @@ class TestCheck:
         assert (fault["file"], fault["line"], fault["key"]) == ("two/rooms.yaml", 5, "rooms[0].goal")
         assert fault["remedy"] == "Move it away from the wall"
 
-    @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+    @pytest.mark.parametrize("suffix", ["png", *slow("svg", "pdf")])
     def test_it_is_drawn_also_with_faults_and_always_the_same(self, here: Path, suffix: str) -> None:
         (here / "two" / "rooms.yaml").write_text(ROOMS.replace("[1.5, 2, 0]", "[0.2, 2, 0]"))
         for name in ("a", "b"):
@@ -157,7 +158,7 @@ def picture(path: Path, wall: int = 0) -> None:
 class TestNew:
     def test_an_image_becomes_an_arena_that_games_are_played_on(self, here: Path) -> None:
         picture(here / "lab.png")
-        done = maps("new", "lab.png", "--resolution", 0.1, "--names", "Kitchen, Store", "--robots", 2, "--jobs", 2)
+        done = maps("new", "lab.png", "--resolution", 0.1, "--names", "Kitchen, Store", "--robots", 2, "--jobs", 1)
         assert done.exit_code == 0, done.stderr
         assert "Rooms: 2 found: 1 Kitchen, 2 Store" in done.stdout
         assert "Start poses: 2\n" in done.stdout

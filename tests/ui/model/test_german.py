@@ -200,7 +200,7 @@ def test_a_whole_game():
     assert seat.do(AnotherGame(), 30).game == 2
 
 
-@pytest.mark.parametrize("templates", ["four-properties", "everyday-things"])
+@pytest.mark.parametrize("templates", ["four-properties", pytest.param("everyday-things", marks=pytest.mark.slow)])
 def test_a_game_with_the_german_words_of_map_and_templates(templates):
     setting = read_setting(Study(map="office", templates=templates, dialogue=DialogueSection(language="de")), Path())
     words, read = setting.set_words, set()

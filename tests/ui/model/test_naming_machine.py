@@ -138,7 +138,11 @@ class Naming(RuleBasedStateMachine):
         self.read = len(events)
 
 
+EXAMPLES = settings.default.max_examples // 2
 Naming.TestCase.settings = settings(
-    max_examples=25, stateful_step_count=40, deadline=None, suppress_health_check=list(HealthCheck)
+    max_examples=settings.default.max_examples // 2,
+    stateful_step_count=40,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
 )
 TestNaming = Naming.TestCase

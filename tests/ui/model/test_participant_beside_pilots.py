@@ -1,5 +1,7 @@
 """A whole hunt steered by a ground station, while the participant's window follows it."""
 
+import pytest
+
 from tests.thbridge.roles.vehicles.test_pilot import STATION, Flight
 from thbridge.app.compose.game import build_briefing
 from thbridge.hunt.events import RobotArrived, TreasureIdentified
@@ -29,6 +31,7 @@ class Follower:
         return self.model.requests()
 
 
+@pytest.mark.slow
 def test_the_window_follows_a_hunt_that_a_ground_station_steers():
     follower = Follower()
     flight = Flight(participant=TabUI(follower, follower))

@@ -254,8 +254,12 @@ def check_cards(seat, state):
         assert card.state
 
 
+EXAMPLES = settings.default.max_examples // 2
 Game.TestCase.settings = settings(
-    max_examples=12, stateful_step_count=25, deadline=None, suppress_health_check=list(HealthCheck)
+    max_examples=settings.default.max_examples // 2,
+    stateful_step_count=25,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
 )
 TestGame = Game.TestCase
 

@@ -387,7 +387,8 @@ def test_a_robot_whose_wheels_do_not_turn_gives_up():
     assert rig.results[0][0].reason == "stuck"
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
 def test_six_robots_hunt(seed):
     hunt(Rig([(0, -1.5 + 0.9 * i, 0) for i in range(6)]), 3, seed)
 
@@ -435,7 +436,7 @@ def touch_nothing_and_arrive(grid, starts, goals, seed, waits=0):
     assert not snapshot.world.collisions.any()
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_six_robots_that_start_in_a_row_touch_nothing_on_noisy_wheels(seed):
     starts = [Pose2(0, -1.5 + 0.9 * i, 0) for i in range(6)]
     rooms = random.Random(seed).sample(ROOMS, 6)

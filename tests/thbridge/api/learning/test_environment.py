@@ -33,7 +33,7 @@ def test_pettingzoos_test_of_the_interface(control: str) -> None:
         parallel_api_test(parallel_env(STUDY, control=control, max_seconds=8), num_cycles=100)
 
 
-@pytest.mark.parametrize("control", ["rooms", "velocity"])
+@pytest.mark.parametrize("control", ["rooms", pytest.param("velocity", marks=pytest.mark.slow)])
 def test_pettingzoos_test_of_seeds(control: str) -> None:
     def made() -> HuntEnv:
         return parallel_env(STUDY, control=control, max_seconds=8)
@@ -42,7 +42,7 @@ def test_pettingzoos_test_of_seeds(control: str) -> None:
     seed_test(lambda: parallel_to_aec(made()), num_cycles=30)
 
 
-@pytest.mark.parametrize("control", ["rooms", "velocity"])
+@pytest.mark.parametrize("control", [pytest.param("rooms", marks=pytest.mark.slow), "velocity"])
 def test_same_seed_and_same_actions_give_the_same_to_the_bit(control: str) -> None:
     def episode() -> list[object]:
         env = HuntEnv(STUDY, control=control, max_seconds=20)

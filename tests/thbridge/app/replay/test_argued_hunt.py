@@ -89,6 +89,7 @@ def test_moves_and_states_stand_beside_what_was_said(bag: Path) -> None:
         assert portrait.games[-1].number == move.dialogue and portrait.sigma
 
 
+@pytest.mark.slow
 def test_the_hunt_is_the_same_again_in_another_process_with_another_order_of_sets(bag: Path) -> None:
     command = [sys.executable, "-c", "from ui.cli import main; main()", "replay", str(bag)]
     seeds = {"PYTHONHASHSEED": "12345"}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow
 from tests.thbridge.app.replay.test_replay import STUDY, equal, record
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
@@ -14,7 +15,13 @@ from thbridge.ros import names
 from thbridge.study.study_file import DialogueSection, MannerSection, ParticipantSection
 
 
-@pytest.mark.parametrize("condition", DialogueCondition)
+@pytest.mark.parametrize(
+    "condition",
+    [
+        DialogueCondition.COLLABORATOR,
+        *slow(*(each for each in DialogueCondition if each is not DialogueCondition.COLLABORATOR)),
+    ],
+)
 def test_a_hunt_in_any_condition_is_the_same_again_to_the_last_bit(
     condition: DialogueCondition, tmp_path: Path
 ) -> None:

@@ -274,7 +274,7 @@ def keeps_promises(now: Conversation, number: int) -> None:
         assert now.legal(number) == ()
 
 
-QUICK = settings(max_examples=40, stateful_step_count=25, deadline=None, suppress_health_check=list(HealthCheck))
+QUICK = settings(max_examples=20, stateful_step_count=25, deadline=None, suppress_health_check=list(HealthCheck))
 TestTalking = Talking.TestCase
 TestTalking.settings = QUICK
 

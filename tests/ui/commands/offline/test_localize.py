@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from sim.common.geometry import Pose2
+from tests.slow import slow
 from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, write, write_map
 from ui.cli import app
 
@@ -122,7 +123,7 @@ def test_the_fastest_speed_of_odometry_can_be_given(tmp_path: Path) -> None:
     assert (plain["odometry_faults"], len(bounded["odometry_faults"])) == ([], 1)
 
 
-@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+@pytest.mark.parametrize("suffix", ["svg", *slow("png", "pdf")])
 def test_the_path_is_drawn_over_the_map_the_same_each_time(folder: Path, tmp_path: Path, suffix: str) -> None:
     pictures = [tmp_path / f"{number}.{suffix}" for number in range(2)]
     for picture in pictures:

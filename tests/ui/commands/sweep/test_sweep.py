@@ -8,6 +8,7 @@ from click.testing import Result
 from pyarrow import csv, parquet
 from typer.testing import CliRunner
 
+from tests.slow import slow
 from tests.thbridge.batch.rig import InlineEngine
 from thbridge.batch import tasks
 from ui.actions import engines
@@ -113,7 +114,7 @@ def test_collect_writes_the_same_table_in_both_formats(played: Path, folder: Pat
     assert thbridge("sweep", "collect", played, "--to", "-").stdout == (folder / "games.csv").read_text()
 
 
-@pytest.mark.parametrize("suffix", ["svg", "png", "pdf"])
+@pytest.mark.parametrize("suffix", ["svg", *slow("png", "pdf")])
 @pytest.mark.parametrize("band", ["t", "bootstrap"])
 def test_the_same_games_give_the_same_figure(played: Path, folder: Path, suffix: str, band: str) -> None:
     plot = ("sweep", "plot", played, "--measure", "error_mean", "--lines", "robots", "--band", band, "--to")

@@ -148,8 +148,8 @@ def by_keyboard(player: Player, right: str) -> None:
     ("play", "robots", "set_name", "size", "text"),
     [
         (by_mouse, 2, "original-2016", (1280, 720), 1.25),
-        (by_keyboard, 6, "original-2016", (1920, 1080), 1.0),
-        (by_mouse, 3, "four-properties", (1366, 768), 1.0),
+        pytest.param(by_keyboard, 6, "original-2016", (1920, 1080), 1.0, marks=pytest.mark.slow),
+        pytest.param(by_mouse, 3, "four-properties", (1366, 768), 1.0, marks=pytest.mark.slow),
         (by_keyboard, 2, "four-properties", (800, 600), 1.0),
     ],
 )

@@ -14,6 +14,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
+from tests.slow import slow
 from tests.ui.windows import samples
 from tests.ui.windows.fitting import settle
 from tests.ui.windows.participant.conftest import Opened
@@ -795,7 +796,10 @@ def test_everything_has_a_name_for_assistive_technology(opened: Open) -> None:
         assert nameless == [], state
 
 
-@pytest.mark.parametrize(("width", "height"), [(860, 540), (1024, 768), (1920, 1080)])
+@pytest.mark.parametrize(
+    ("width", "height"),
+    [(860, 540), *slow((1024, 768), (1920, 1080))],
+)
 def test_nothing_is_cut_off_or_lies_on_something_else(opened: Open, width: int, height: int) -> None:
     shown = opened(STATES["playing"], width, height)
     for state, screen in STATES.items():

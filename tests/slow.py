@@ -1,0 +1,10 @@
+"""Values of parameters that only `make test-slow` tries, where others take the same path through the program."""
+
+import pytest
+
+
+def slow(*values: object) -> list[object]:
+    """Return the values of a parameter, each marked as slow; tuples are values of several parameters."""
+    return [
+        pytest.param(*(value if isinstance(value, tuple) else (value,)), marks=pytest.mark.slow) for value in values
+    ]
