@@ -424,7 +424,7 @@ class ParticipantWindow(QWidget):
             if regions[0] is self.top:
                 self.column.cards.focus_selected()  # Not the tools, where the next Enter would press one.
             elif regions[0] is self.dialogue:
-                # Not its first button, which puts it aside: a second Enter after a name would press that.
+                # Not its first button, which puts it aside: Enter is for the first answer.
                 self.dialogue.setFocus(Qt.FocusReason.OtherFocusReason)
             elif regions[0] is self.treasure and self.treasure.names.isVisible():
                 self.treasure.names.setFocus(Qt.FocusReason.OtherFocusReason)  # Where Enter submits the name.

@@ -499,7 +499,10 @@ def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(qtbot: QtBot, o
     shown.show(STATES["dialogue"])
     assert QApplication.focusWidget() is shown.window.dialogue
     qtbot.keyClick(shown.window.dialogue, Qt.Key.Key_Return)
-    assert shown.done == [], "Enter a second time presses nothing"
+    assert shown.done == [], "nobody has read it yet"
+    shown.now += 1.0
+    qtbot.keyClick(shown.window.dialogue, Qt.Key.Key_Return)
+    assert shown.done == [GiveAnswer(0)], "and not Later, its first button"
     qtbot.keyClick(shown.window.dialogue, Qt.Key.Key_Down)
     assert QApplication.focusWidget() is shown.window.dialogue.choices.buttons[0]
     shown.show(STATES["treasure"])
