@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 WITHOUT_CALLS = """
 import os, resource, select, signal, socket, sys, time
 
@@ -51,6 +53,7 @@ def test_a_hunt_on_a_ros_graph_without_the_calls_that_macos_lacks(tmp_path: Path
     assert checked.returncode == 0, checked.stderr
 
 
+@pytest.mark.slow
 def test_a_sweep_without_the_calls_that_macos_lacks(tmp_path: Path) -> None:
     (tmp_path / "short.yaml").write_text("base: {map: practice, robots: 1}\nreplicates: 2\nmax_seconds: 5\n")
     done = run(WITHOUT_CALLS, tmp_path, "sweep", "run", "short.yaml")

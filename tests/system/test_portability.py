@@ -28,7 +28,7 @@ from thbridge.ros.messages.stamps import START_NS
 from thbridge.ros.topics import RosMessage, Topic
 
 ROOT = Path(__file__).parents[2]
-SHORT = ("two robots", "kalman filter, dwa", "argued")
+SHORT = ("two robots", "kalman filter, dwa")
 
 DISPATCHED = [name for name in __cpu_dispatch__ if __cpu_features__.get(name)]
 NUMPY_WITHOUT_AVX512 = {

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow
 from tests.system.ports import free_port
 from tests.system.programs import Program, until
 from thbridge.analysis.export.folder import export_bag
@@ -145,7 +146,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("ending", ["failure", "abort"])
+@pytest.mark.parametrize("ending", ["failure", *slow("abort")])
 def test_what_fails_on_purpose_does_not_tell_a_key(tmp_path: Path, keys: Path, ending: str) -> None:
     secrets = forms_of(WATCH_KEY, PASSPHRASE)
     port = free_port()

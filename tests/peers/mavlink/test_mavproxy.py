@@ -11,7 +11,7 @@ from tests.peers.mavlink.mavproxy import MavProxy
 from tests.peers.mavlink.rovers import degrees, free_udp_port, needs, rovers
 from tests.system.programs import until
 
-pytestmark = needs("mavproxy")
+pytestmark = [needs("mavproxy"), pytest.mark.slow]
 
 PARAMETER = "SIM_ODOM_ALPHA1"
 

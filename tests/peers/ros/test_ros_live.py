@@ -160,6 +160,7 @@ def test_somebody_drives_by_hand_and_the_robot_stops_by_itself(beside: Ros) -> N
     until("it to stand", lambda: abs(tells("twist/twist/angular/z")) < 0.1, [])
 
 
+@pytest.mark.slow
 def test_an_action_client_drives_cancels_and_is_replaced(tmp_path: Path) -> None:
     with session(tmp_path, "--robots", "1") as (ros, _):
         said = ros.script(live.ACTION_CLIENT, "/robot1", json.dumps(CORRIDOR))

@@ -208,6 +208,7 @@ def test_roslaunch_joins(graph):
     assert graph.says("rosparam", "get", "/launched/x") == "7\n"
 
 
+@pytest.mark.slow
 def test_roswtf_finds_nothing_wrong_with_the_graph(graph):
     with graph.talker("/healthy"):
         graph.node_of("/healthy")

@@ -186,6 +186,7 @@ async def repeating(publication, data: bytes) -> AsyncIterator[None]:
         task.cancel()
 
 
+@pytest.mark.slow
 @with_patience
 async def test_rostopic_hears_us():
     async with graph() as ros:

@@ -121,6 +121,7 @@ def test_what_rosparam_sets_dynparam_gets(beside: Ros) -> None:
     until("the parameter to change", lambda: "'kld_err': 0.0625" in beside.says(*asked), [])
 
 
+@pytest.mark.slow
 def test_dynparam_corrects_the_stamps_of_real_robots_odometry(beside: Ros, tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text("robots_from: ros\nrobots: 1\nfleet: {odom_time_offset: 0.05}\n")
     master = beside.environment["ROS_MASTER_URI"]

@@ -52,6 +52,7 @@ def test_a_no_in_the_window_is_thanked_and_leaves_no_file(
     assert files_of(folder) == []
 
 
+@pytest.mark.slow
 def test_a_yes_in_the_window_is_the_first_thing_recorded(
     played: programs.Program, screen: Desktop, folder: Path
 ) -> None:

@@ -123,6 +123,7 @@ def _begun(root: Path) -> Iterator[int]:
                 yield int(lines[0].rpartition(":")[2])
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_where_an_earlier_one_was_killed(whole: Path, tmp_path: Path) -> None:
     root = tmp_path / "sweep"
     (tmp_path / "sweep.yaml").write_text(DESIGN)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from tests.slow import slow
 from tests.thbridge.experiment.test_design import write
 from thbridge.batch.engines.engine import EngineFailed, FinishedTask
 from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople
@@ -61,7 +62,7 @@ def tasks(root: Path, factor: str, effect: PutInEffect, count: int) -> list[Powe
 
 @pytest.mark.parametrize(
     ("factor", "level", "shift"),
-    [("robots", "2", 0.1), ("noise.preset", "bad wheels", 0.25)],
+    [("robots", "2", 0.1), *slow(("noise.preset", "bad wheels", 0.25))],
     ids=["within", "between"],
 )
 def test_more_people_find_more_and_nothing_is_found_where_nothing_is(

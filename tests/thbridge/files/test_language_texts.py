@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -124,6 +125,7 @@ class Used(ast.NodeVisitor):
             self.words.add(node.value)
 
 
+@cache
 def used() -> Used:
     """The texts that all programs ask for."""
     found = Used()

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid, interpret_image
+from tests.slow import slow
 from tests.thbridge.offline.plans import SCALE, pixels, plan
 from thbridge.offline.drawings import blocked_paths, squared, turned, without_thin_lines
 
@@ -24,7 +25,7 @@ DRAWN = {
 }
 
 
-@pytest.mark.parametrize("name", DRAWN)
+@pytest.mark.parametrize("name", ["hatched walls", "an uneven scan", *slow("solid walls", "turned paper")])
 def test_doors_that_are_drawn_shut_are_found_and_opened(name: str) -> None:
     grid = grid_of(DRAWN[name])
     closed = blocked_paths(grid, INSCRIBED)

@@ -11,6 +11,7 @@ from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from sim.common.traversability import TraversabilityMap, crosses_itself, inside
 from sim.robot.costmap.footprint import radii
+from tests.slow import slow
 from thbridge.files.map_files import FOOTPRINT, Map, read_map
 from thbridge.files.resources import shipped
 from thbridge.offline.arena import arena_of, outline_of, simplified
@@ -50,7 +51,7 @@ def test_rooms_are_those_that_a_person_drew(name: str, least: float) -> None:
 
 
 @pytest.mark.parametrize("name", ["arena8", "warehouse12"])
-@pytest.mark.parametrize("angle", [90, 17, -40])
+@pytest.mark.parametrize("angle", [90, 17, *slow(-40)])
 def test_a_turned_map_has_the_same_rooms(name: str, angle: float) -> None:
     grid, drawn = drawn_by_hand(name)
     turned = rotate(grid.cells, angle, order=0, cval=UNKNOWN)
@@ -63,7 +64,7 @@ def test_a_turned_map_has_the_same_rooms(name: str, angle: float) -> None:
 
 
 @pytest.mark.parametrize("name", ["arena8", "warehouse12", "office"])
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *slow(2, 3)])
 def test_a_scan_with_specks_holes_and_ragged_walls_has_the_same_rooms(name: str, seed: int) -> None:
     grid, drawn = drawn_by_hand(name)
     chance = np.random.default_rng(seed)
@@ -107,8 +108,8 @@ def test_rooms_are_numbered_as_one_reads() -> None:
     assert [ordered[8, 2], ordered[7, 7], ordered[2, 2]] == [1, 2, 3]
 
 
-@pytest.mark.parametrize("name", ["arena8", "office", "practice", "warehouse12"])
-@pytest.mark.parametrize("origin", [IDENTITY, Pose2(3.0, -2.0, 0.6)])
+@pytest.mark.parametrize("name", ["practice", "office", *slow("arena8", "warehouse12")])
+@pytest.mark.parametrize("origin", [Pose2(3.0, -2.0, 0.6), *slow(IDENTITY)])
 def test_an_arena_is_playable(name: str, origin: Pose2) -> None:
     cells = drawn_by_hand(name)[0]
     grid = OccupancyGrid(cells.cells, cells.resolution, origin)

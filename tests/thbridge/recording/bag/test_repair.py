@@ -15,6 +15,7 @@ from rosbags.rosbag1.reader import RecordType
 from rosbags.typesys import Stores, get_typestore
 from typer.testing import CliRunner
 
+from tests.slow import slow
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression
@@ -324,7 +325,7 @@ while True:
 """Writes 500 messages a simulated second as fast as it can and says after each what it wrote, and when."""
 
 
-@pytest.mark.parametrize("kill_after", [3_777, 12_001, 20_250])
+@pytest.mark.parametrize("kill_after", [3_777, *slow(12_001, 20_250)])
 def test_killed_at_any_moment_at_most_the_last_second_is_lost(tmp_path: Path, kill_after: int) -> None:
     path = tmp_path / "a.bag"
     process = subprocess.Popen([sys.executable, "-c", WRITE, str(path)], stdout=subprocess.PIPE)
