@@ -117,9 +117,22 @@ def value_at(section: object, path: str) -> object:
 
 def with_value(section: T, path: str, value: object) -> T:
     """Return the section with another value at a path of names."""
-    name, _, rest = path.partition(".")
-    inner = with_value(cast(object, getattr(section, name)), rest, value) if rest else value
-    return cast(T, dataclasses.replace(cast("DataclassInstance", section), **{name: inner}))
+    return with_values(section, {path: value})
+
+
+def with_values(section: T, values: Mapping[str, object]) -> T:
+    """Return the section with other values at paths of names; each section on these paths is made once."""
+    own: dict[str, object] = {}
+    inner: dict[str, dict[str, object]] = {}
+    for path, value in values.items():
+        name, _, rest = path.partition(".")
+        if rest:
+            inner.setdefault(name, {})[rest] = value
+        else:
+            own[name] = value
+    for name, changed in inner.items():
+        own[name] = with_values(cast(object, getattr(section, name)), changed)
+    return cast(T, dataclasses.replace(cast("DataclassInstance", section), **own))
 
 
 TARGET_PATHS: Mapping[str, str] = dict(_homes())
@@ -128,17 +141,12 @@ TARGET_PATHS: Mapping[str, str] = dict(_homes())
 
 def noise_section_of(study: object) -> NoiseSection:
     """Return the section as it would be written for this study."""
-    section = NoiseSection()
-    for path, home in TARGET_PATHS.items():
-        section = with_value(section, path, value_at(study, home))
-    return section
+    return with_values(NoiseSection(), {path: value_at(study, home) for path, home in TARGET_PATHS.items()})
 
 
 def with_noise(section: NoiseSection, study: T) -> T:
     """Return the study with these numbers."""
-    for path, home in TARGET_PATHS.items():
-        study = with_value(study, home, value_at(section, path))
-    return study
+    return with_values(study, {home: value_at(section, path) for path, home in TARGET_PATHS.items()})
 
 
 def preset_in(tree: Node) -> NoisePreset:

@@ -42,7 +42,7 @@ from thbridge.study.noise import (
     preset_in,
     value_at,
     with_noise,
-    with_value,
+    with_values,
 )
 from thbridge.study.real_robots import FleetSection, faults_of_fleet
 from thbridge.study.robots_from import RobotsFrom
@@ -459,17 +459,20 @@ def _ros_files(path: Path, tree: Node) -> list[Path]:
 def _gathered(written: Loaded[StudyFile]) -> Study:
     """Return the study with the numbers of the section `noise`, except those also written at their own place."""
     file = written.value
-    study = Study(**_fields(file))
-    for path, home in TARGET_PATHS.items():
-        if home not in written.lines:
-            study = with_value(study, home, value_at(file.noise, path))
-    for number in study.each:
-        for home in TARGET_PATHS.values():
-            section, _, own = home.partition(".")
-            if section == "robot" and f"each.{number}.{own}" not in written.lines:
-                software = with_value(study.each[number], own, value_at(study, home))
-                study = dataclasses.replace(study, each={**study.each, number: software})
-    return study
+    noise = {home: value_at(file.noise, path) for path, home in TARGET_PATHS.items() if home not in written.lines}
+    study = with_values(Study(**_fields(file)), noise)
+    own = {
+        home.removeprefix("robot."): value_at(study, home)
+        for home in TARGET_PATHS.values()
+        if home.startswith("robot.")
+    }
+    each = {
+        number: with_values(
+            software, {path: value for path, value in own.items() if f"each.{number}.{path}" not in written.lines}
+        )
+        for number, software in study.each.items()
+    }
+    return dataclasses.replace(study, each=each)
 
 
 def _given_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:

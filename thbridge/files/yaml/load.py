@@ -179,15 +179,15 @@ class _Reader:
         return self.wrong(node.line, key, problem, "Write true or false, without quotes")
 
     def number(self, node: Scalar, kind: object, metadata: Metadata, key: str) -> float | _Wrong:
-        text, remedy = node.text, wanted(kind, metadata)
+        text = node.text
         is_angle = kind is float and metadata.get("unit") == "rad"
         angle = radians_of(text) if is_angle else None
         if _LAUNCHED.fullmatch(text):
-            return self.wrong(node.line, key, f"{text} is a placeholder of a launch file", remedy)
+            return self.wrong(node.line, key, f"{text} is a placeholder of a launch file", wanted(kind, metadata))
         if angle is None and not node.plain:
             return self.wrong(node.line, key, f"{text!r} in quotes is text, not a number", "Take the quotes away")
         if _NOT_FINITE.fullmatch(text):
-            return self.wrong(node.line, key, f"{text} is not a finite number", remedy)
+            return self.wrong(node.line, key, f"{text} is not a finite number", wanted(kind, metadata))
         if _LEADING_ZERO.fullmatch(text):
             return self.wrong(
                 node.line, key, f"{text} begins with 0 and reads as octal to some", "Take the leading 0 away"
@@ -197,13 +197,13 @@ class _Reader:
             return self.wrong(node.line, key, f"{text!r} is not a number", remedy)
         if kind is int and not _WHOLE.fullmatch(text):
             what = "not a whole number" if _NUMBER.fullmatch(text) else "not a number"
-            return self.wrong(node.line, key, f"{text!r} is {what}", remedy)
+            return self.wrong(node.line, key, f"{text!r} is {what}", wanted(kind, metadata))
         if angle is None and not _NUMBER.fullmatch(text):
-            return self.wrong(node.line, key, f"{text!r} is not a number", remedy)
+            return self.wrong(node.line, key, f"{text!r} is not a number", wanted(kind, metadata))
         number = angle if angle is not None else int(text) if kind is int else float(text)
         minimum, maximum = bounds(metadata)
         if not minimum <= number <= maximum or not math.isfinite(number):
-            return self.wrong(node.line, key, f"{text} is out of range", remedy)
+            return self.wrong(node.line, key, f"{text} is out of range", wanted(kind, metadata))
         if is_angle and angle is None and (doubt := doubt_about(text, number)) is not None:
             self.doubts.append(BadFile(self.path, *doubt, line=node.line, key=key or None))
         return number

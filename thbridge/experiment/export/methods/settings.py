@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, cast
 
 from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.study.noise import value_at
 from thbridge.study.study_file import Study, StudyFile
 from thbridge.study.text import SHOWN_ELSEWHERE, as_yaml
 
@@ -40,8 +41,8 @@ def practice_settings(design: ExperimentDesign, index: int) -> Iterator[tuple[st
 
 def same_in_all(design: ExperimentDesign, key: str) -> str:
     """Return the value of a setting in all games; where it varies, all values."""
-    settings = (_flat(study) for cell in design.cells for study in cell.studies)
-    return " or ".join(dict.fromkeys(_plain(each.get(key, "")) for each in settings))
+    values = (value_at(study, key) for cell in design.cells for study in cell.studies)
+    return " or ".join(dict.fromkeys(_plain(as_yaml(value)) for value in values))
 
 
 def _plain(value: str) -> str:
