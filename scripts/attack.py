@@ -41,8 +41,8 @@ from sim.numerics.compiled_files import write
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.head import LogHead, head_path
 from thbridge.files.keys.key_ring import KeyRing
+from thbridge.mavlink.wire.dialect import mav
 from thbridge.protocols.credentials import Right, key_line
-from thbridge.protocols.mavlink.dialect import mav
 from thbridge.protocols.text.lines import encode_line
 from thbridge.protocols.watching import BagStreamReader, SessionMessage, parse_status
 from thbridge.roles.participant.tabui import encode_request_line

@@ -11,9 +11,9 @@ from types import NoneType
 
 from sim.parameters import RobotParameters, WorldParameters
 from thbridge.files.yaml.declarations import allowed
+from thbridge.mavlink.role.parameter_names import GROUPS, group_of
+from thbridge.mavlink.role.parameters import PARAMETERS, VehicleParameter, values_of
 from thbridge.roles.robot_requests import Tuning
-from thbridge.roles.vehicles.parameter_names import GROUPS, group_of
-from thbridge.roles.vehicles.parameters import PARAMETERS, VehicleParameter, values_of
 
 ROOT = Path(__file__).parents[1]
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.protocols.mavlink.options import AutopilotIdentity
+from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, TEXT_SERVER_PORT, WATCH_PORT
 from ui.terminal import BAD_INPUT, fail

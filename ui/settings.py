@@ -10,7 +10,7 @@ from thbridge.files.map_files import Map
 from thbridge.files.resources import shipped
 from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
 from thbridge.files.yaml.load import Loaded
-from thbridge.protocols.mavlink.options import AutopilotIdentity
+from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.sockets.addresses import Address, parse_address, parse_target
 from thbridge.study.built_in import study_at
 from thbridge.study.overrides import StudyChange

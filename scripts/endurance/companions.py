@@ -18,9 +18,10 @@ from thbridge.app.session.watch_requests import request_line
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import read_template_set
-from thbridge.protocols.mavlink.station.ground_station import GroundStation
-from thbridge.protocols.mavlink.station.trip import StationTrip
-from thbridge.protocols.mavlink.vehicle_interface import Target
+from thbridge.mavlink.sockets.client import open_station
+from thbridge.mavlink.station.ground_station import GroundStation
+from thbridge.mavlink.station.trip import StationTrip
+from thbridge.mavlink.values.vehicle_interface import Target
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import is_notice
 from thbridge.protocols.watching import SessionMessage, parse_status
@@ -28,7 +29,6 @@ from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import ParticipantRequest, PlayAgain, View
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.client import open_station
 from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.sockets.rosgraph.node import RosNode
 from thbridge.sockets.text.client import TextClient

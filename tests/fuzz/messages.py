@@ -19,8 +19,8 @@ from sim.parameters import RobotParameters, WorldParameters
 from tests.compiling import ROOT
 from tests.thbridge.analysis.planting import clean, content
 from tests.thbridge.app.session.test_watch_requests import GRANTED
-from tests.thbridge.protocols.mavlink.hostile import orders
-from tests.thbridge.protocols.mavlink.rig import Rig
+from tests.thbridge.mavlink.hostile import orders
+from tests.thbridge.mavlink.rig import Rig
 from thbridge.app.session.input_records import from_record
 from thbridge.app.session.watch_requests import WatchRequestHandler, request_line
 from thbridge.dialogue.portrait import DialoguePortrait, PortrayedBelief, PortrayedGame, read_portrait
@@ -31,14 +31,14 @@ from thbridge.experiment.store.decoding import decoded as event_of
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import LoggedEvent
 from thbridge.hunt.codec import from_json
+from thbridge.mavlink.values.options import AutopilotIdentity
+from thbridge.mavlink.values.vehicle_interface import Station
+from thbridge.mavlink.wire.dialect import decoded, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.frames.framer import FrameParser, parse_datagram
+from thbridge.mavlink.wire.frames.signing import parse_key
+from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.protocols.credentials import KeyAnswer, key_line, parse_answer, secret_of
-from thbridge.protocols.mavlink.dialect import decoded, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.frames.framer import FrameParser, parse_datagram
-from thbridge.protocols.mavlink.frames.signing import parse_key
-from thbridge.protocols.mavlink.options import AutopilotIdentity
-from thbridge.protocols.mavlink.outgoing import LinkId
-from thbridge.protocols.mavlink.vehicle_interface import Station
 from thbridge.protocols.rosgraph.tcpros import FrameBuffer, decode_header
 from thbridge.protocols.rosgraph.xmlrpc import decode_call, decode_response
 from thbridge.protocols.text import canonical, legacy

@@ -35,7 +35,6 @@ from thbridge.files.errors import BadFile
 from thbridge.files.game_files import read_rulebook
 from thbridge.files.image_files import read_image
 from thbridge.files.keys.key_ring import RING, KeyRing, Right
-from thbridge.files.keys.signing_timestamps import SUFFIX, TimestampFile
 from thbridge.files.map_files import read_map
 from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.files.tables.csv_files import read_columns
@@ -46,11 +45,12 @@ from thbridge.hunt.codec import to_json
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import EndReason, GameEnded, GameStarted, RobotArrived, RobotDeparted, TreasureIdentified
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.frames.framer import FrameParser
-from thbridge.protocols.mavlink.frames.signing import KnownTimestamps
-from thbridge.protocols.mavlink.tlog import Tlog
-from thbridge.protocols.mavlink.traffic import Traffic
+from thbridge.mavlink.files.signing_timestamps import SUFFIX, TimestampFile
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.frames.framer import FrameParser
+from thbridge.mavlink.wire.frames.signing import KnownTimestamps
+from thbridge.mavlink.wire.tlog import Tlog
+from thbridge.mavlink.wire.traffic import Traffic
 from thbridge.recording.bag import ros2
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.reading.scan import scan

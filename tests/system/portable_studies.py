@@ -37,9 +37,9 @@ from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
-from thbridge.protocols.mavlink.dialect import Message, crc_extra, mav, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.mavlink.wire.dialect import Message, crc_extra, mav, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.router import ConnectionId
 from thbridge.recording.digest import digest_of

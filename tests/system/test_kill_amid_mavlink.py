@@ -8,9 +8,9 @@ import pytest
 
 from tests.system.programs import Program, until
 from thbridge.app.session.mavros import frame_in
-from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.frames.framer import FrameParser
+from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.frames.framer import FrameParser
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.ros.messages import unpack

@@ -34,8 +34,8 @@ from thbridge.files.errors import BadFile
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_file import ClientKey, read_key
 from thbridge.files.keys.key_ring import KeyRing, Right
-from thbridge.files.keys.signing_timestamps import TimestampFile
-from thbridge.protocols.mavlink.frames.signing import KnownTimestamps
+from thbridge.mavlink.files.signing_timestamps import TimestampFile
+from thbridge.mavlink.wire.frames.signing import KnownTimestamps
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.journal import journal_path, read_journal

@@ -8,7 +8,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from thbridge.protocols.mavlink.options import AutopilotIdentity
+from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study

@@ -129,7 +129,7 @@ def test_a_text_server_listens_without_robots_vehicles_and_bags(tmp_path: Path) 
     unwanted = ("sim.team", "sim.world.physics", "sim.robot.localization", "sim.robot.navigator.move_base")
     unwanted += (
         "thbridge.roles.simr",
-        "thbridge.roles.vehicles",
+        "thbridge.mavlink.role",
         "thbridge.ros.publisher",
         "thbridge.recording.bag.writing.writer",
     )

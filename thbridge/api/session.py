@@ -36,9 +36,9 @@ from thbridge.files.plugins import PARTICIPANTS
 from thbridge.hunt.codec import kind_of, to_json
 from thbridge.hunt.events import Commander, Event
 from thbridge.hunt.rooms import Room
+from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, make_room, tlog_of, try_place
-from thbridge.recording.tlog import TlogFile
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import (

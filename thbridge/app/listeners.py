@@ -13,7 +13,7 @@ from thbridge.app.live_graph.live import LiveGraph, on_graph
 from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.watch_requests import WatchRequestHandler
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
-from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.publisher import TeamPublisher
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress

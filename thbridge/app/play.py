@@ -24,11 +24,12 @@ from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
 from thbridge.app.trouble_log import TroubleLog
 from thbridge.hunt.game import GameState
-from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.mavlink.files.tlog import TlogFile
+from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
+from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.protocols.text import legacy
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
-from thbridge.recording.tlog import TlogFile
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
@@ -39,7 +40,6 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import RingKeys
-from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.text.server import TextServer
 from thbridge.timing.keepalive import kept_alive

@@ -8,7 +8,7 @@ from typing import TypeVar
 from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
-from thbridge.protocols.mavlink.options import (
+from thbridge.mavlink.values.options import (
     LONGEST_TIMEOUT,
     SHORTEST_TIMEOUT,
     AutopilotIdentity,

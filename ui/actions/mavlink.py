@@ -12,16 +12,16 @@ from rich.table import Table
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.replay.mavlink_replay import FramesReplayed, HuntResult, has_session
 from thbridge.app.replay.replay import recorded_study, session_of
-from thbridge.files.keys.signing_key import read_signing_key
-from thbridge.files.keys.signing_timestamps import TimestampFile
-from thbridge.protocols.mavlink import conventions
-from thbridge.protocols.mavlink.frames.signing import SigningKey
-from thbridge.protocols.mavlink.mode_numbers import shown_mode_name
-from thbridge.protocols.mavlink.station.ground_station import KnownRobot
-from thbridge.protocols.mavlink.station.trip import StationTrip, StationTripStage, TripOutcome
-from thbridge.protocols.mavlink.vehicle_interface import Target
+from thbridge.mavlink.files.signing_key import read_signing_key
+from thbridge.mavlink.files.signing_timestamps import TimestampFile
+from thbridge.mavlink.sockets.client import StationSocket, Unreachable, open_station
+from thbridge.mavlink.station.ground_station import KnownRobot
+from thbridge.mavlink.station.trip import StationTrip, StationTripStage, TripOutcome
+from thbridge.mavlink.values import conventions
+from thbridge.mavlink.values.vehicle_interface import Target
+from thbridge.mavlink.wire.frames.signing import SigningKey
+from thbridge.mavlink.wire.mode_numbers import shown_mode_name
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.client import StationSocket, Unreachable, open_station
 from thbridge.study.overrides import with_changes
 from thbridge.timing.loop import stopping
 from ui.actions.replay import other_versions

@@ -44,7 +44,7 @@ def mavlink_status(
     """Tell which robots are there, and how they stand."""
     import asyncio
 
-    from thbridge.sockets.mavlink.client import StationSocket
+    from thbridge.mavlink.sockets.client import StationSocket
     from ui.actions.mavlink import (
         fail_without_robots,
         run_program,
@@ -92,9 +92,9 @@ def mavlink_goto(
 
     Its number, X and Y are those of `thbridge mavlink status`. A point in a room is a move of the game.
     """
-    from thbridge.protocols.mavlink.station.trip import TripOutcome
-    from thbridge.protocols.mavlink.vehicle_interface import Target
-    from thbridge.sockets.mavlink.client import StationSocket
+    from thbridge.mavlink.sockets.client import StationSocket
+    from thbridge.mavlink.station.trip import TripOutcome
+    from thbridge.mavlink.values.vehicle_interface import Target
     from ui.actions.mavlink import drive_robot, fail_without_robots, run_program, station_at
 
     for name, value in (("X", x), ("Y", y), ("--heading", 0.0 if heading is None else heading)):

@@ -23,8 +23,8 @@ from thbridge.app import play
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
+from thbridge.mavlink.sockets.server import MavlinkPorts
 from thbridge.sockets.addresses import Address, UdpTarget
-from thbridge.sockets.mavlink.server import MavlinkPorts
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 
@@ -38,9 +38,9 @@ TICK_MS = 1e3 * TICK
 STATION = """
 import asyncio, json, sys, time
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.client import open_station
-from thbridge.protocols.mavlink.dialect import mav
-from thbridge.protocols.mavlink.station.ground_station import CommandAcked, CommandUnanswered
+from thbridge.mavlink.sockets.client import open_station
+from thbridge.mavlink.wire.dialect import mav
+from thbridge.mavlink.station.ground_station import CommandAcked, CommandUnanswered
 
 async def main():
     port, robots, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])

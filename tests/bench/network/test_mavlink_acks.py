@@ -22,10 +22,10 @@ from tests.bench.budget import Budgets
 from tests.bench.network.hall_for_fifty import hall_for_fifty
 from tests.peers.mavlink.rovers import free_udp_port
 from tests.system.programs import Program, until
-from thbridge.protocols.mavlink.dialect import mav
-from thbridge.protocols.mavlink.station.ground_station import CommandAcked, CommandUnanswered, StationCommand
+from thbridge.mavlink.sockets.client import StationSocket, open_station
+from thbridge.mavlink.station.ground_station import CommandAcked, CommandUnanswered, StationCommand
+from thbridge.mavlink.wire.dialect import mav
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.client import StationSocket, open_station
 
 pytestmark = pytest.mark.bench
 

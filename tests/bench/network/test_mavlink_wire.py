@@ -9,13 +9,13 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
 from tests.bench.budget import Budgets, best
-from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.frames.framer import FrameParser
-from thbridge.protocols.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
-from thbridge.protocols.mavlink.hub import Hub
-from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage
-from thbridge.protocols.mavlink.vehicle_interface import RobotReadings
+from thbridge.mavlink.hub import Hub
+from thbridge.mavlink.values.vehicle_interface import RobotReadings
+from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.frames.framer import FrameParser
+from thbridge.mavlink.wire.frames.signing import SignatureTimestamps, Signing, SigningKey
+from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 pytestmark = pytest.mark.bench
 

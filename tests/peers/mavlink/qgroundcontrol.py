@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from tests.peers.mavlink.qgroundcontrol_files import FileNotReadError, Files
-from thbridge.protocols.mavlink.dialect import Message, mav, name_of
+from thbridge.mavlink.wire.dialect import Message, mav, name_of
 
 SYSTEM, COMPONENT = 255, 190
 AUTOPILOT = 1

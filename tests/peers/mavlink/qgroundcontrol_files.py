@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from thbridge.protocols.mavlink.dialect import Message, mav
+from thbridge.mavlink.wire.dialect import Message, mav
 
 HEAD = struct.Struct("<HBBBBBxI")
 DATA, PAYLOAD = 239, 251

@@ -13,7 +13,7 @@ from tests.peers.mavlink.lossy import LossyLink, lossy_link
 from tests.peers.mavlink.rovers import PEERS, free_udp_port, needs, rovers
 from tests.peers.mavlink.scripting import Script, mav
 from tests.system.programs import Program, until
-from thbridge.protocols.mavlink.vehicle.component_files.metadata_files import checksum
+from thbridge.mavlink.vehicle.component_files.metadata_files import checksum
 
 LOSS = 0.3
 STATION = Path(__file__).with_name("mavsdk_uploader.py")

@@ -14,8 +14,8 @@ from tests.peers.mavlink.mavproxy import MavProxy
 from tests.peers.mavlink.rovers import PEERS, free_udp_port, needs, rovers
 from tests.peers.mavlink.scripting import Script
 from tests.system.programs import Program
-from thbridge.protocols.mavlink.vehicle.component_files.metadata_files import checksum
-from thbridge.roles.vehicles.parameters import PARAMETERS
+from thbridge.mavlink.role.parameters import PARAMETERS
+from thbridge.mavlink.vehicle.component_files.metadata_files import checksum
 
 READER = Path(__file__).with_name("mavsdk_reader.py")
 PATIENCE = 120.0

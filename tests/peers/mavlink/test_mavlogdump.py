@@ -4,10 +4,10 @@ import sys
 from pathlib import Path
 
 from tests.peers.crashes import run_peer
-from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.traffic import Traffic
-from thbridge.recording.tlog import TlogFile
+from thbridge.mavlink.files.tlog import TlogFile
+from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.traffic import Traffic
 from thbridge.ros.messages.stamps import stamp_ns
 
 TOOLS = Path(sys.executable).parent

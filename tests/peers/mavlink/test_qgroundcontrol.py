@@ -19,11 +19,11 @@ from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
-from thbridge.protocols.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.traffic import OutgoingFrame
-from thbridge.protocols.mavlink.vehicle.component_files.metadata_files import checksum
-from thbridge.protocols.mavlink.vehicle.vehicle import AutopilotIdentity
+from thbridge.mavlink.vehicle.component_files.metadata_files import checksum
+from thbridge.mavlink.vehicle.vehicle import AutopilotIdentity
+from thbridge.mavlink.wire.dialect import Message, crc_extra, decoded, mav, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.traffic import OutgoingFrame
 from thbridge.study.study_file import Study
 
 ROBOT = 1

@@ -54,8 +54,8 @@ def rehearsed(setting: StudySetting, monkeypatch: pytest.MonkeyPatch) -> Team:
     """The team of a rehearsal, after it."""
     teams: list[Team] = []
 
-    def made(*arguments: object) -> Team:
-        teams.append(Team(*arguments))  # type: ignore[arg-type]
+    def made(*arguments: object, **named: object) -> Team:
+        teams.append(Team(*arguments, **named))  # type: ignore[arg-type]
         return teams[0]
 
     monkeypatch.setattr("thbridge.app.compose.robots.Team", made)

@@ -3,11 +3,11 @@ import socket
 
 import pytest
 
+from thbridge.mavlink.sockets.links import MavlinkLinks
+from thbridge.mavlink.sockets.tcp import TcpPort, tcp_port
 from thbridge.protocols.text.router import MessageRouter
 from thbridge.sockets.addresses import Address, ListeningAddress
 from thbridge.sockets.admission import OWN_MACHINE, Admission, is_own, parse_network
-from thbridge.sockets.mavlink.links import MavlinkLinks
-from thbridge.sockets.mavlink.tcp import TcpPort, tcp_port
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.text.server import TextServer

@@ -11,18 +11,18 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.sockets.mavlink.test_server import Exchange
+from tests.thbridge.mavlink.sockets.test_server import Exchange
 from tests.thbridge.sockets.watching.test_server import House
 from thbridge.files.ros.definitions import Definitions
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import GameStarted
+from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
 from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.sockets.addresses import Address, ListeningAddress
 from thbridge.sockets.keys import SingleKey
 from thbridge.sockets.listening import DESCRIPTORS, RESERVED, ServerDoor, check_room, fair_shares, mark
-from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.tcpros_server import TcprosServer

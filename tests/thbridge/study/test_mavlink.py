@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.files.errors import BadFiles
-from thbridge.protocols.mavlink.options import AutopilotIdentity, Failsafe
+from thbridge.mavlink.values.options import AutopilotIdentity, Failsafe
 from thbridge.sockets.addresses import Address, UdpTarget, parse_address
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study, read_study_text

@@ -15,20 +15,20 @@ from typer.testing import CliRunner
 from tests.system.ports import free_port
 from tests.system.programs import Program, until
 from tests.thbridge.app.replay.test_mavlink_replay import Station, record
-from tests.thbridge.protocols.mavlink.rig import OPTIONS, Game
+from tests.thbridge.mavlink.rig import OPTIONS, Game
 from thbridge.app.session.session import Session
-from thbridge.files.keys.signing_timestamps import TimestampFile
-from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.frames.signing import SigningKey, parse_key
-from thbridge.protocols.mavlink.hub import Hub
-from thbridge.protocols.mavlink.outgoing import LinkId
-from thbridge.protocols.mavlink.station import ground_station, trip
-from thbridge.protocols.mavlink.traffic import FrameOutcome
-from thbridge.protocols.mavlink.vehicle.vehicle import Vehicle
-from thbridge.protocols.mavlink.vehicle_interface import Denied
+from thbridge.mavlink.files.signing_timestamps import TimestampFile
+from thbridge.mavlink.hub import Hub
+from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
+from thbridge.mavlink.station import ground_station, trip
+from thbridge.mavlink.values.vehicle_interface import Denied
+from thbridge.mavlink.vehicle.vehicle import Vehicle
+from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.frames.signing import SigningKey, parse_key
+from thbridge.mavlink.wire.outgoing import LinkId
+from thbridge.mavlink.wire.traffic import FrameOutcome
 from thbridge.sockets.addresses import Address, UdpTarget
-from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from ui.cli import app
 
 

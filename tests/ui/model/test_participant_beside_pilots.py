@@ -2,10 +2,10 @@
 
 import pytest
 
-from tests.thbridge.roles.vehicles.test_pilot import STATION, Flight
+from tests.thbridge.mavlink.role.test_pilot import STATION, Flight
 from thbridge.app.compose.game import build_briefing
 from thbridge.hunt.events import RobotArrived, TreasureIdentified
-from thbridge.protocols.mavlink.vehicle_interface import LegState, Target
+from thbridge.mavlink.values.vehicle_interface import LegState, Target
 from thbridge.roles.notices import PoseTelemetry
 from thbridge.roles.participant.tabui import TabUI
 from ui.model.participant import Participant

@@ -12,16 +12,16 @@ from sim.robot.navigator.goals import Goal
 from sim.team import Team
 from thbridge.app.compose.game import room_outlines, treasure_names
 from thbridge.app.compose.setting import StudySetting
+from thbridge.mavlink.role.parameters import VehicleParameters
+from thbridge.mavlink.role.pilot import GameSetup, Pilot
+from thbridge.mavlink.role.speed_limit import SpeedLimit
+from thbridge.mavlink.role.vehicles import RequestSink, Vehicles
 from thbridge.offline.plan import costmap
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions
 from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, GameMap, SimR
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.roles.simr.travel_times import TravelTimes
-from thbridge.roles.vehicles.parameters import VehicleParameters
-from thbridge.roles.vehicles.pilot import GameSetup, Pilot
-from thbridge.roles.vehicles.speed_limit import SpeedLimit
-from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
 from thbridge.study.things import schedule_of
 
 REHEARSAL = 5 * TICKS_PER_SECOND

@@ -25,7 +25,7 @@ from thbridge.app.live_graph.rate_limiter import RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.app.session.mavros import frame_in
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
-from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import Request
 from thbridge.ros import clients, names

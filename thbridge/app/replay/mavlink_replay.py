@@ -25,7 +25,7 @@ from thbridge.app.session.session import Session, TickRecord
 from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import RobotArrived
-from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.recording.bag.reading.reader import BagInfo
 from thbridge.ros import names

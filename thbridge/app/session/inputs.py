@@ -8,9 +8,9 @@ a session that is given the same ones in the same ticks does the same.
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.protocols.credentials import LOCAL, Credentials
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.router import ConnectionId
 from thbridge.roles.robot_requests import Request

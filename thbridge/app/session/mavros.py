@@ -1,9 +1,9 @@
 """Conversion of MAVLink frames and vehicle states to mavros' messages and back."""
 
-from thbridge.protocols.mavlink.dialect import crc_extra
-from thbridge.protocols.mavlink.frames.frame import V1, V2, Frame
-from thbridge.protocols.mavlink.outgoing import VehicleStatus
-from thbridge.protocols.mavlink.traffic import Traffic
+from thbridge.mavlink.wire.dialect import crc_extra
+from thbridge.mavlink.wire.frames.frame import V1, V2, Frame
+from thbridge.mavlink.wire.outgoing import VehicleStatus
+from thbridge.mavlink.wire.traffic import Traffic
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
 
 

@@ -21,10 +21,10 @@ from thbridge.hunt import events
 from thbridge.hunt.codec import kind_of, to_json
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.mavlink.outgoing import VehicleStatus
+from thbridge.mavlink.files.tlog import TlogFile
+from thbridge.mavlink.wire.outgoing import VehicleStatus
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.router import Forwarded
-from thbridge.recording.tlog import TlogFile
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.ros.messages.records import GraphRequest, Record, SendRobots, Success

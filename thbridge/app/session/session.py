@@ -13,11 +13,11 @@ from thbridge.app.session.inputs import Input
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt.events import Event, GameStarted, JournalEntry, KeyUsed
 from thbridge.hunt.game import GameState
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.links import HubLink
+from thbridge.mavlink.wire.outgoing import LinkId, VehicleStatus
+from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.protocols.credentials import LOCAL, Credentials
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.links import HubLink
-from thbridge.protocols.mavlink.outgoing import LinkId, VehicleStatus
-from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.router import (
     ClientJoined,
@@ -35,7 +35,7 @@ from thbridge.roles.role import Role
 
 if TYPE_CHECKING:  # Only sessions with robots need these.
     from sim.team import TeamSnapshot
-    from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
+    from thbridge.mavlink.role.vehicles import RequestSink, Vehicles
 
 _LINE = 256
 """Bytes that a line costs beside its own."""

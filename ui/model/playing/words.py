@@ -11,7 +11,7 @@ MATTERS: dict[DialogueMatter, str] = {"select-room": "room", "take-picture": "pi
 
 
 _NUMBERED_STATION = re.compile(r"ground station (\d+)")
-"""Name of a ground station that has none of its own, as `protocols.mavlink` gives it."""
+"""Name of a ground station that has none of its own, as `thbridge.mavlink` gives it."""
 
 
 def commander_in_words(texts: Texts, by: Commander, name: str) -> str:

@@ -20,8 +20,8 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import ClientRequest
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
 from thbridge.protocols.text import legacy

@@ -17,10 +17,10 @@ from thbridge.app.compose.setting import read_setting
 from thbridge.app.live_graph.rate_limiter import REQUESTS_PER_TICK
 from thbridge.app.session.inputs import FrameReceived
 from thbridge.app.session.mavros import frame_record
-from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.outgoing import LinkId
-from thbridge.protocols.mavlink.traffic import Traffic
+from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.outgoing import LinkId
+from thbridge.mavlink.wire.traffic import Traffic
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import SetParameters
 from thbridge.ros.messages import pack, unpack

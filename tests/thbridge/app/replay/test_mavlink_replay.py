@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.thbridge.app.replay.test_replay import again, equal
-from tests.thbridge.protocols.mavlink.hostile import Foe
+from tests.thbridge.mavlink.hostile import Foe
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr, vehicle_factory
@@ -22,15 +22,15 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.files.errors import BadFile
-from thbridge.protocols.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.frames.framer import FrameParser
-from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.mavlink.role.parameters import PARAMETERS
+from thbridge.mavlink.wire.dialect import Message, crc_extra, decoded, mav, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.frames.framer import FrameParser
+from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.protocols.text import legacy
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
-from thbridge.roles.vehicles.parameters import PARAMETERS
 from thbridge.roles.view import ParticipantRequest, View
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack

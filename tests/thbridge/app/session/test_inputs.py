@@ -30,8 +30,8 @@ from thbridge.app.session.inputs import (
     NameAccepted,
     ParticipantSent,
 )
+from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.protocols.credentials import LOCAL, PLAIN, Credentials, Right
-from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.text.lines import TextMessage, tokens
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.goal_owners import GoalOwner

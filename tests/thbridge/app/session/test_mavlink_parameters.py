@@ -14,11 +14,11 @@ from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
-from thbridge.protocols.mavlink.dialect import Message, decoded, mav
-from thbridge.protocols.mavlink.traffic import OutgoingFrame
+from thbridge.mavlink.role.parameters import PARAMETERS
+from thbridge.mavlink.wire.dialect import Message, decoded, mav
+from thbridge.mavlink.wire.traffic import OutgoingFrame
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.robot_requests import SetParameters
-from thbridge.roles.vehicles.parameters import PARAMETERS
 from thbridge.ros.messages import unpack
 
 REAL32 = mav.MAV_PARAM_TYPE_REAL32

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
-from tests.thbridge.protocols.mavlink.hostile import Foe
+from tests.thbridge.mavlink.hostile import Foe
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
-from thbridge.protocols.mavlink.dialect import mav
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.frames.framer import FrameParser
-from thbridge.roles.vehicles.parameters import VehicleParameters
+from thbridge.mavlink.role.parameters import VehicleParameters
+from thbridge.mavlink.wire.dialect import mav
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.frames.framer import FrameParser
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.app.session.mavros import frame_in, frame_record
-from thbridge.protocols.mavlink.dialect import crc_extra, mav
-from thbridge.protocols.mavlink.frames.frame import SIGNED, V1, V2, Frame
-from thbridge.protocols.mavlink.traffic import Traffic
+from thbridge.mavlink.wire.dialect import crc_extra, mav
+from thbridge.mavlink.wire.frames.frame import SIGNED, V1, V2, Frame
+from thbridge.mavlink.wire.traffic import Traffic
 from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.records import MavlinkFrame
 

@@ -15,13 +15,13 @@ from thbridge.app.replay.replay import ReplayOptions, replay, ticks_of
 from thbridge.app.session.inputs import HeartbeatsSent
 from thbridge.app.session.session import TickRecord
 from thbridge.app.session.watch_requests import request_line
-from thbridge.protocols.mavlink.dialect import mav
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.frames.framer import parse_datagram
+from thbridge.mavlink.sockets.server import MavlinkPorts
+from thbridge.mavlink.wire.dialect import mav
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.frames.framer import parse_datagram
 from thbridge.roles.robot_requests import PaceRequest, Pause, Resume
 from thbridge.sockets.addresses import Address, ListeningAddress, UdpTarget
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.mavlink.server import MavlinkPorts
 from thbridge.sockets.watching.client import WatchClient
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study

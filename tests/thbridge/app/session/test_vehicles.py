@@ -21,11 +21,11 @@ from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.inputs import FrameReceived, HeartbeatsSent, LinkClosed, LinkOpened
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import Session, TickRecord
-from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.outgoing import VehicleStatus
-from thbridge.protocols.mavlink.traffic import OutgoingFrame
-from thbridge.recording.tlog import TlogFile
+from thbridge.mavlink.files.tlog import TlogFile
+from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.outgoing import VehicleStatus
+from thbridge.mavlink.wire.traffic import OutgoingFrame
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.stamps import stamp_ns

@@ -11,9 +11,9 @@ from thbridge.files.disk.text_files import read_text
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.image_files import read_image
-from thbridge.files.keys.signing_key import read_signing_key
 from thbridge.files.resources import shipped
 from thbridge.files.template_lines import numbered_lines
+from thbridge.mavlink.files.signing_key import read_signing_key
 from thbridge.recording.bag.damage import check_is_bag
 from thbridge.recording.journal import read_journal
 

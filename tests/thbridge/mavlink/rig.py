@@ -1,0 +1,167 @@
+"""A vehicle with a model of a robot at its helm, and ground stations that send it one message at a time."""
+
+import math
+from dataclasses import replace
+
+from tests.thbridge.mavlink.model_robot import ModelRobot
+from thbridge.mavlink.values.options import AutopilotIdentity, Failsafe, GeoOrigin, VehicleOptions
+from thbridge.mavlink.values.vehicle_interface import LegState, Station
+from thbridge.mavlink.vehicle.mode.home import HomePosition
+from thbridge.mavlink.vehicle.vehicle import Vehicle
+from thbridge.mavlink.wire.dialect import decoded, mav, payload_of
+from thbridge.mavlink.wire.outgoing import LinkId
+
+OPTIONS = VehicleOptions(AutopilotIdentity.GENERIC, GeoOrigin(52.4, 9.7, 55.0), 5.0, Failsafe.STOP, 5.0)
+HERE, THERE = LinkId(0), LinkId(1)
+US, THEM = Station(255, 190), Station(245, 190)
+NAN = math.nan
+SECOND = 50
+
+ACCEPTED, BUSY, DENIED, UNSUPPORTED, FAILED, IN_PROGRESS, CANCELLED, LONG_ONLY, INT_ONLY, NO_FRAME = range(10)
+
+
+class Game(ModelRobot):
+    """A robot whose game grants at once who is in command of it, and who is under way as long as its leg is."""
+
+    def take(self, station):
+        denied = super().take(station)
+        if denied is None:
+            self.readings = replace(self.readings, commander=str(station), commanded_by=str(station))
+        return denied
+
+    def release(self):
+        super().release()
+        self.readings = replace(self.readings, commander=None, commanded_by="participant")
+
+    def go_to(self, target):
+        number = super().go_to(target)
+        self.readings = replace(self.readings, under_way=self.refusal is None or self.readings.under_way)
+        return number
+
+    def halt(self):
+        super().halt()
+        leg = self.readings.leg
+        if leg is not None and leg.state is LegState.UNDER_WAY:
+            leg = replace(leg, state=LegState.FAILED, reason="stopped")
+        self.readings = replace(self.readings, leg=leg, under_way=False)
+
+    def arrive(self):
+        super().arrive()
+        self.readings = replace(self.readings, under_way=False)
+
+    def fail(self, reason):
+        super().fail(reason)
+        self.readings = replace(self.readings, under_way=False)
+
+    def come(self, remaining):
+        """The leg under way has this many metres to go."""
+        self.readings = replace(self.readings, leg=replace(self.readings.leg, remaining=remaining))
+
+    def calls(self, name):
+        """What was asked under this name."""
+        return [call for call in self.asked if call[0] == name]
+
+
+class Rig:
+    """One vehicle, system 3, stepped by hand; messages go through their bytes, as on a link.
+
+    Attributes:
+        robot: at its helm.
+        vehicle: under test.
+        tick: the last one.
+        heard: everything that it has said by itself.
+    """
+
+    def __init__(self, **options):
+        self.robot = Game()
+        self.vehicle = Vehicle(3, self.robot, replace(OPTIONS, **options))
+        self.tick = -1
+        self.heard = []
+        self.run(1)
+
+    def run(self, ticks=1, beating=()):
+        """Let ticks pass, in which these stations send heartbeats; what the vehicle says."""
+        said = []
+        for _ in range(ticks):
+            self.tick += 1
+            if self.tick % SECOND == 0:
+                for station in beating:
+                    self.hear(HEARTBEAT, station)
+            said += _sent(self.vehicle.step(self.tick, self.robot.readings))
+        self.heard += said
+        return said
+
+    def hear(self, message, station=US, link=HERE):
+        """Send a message; what is answered at once."""
+        again = decoded(message.get_msgId(), payload_of(message))
+        return list(_sent(self.vehicle.handle_message(link, station, again)))
+
+    def long(self, command, *params, station=US, link=HERE, confirmation=0):
+        """Send a command as COMMAND_LONG; the results of its acknowledgements."""
+        params = (*params, *[NAN] * (7 - len(params)))
+        message = mav.MAVLink_command_long_message(3, 1, command, confirmation, *params)
+        return acks(self.hear(message, station, link), command)
+
+    def int(self, command, *params, frame=0, x=0x7FFFFFFF, y=0x7FFFFFFF, station=US, link=HERE):
+        """Send a command as COMMAND_INT; the results of its acknowledgements."""
+        params = (*params, *[NAN] * (4 - len(params)))
+        message = mav.MAVLink_command_int_message(3, 1, frame, command, 0, 0, *params, x, y, NAN)
+        return acks(self.hear(message, station, link), command)
+
+    def go(self, x, y, station=US, link=HERE, command=mav.MAV_CMD_DO_REPOSITION):
+        """Send the robot to a point of the map, in the local frame."""
+        return self.int(command, x=round(y * 1e4), y=round(x * 1e4), frame=1, station=station, link=link)
+
+    def arm(self, station=US, force=0, link=HERE):
+        """Arm it, as a way to take command."""
+        return self.long(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1, force, station=station, link=link)
+
+    def disarm(self, station=US):
+        """Disarm it."""
+        return self.long(mav.MAV_CMD_COMPONENT_ARM_DISARM, 0, station=station)
+
+    def mode(self, main, sub=0, station=US):
+        """Set a mode as PX4 numbers it."""
+        return self.long(mav.MAV_CMD_DO_SET_MODE, 1, main, sub, station=station)
+
+    @property
+    def status(self):
+        return self.vehicle.status
+
+    def texts(self):
+        """The sentences told so far; chunks are joined."""
+        self.run(3 * SECOND)
+        texts, parts = [], b""
+        for message in messages(self.heard, "STATUSTEXT"):
+            parts += message._text_raw
+            if message.id == 0 or len(message._text_raw) < 50:
+                texts.append(parts.decode())
+                parts = b""
+        return texts
+
+
+def home_of(robot, earth):
+    """The home of a robot alone."""
+    home = HomePosition(robot, earth)
+    list(home.step(0, robot.readings))
+    return home
+
+
+HEARTBEAT = mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
+
+
+def _sent(said):
+    """What is said, each message of it fit for the wire."""
+    for word in said:
+        payload_of(word.message)
+        yield word
+
+
+def acks(said, command):
+    """The results of the acknowledgements of a command."""
+    return [ack.result for ack in messages(said, "COMMAND_ACK") if ack.command == command]
+
+
+def messages(said, kind=None):
+    """The messages said, or those of one kind."""
+    return [word.message for word in said if kind in (None, word.message.get_type())]

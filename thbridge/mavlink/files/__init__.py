@@ -1,0 +1,1 @@
+"""Files of MAVLink: keys, timestamps of signed links, and telemetry logs."""

@@ -1,0 +1,67 @@
+"""File beside a signing key with the timestamps of accepted frames, so that a restart accepts none of them again."""
+
+import json
+import logging
+from pathlib import Path
+
+from thbridge.files.disk.whole import write_whole
+from thbridge.files.errors import BadFile
+from thbridge.mavlink.wire.frames.signing import MAX_STREAMS, KnownTimestamps
+
+SUFFIX = ".timestamps"
+"""End of the file's name, after that of the key."""
+
+_FORMAT = "thbridge signing timestamps 1"
+_LARGEST = 1 << 20
+
+_log = logging.getLogger(__name__)
+
+
+class TimestampFile:
+    """File of timestamps.
+
+    Args:
+        key: file of the signing key.
+        side: name of the side of the link that is not the robots', which has a file of its own.
+    """
+
+    def __init__(self, key: Path, side: str = "") -> None:
+        self._path = key.with_name(key.name + side + SUFFIX)
+        self._has_failed = False
+
+    def read(self) -> KnownTimestamps | None:
+        """Return the timestamps; None where the file is missing or damaged."""
+        try:
+            with self._path.open("rb") as file:
+                return _known(json.loads(file.read(_LARGEST)))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, RecursionError) as error:
+            _log.warning("%s is of no use (%s): it is as if nothing were known", self._path, error)
+            return None
+
+    def write(self, known: KnownTimestamps) -> None:
+        """Replace the file, readable by its owner alone; a failure is told once."""
+        streams = [[*stream, timestamp] for stream, timestamp in sorted(known.streams.items())]
+        text = json.dumps({"format": _FORMAT, "latest": known.latest, "streams": streams})
+        try:
+            write_whole(self._path, text.encode(), "make room: after a restart stations may be refused", mode=0o600)
+        except BadFile as fault:
+            if not self._has_failed:
+                _log.warning("%s", fault)
+            self._has_failed = True
+
+
+def _known(read: object) -> KnownTimestamps:
+    match read:
+        case {"format": str(named), "latest": int(latest), "streams": list(rows)} if named == _FORMAT:
+            streams: dict[tuple[int, int, int], int] = {}
+            for row in rows:
+                match row:
+                    case [int(link), int(system), int(component), int(timestamp)] if timestamp <= latest:
+                        streams[link, system, component] = timestamp
+                    case _:
+                        raise ValueError("a row that is no timestamp")
+            if 0 <= latest < 1 << 48 and len(streams) <= MAX_STREAMS:
+                return KnownTimestamps(latest, streams)
+    raise ValueError("it is no file of timestamps")

@@ -1,0 +1,177 @@
+"""A robot's parameters as MAVLink has them: numbers under short names, which a ground station may change at any time.
+
+MAVLink sends 32-bit floats. The number sent is the 32-bit float nearest to the value in force. A number received means
+the shortest decimal with that nearest float, and no change if the value in force has it already: so 0.1 stays 0.1,
+however often ground stations send back what they have read.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from types import NoneType
+from typing import Protocol, cast
+
+import numpy as np
+
+from sim.parameters import LiveParameter, ParameterRejection, WorldParameters, live_parameters
+from sim.parameters.reconfiguration import WORLD_PREFIX
+from thbridge.mavlink.role.parameter_names import GROUPS, group_of, name_of
+from thbridge.mavlink.values.vehicle_interface import Denied, ParameterDescription, ParameterSetting
+from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleParameter:
+    """A parameter of the study that MAVLink can represent.
+
+    Attributes:
+        name: at most 16 characters of A-Z, 0-9 and _.
+        declaration: its path, type, unit, bounds and choices.
+    """
+
+    name: str
+    declaration: LiveParameter
+
+    def to_number(self, value: ParameterValue) -> float:
+        """Return the number for a value: of a word its place among the choices; 0 for None."""
+        if isinstance(value, str):
+            return float(self.declaration.choices.index(value))
+        return float(value or 0)
+
+    def from_number(self, number: float) -> ParameterValue | Denied:
+        """Return the value for a 32-bit number, or the reason why it has none; bounds are not checked."""
+        types, choices = self.declaration.types, self.declaration.choices
+        if float in types:
+            return None if number == 0.0 and NoneType in types else float(str(np.float32(number)))
+        if bool in types:
+            return bool(number) if number in {0.0, 1.0} else Denied(f"{self.name} is 0 or 1, not {number:g}.")
+        if not number.is_integer():
+            return Denied(f"{self.name} is a whole number, not {number:g}.")
+        if str not in types:
+            return int(number)
+        if not 0 <= number < len(choices):
+            return Denied(f"{self.name} is a whole number from 0 to {len(choices) - 1}, not {number:g}.")
+        return choices[int(number)]
+
+    def description(self, default: ParameterValue) -> ParameterDescription:
+        """Return its description for ground stations; `default` is its value at the start of the session."""
+        parameter = self.declaration
+        path = parameter.path if parameter.path.startswith(WORLD_PREFIX) else f"robot.{parameter.path}"
+        may_be_none = NoneType in parameter.types
+        return ParameterDescription(
+            self.name,
+            parameter.help,
+            f"{path} of the study{'; 0: null' if may_be_none else ''}",
+            path.partition(".")[0],
+            GROUPS[group_of(self.name)],
+            parameter.unit,
+            self.to_number(default),
+            parameter.minimum,
+            parameter.maximum,
+            float not in parameter.types,
+            ("off", "on") if bool in parameter.types else parameter.choices,
+        )
+
+
+def _is_numeric(parameter: LiveParameter) -> bool:
+    return bool({bool, int, float} & {*parameter.types}) or bool(parameter.choices)
+
+
+PARAMETERS = tuple(
+    VehicleParameter(name_of(parameter.path), parameter)
+    for parameter in (*live_parameters(), *live_parameters(WorldParameters, WORLD_PREFIX[:-1]))
+    if _is_numeric(parameter)
+)
+"""All of them, in the order of sending: those of the software, then the noise of true sensors."""
+
+_PLACES = {parameter.name: place for place, parameter in enumerate(PARAMETERS)}
+
+_IN_TUNING = attrgetter(
+    *(
+        path if path.startswith(WORLD_PREFIX) else f"software.{path}"
+        for path in (each.declaration.path for each in PARAMETERS)
+    )
+)
+
+
+def values_of(tuning: Tuning) -> tuple[ParameterValue, ...]:
+    """Return the values in force, in the order of `PARAMETERS`."""
+    return cast(tuple[ParameterValue, ...], _IN_TUNING(tuning))
+
+
+class Tunable(Protocol):
+    """Access to a team's parameters, which `SimR` provides."""
+
+    def tuning(self, robot: int) -> Tuning | None:
+        """Return a robot's parameters as they will be after all requests so far; None for a real robot."""
+
+    def ask(self, request: SetParameters) -> None:
+        """Queue a request for the next step."""
+
+
+class VehicleParameters:
+    """The parameters of one robot's vehicle, always the values in force, also when another client changed them.
+
+    A real robot, whose parameters cannot be changed here, has none.
+
+    Args:
+        robot: its index in the team.
+        robots: the team.
+    """
+
+    def __init__(self, robot: int, robots: Tunable) -> None:
+        self._robot = robot
+        self._robots = robots
+        self._at_first = robots.tuning(robot)
+        self._of: Tuning | None = None
+        self._settings: tuple[ParameterSetting, ...] = ()
+
+    def descriptions(self) -> Sequence[ParameterDescription]:
+        """Return their descriptions, with the values at the start of the session as defaults."""
+        if self._at_first is None:
+            return ()
+        values = values_of(self._at_first)
+        return tuple(parameter.description(value) for parameter, value in zip(PARAMETERS, values, strict=True))
+
+    def settings(self) -> Sequence[ParameterSetting]:
+        """Return all of them, always in the same order, as they will be after all requests so far."""
+        tuning = self._robots.tuning(self._robot)
+        if tuning is not None and tuning != self._of:
+            numbers = (each.to_number(value) for each, value in zip(PARAMETERS, values_of(tuning), strict=True))
+            nearest = np.fromiter(numbers, dtype=np.float32).tolist()
+            self._settings = tuple(ParameterSetting(name, value) for name, value in zip(_PLACES, nearest, strict=True))
+            self._of = tuning
+        return self._settings
+
+    def setting(self, name: str) -> ParameterSetting | None:
+        """Return one of them; None for an unknown name."""
+        place, settings = _PLACES.get(name), self.settings()
+        return None if place is None or not settings else settings[place]
+
+    def change(self, name: str, value: float) -> ParameterSetting | Denied:
+        """Set one of them; return its new setting, or the reason why it keeps its value.
+
+        Args:
+            name: of the parameter.
+            value: any number; it is rounded to a 32-bit float.
+        """
+        before, tuning = self.setting(name), self._robots.tuning(self._robot)
+        if before is None or tuning is None:
+            return Denied(f"There is no parameter {name}.")
+        parameter = PARAMETERS[_PLACES[name]]
+        with np.errstate(over="ignore"):  # Too large for 32 bits: infinite.
+            wanted = float(np.float32(value))
+        if not math.isfinite(wanted):
+            return Denied(f"{name} is a number, not {wanted:g}.")
+        if wanted == before.value:
+            return before
+        meant = parameter.from_number(wanted)
+        if isinstance(meant, Denied):
+            return meant
+        values = ((parameter.declaration.path, meant),)
+        changed = tuning.changed(values)
+        if isinstance(changed, ParameterRejection):
+            return Denied(f"{changed.sentence}.")
+        self._robots.ask(SetParameters(self._robot, values))
+        return ParameterSetting(name, wanted)

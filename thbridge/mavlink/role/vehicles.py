@@ -1,0 +1,53 @@
+"""The robots of a game as MAVLink vehicles: their hub, stepped with the session, and their pilots."""
+
+from collections.abc import Callable, Sequence
+from itertools import count
+from typing import TypeAlias
+
+from sim.common.robot_numbers import number_of
+from sim.team import TeamSnapshot
+from thbridge.hunt.game import GameState
+from thbridge.mavlink.hub import Hub
+from thbridge.mavlink.role.pilot import Pilot
+from thbridge.mavlink.values.options import VehicleOptions
+from thbridge.mavlink.vehicle.vehicle import Vehicle
+from thbridge.mavlink.wire.outgoing import LinkId, VehicleStatus
+from thbridge.mavlink.wire.traffic import OutgoingFrame
+from thbridge.roles.robot_requests import Request
+
+RequestSink: TypeAlias = Callable[[Request], None]
+"""Takes requests to robots and game for the next tick."""
+
+
+class Vehicles:
+    """All vehicles of a team, and the links to them.
+
+    Args:
+        pilots: one for each robot, in the team's order.
+        options: of the study.
+
+    Attributes:
+        hub: routes the frames of open links.
+    """
+
+    def __init__(self, pilots: Sequence[Pilot], options: VehicleOptions) -> None:
+        self._pilots = tuple(pilots)
+        systems = [Vehicle(number_of(robot), pilot, options) for robot, pilot in enumerate(pilots)]
+        self.hub = Hub(systems, options.lost_after)
+        self._numbers = count()
+
+    @property
+    def statuses(self) -> tuple[VehicleStatus, ...]:
+        """Status of each vehicle."""
+        return tuple(vehicle.status for vehicle in self.hub.vehicles)
+
+    def open(self, name: str, robot: int | None) -> LinkId:
+        """Open a link of this name; its number was never used before. See `Hub.open`."""
+        link = LinkId(next(self._numbers))
+        self.hub.open(link, name, robot)
+        return link
+
+    def step(self, snapshot: TeamSnapshot, game: GameState | None) -> list[OutgoingFrame]:
+        """Update after a tick of robots and game, and return the frames that vehicles send by themselves."""
+        readings = [pilot.follow(snapshot, game) for pilot in self._pilots]
+        return self.hub.step(snapshot.tick, readings)

@@ -1,0 +1,177 @@
+"""Socket of a ground station: UDP, bound to the port that robots send to, as is usual; or TCP."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import time
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, suppress
+from typing import cast
+
+from thbridge.files.errors import reason_of
+from thbridge.mavlink.sockets.links import TimestampStore
+from thbridge.mavlink.sockets.udp import BUFFER, SocketAddress
+from thbridge.mavlink.station.ground_station import GroundStation, StationEvent
+from thbridge.mavlink.wire.frames.channel import Channel
+from thbridge.mavlink.wire.frames.signing import KnownTimestamps, SignatureTimestamps, Signing, SigningKey
+from thbridge.sockets.addresses import Address
+
+CONNECT_SECONDS = 5.0
+
+_LARGEST = 65535
+_TURN = 64
+"""Most datagrams that are read at a time."""
+_STEP = 0.05
+"""Seconds between two checks of the clock when nothing is received."""
+
+
+class Unreachable(Exception):  # noqa: N818 - nothing went wrong with the program
+    """No connection to robots is possible; its text is the reason, as a clause without its full stop."""
+
+
+class StationSocket:
+    """Ground station with its socket.
+
+    Args:
+        own: socket, connected or bound, and not blocking.
+        peer: UDP address to send to; None: all that send to us.
+        key: key to sign and verify frames; None for none.
+        known: timestamps of earlier stations with this key.
+
+    Attributes:
+        station: the ground station.
+        is_listening: True when it waits for robots to send first; False when it sends to a given address.
+    """
+
+    def __init__(
+        self,
+        own: socket.socket,
+        peer: SocketAddress | None,
+        key: SigningKey | None,
+        known: KnownTimestamps | None = None,
+    ) -> None:
+        self.station = GroundStation()
+        self._socket = own
+        self._stream = own.type == socket.SOCK_STREAM
+        self.is_listening = not self._stream and peer is None
+        self._peers = set() if peer is None else {peer}
+        self._timestamps = SignatureTimestamps(known)
+        signing = None if key is None else Signing(key, 0, self._timestamps)
+        self._channel = Channel(signing, datagrams=not self._stream)
+
+    @property
+    def known(self) -> KnownTimestamps:
+        """Timestamps of frames until now, for the next station."""
+        return self._timestamps.known
+
+    @property
+    def refused(self) -> int:
+        """Number of frames whose signature was missing, wrong or old."""
+        return self._channel.counts.refused
+
+    async def poll(self) -> list[StationEvent]:
+        """Wait briefly for frames and handle them; return the events.
+
+        Raises:
+            Unreachable: the connection has ended.
+        """
+        # Without a peer yet, its first heartbeat waits for the first one.
+        events = self.station.advance(time.monotonic()) if self._stream or self._peers else []
+        await self._send()
+        try:
+            async with asyncio.timeout(_STEP):
+                await self._readable()
+        except TimeoutError:
+            return events
+        for data in self._received():
+            for frame in self._channel.receive_data(data, time.time()):
+                events += self.station.receive_frame(frame, time.monotonic())
+        await self._send()
+        return events
+
+    async def _readable(self) -> None:
+        """Wait until the socket is readable."""
+        loop = asyncio.get_running_loop()
+        ready = asyncio.Event()
+        loop.add_reader(self._socket, ready.set)
+        try:
+            await ready.wait()
+        finally:
+            loop.remove_reader(self._socket)
+
+    def _received(self) -> Iterator[bytes]:
+        for _ in range(_TURN):
+            try:
+                data, address = self._socket.recvfrom(_LARGEST)
+            except BlockingIOError:
+                return
+            except OSError as error:
+                if self._stream:
+                    raise Unreachable(reason_of(error)) from None
+                continue  # The peer's port is not open yet.
+            if self._stream and not data:
+                raise Unreachable("the other side has ended the connection")
+            if self.is_listening:
+                self._peers.add(address)
+            yield data
+
+    async def _send(self) -> None:
+        now = time.time()
+        for frame in self.station.take_frames():
+            data = self._channel.encode(frame, now)
+            if self._stream:
+                try:
+                    await asyncio.get_running_loop().sock_sendall(self._socket, data)
+                except OSError as error:
+                    raise Unreachable(reason_of(error)) from None
+            for peer in self._peers:
+                with suppress(OSError):  # The peer's port is not open yet; heartbeats and commands are sent again.
+                    self._socket.sendto(data, peer)
+
+
+@asynccontextmanager
+async def open_station(
+    address: Address, tcp: bool, key: SigningKey | None, store: TimestampStore | None = None
+) -> AsyncIterator[StationSocket]:
+    """Open a ground station at an address.
+
+    Where earlier stations stored no timestamps, the first frame of robots may be a minute old: their clock is another.
+
+    Over UDP it binds to the address, as ground stations do, where that is possible; else it sends to it.
+
+    Raises:
+        Unreachable: there is no such address, or no server there.
+    """
+    kind = socket.SOCK_STREAM if tcp else socket.SOCK_DGRAM
+    loop = asyncio.get_running_loop()
+    try:
+        family, _, _, _, found = (await loop.getaddrinfo(address.host, address.port, type=kind))[0]
+    except OSError as error:
+        raise Unreachable(reason_of(error)) from None
+    except UnicodeError:
+        raise Unreachable("that is not a host's name") from None
+    there = cast(SocketAddress, found)
+    with socket.socket(family, kind) as own:
+        own.setblocking(False)
+        peer: SocketAddress | None = None
+        if tcp:
+            try:
+                async with asyncio.timeout(CONNECT_SECONDS):
+                    await loop.sock_connect(own, there)
+            except TimeoutError:
+                raise Unreachable("nobody answers") from None
+            except OSError as error:
+                raise Unreachable(reason_of(error)) from None
+        else:
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
+            try:
+                own.bind(there)
+            except OSError:
+                peer = there
+        station = StationSocket(own, peer, key, None if store is None else store.read())
+        try:
+            yield station
+        finally:
+            if store is not None:
+                store.write(station.known)

@@ -1,0 +1,289 @@
+"""Links of a session to ground stations over any transport: received frames go to the session, its answers go out.
+
+Everything runs on the thread of one event loop. Framing and signatures end here: the session gets complete, verified
+frames without their signature.
+"""
+
+import asyncio
+import logging
+import time
+from collections import defaultdict, deque
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from sim.common.observations import TICK
+from sim.common.robot_numbers import number_of
+from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
+from thbridge.mavlink.wire.frames.channel import Channel
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.frames.signing import KnownTimestamps, SignatureTimestamps, Signing, SigningKey
+from thbridge.mavlink.wire.links import HubLink
+from thbridge.mavlink.wire.outgoing import LinkId
+from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame
+from thbridge.sockets.warn_once import WarnOnce
+
+GARBAGE_LIMIT = 16 * 1024
+"""Bytes in a row without a good frame after which a peer is ignored, for some time at least."""
+
+LINK_FRAMES = 128
+"""Most frames of a link that are handled in the time of a tick: 1 Mbit/s of the shortest that stations send."""
+
+WORK_SECONDS = 0.004
+"""Seconds of a tick's time after which no further frame is handled, of whatever link."""
+
+TICK_ANSWERS = 100
+"""Answers in a tick's time after which no further frame is handled: each is recorded, too, which takes its time."""
+
+MOST_WAITING = 2048
+"""Most frames of a link that wait to be handled; further ones are dropped."""
+
+_STORE_SECONDS = 0.1
+"""Seconds between two times that timestamps are stored."""
+
+_log = logging.getLogger(__name__)
+
+
+class MavlinkSession(Protocol):
+    """Session behind the links, with its vehicles.
+
+    Attributes:
+        transmit: sends frames that are no answers; set by the links.
+    """
+
+    transmit: Callable[[Sequence[OutgoingFrame]], None]
+
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
+        """Open a link of this name, to this robot alone if one is given, from 0."""
+
+    def close_link(self, link: LinkId) -> None:
+        """Close a link."""
+
+    def link(self, link: LinkId) -> HubLink | None:
+        """Return the state of an open link; None when there is no such link."""
+
+    def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
+        """Handle a received frame: it is dropped, or answered."""
+
+
+class TimestampStore(Protocol):
+    """Timestamps of signatures that outlive the program."""
+
+    def read(self) -> KnownTimestamps | None:
+        """Return what an earlier program knew; None where that is not known."""
+
+    def write(self, known: KnownTimestamps) -> None:
+        """Replace what is known."""
+
+
+class FrameSender(Protocol):
+    """Transport of one link."""
+
+    def send_frames(self, frames: Sequence[bytes]) -> int:
+        """Send frames, in order; return how many of them could not be sent."""
+
+
+@dataclass(frozen=True, slots=True)
+class FrameTotals:
+    """Frame counts of all links together.
+
+    Attributes:
+        received: frames received.
+        sent: frames sent.
+        unsent: frames that could not be sent.
+        dropped: frames, and datagrams unread, that came faster than they could be handled.
+    """
+
+    received: int
+    sent: int
+    unsent: int
+    dropped: int = 0
+
+
+@dataclass(slots=True)
+class _Link:
+    """Open link; `taken` is the number of its frames that were handled in the time of this tick."""
+
+    name: str
+    channel: Channel
+    carrier: FrameSender
+    waiting: deque[Frame] = field(default_factory=deque)
+    taken: int = 0
+    dropped: int = 0
+
+
+class MavlinkLinks:
+    """Passes frames between links and a session, so many in the time of a tick: the rest of a tick is the session's.
+
+    Links take turns. Frames for which there is no time wait for the next tick's.
+
+    Args:
+        key: key to sign and verify frames; None for none.
+        clock: returns seconds of Unix time, for signatures.
+        stopwatch: returns seconds, for what work takes.
+        store: keeps timestamps of signatures from one program to the next; None: each accepts only what is signed after
+            its start.
+    """
+
+    def __init__(
+        self,
+        key: SigningKey | None,
+        clock: Callable[[], float] = time.time,
+        stopwatch: Callable[[], float] = time.monotonic,
+        store: TimestampStore | None = None,
+    ) -> None:
+        self.complaints = WarnOnce(_log)
+        self._key = key
+        known = None if store is None else store.read()
+        self._timestamps = SignatureTimestamps(known, clock() if known is None else 0.0)
+        self._store = store
+        self._stored = 0.0
+        self._clock = clock
+        self._exchange: MavlinkSession | None = None
+        self._links: dict[LinkId, _Link] = {}
+        self._met = 0
+        self._received = self._sent = self._unsent = self._dropped = 0
+        self._stopwatch = stopwatch
+        self._window = -1
+        self._spent = 0.0
+        self._answers = 0
+        # Links with frames that wait: those whose turn it is in this tick's time, and those who had their share of it.
+        self._turns: deque[LinkId] = deque()
+        self._served: deque[LinkId] = deque()
+        self._timer: asyncio.TimerHandle | None = None
+
+    @property
+    def totals(self) -> FrameTotals:
+        """Frame counts until now."""
+        return FrameTotals(self._received, self._sent, self._unsent, self._dropped)
+
+    def serve(self, exchange: MavlinkSession) -> None:
+        """Connect the links to a session; links can be opened from now on."""
+        self._exchange = exchange
+        exchange.transmit = self.transmit
+
+    def channel(self, *, datagrams: bool) -> Channel:
+        """Return a channel for a new peer, which may become a link."""
+        self._met += 1
+        signing = None if self._key is None else Signing(self._key, self._met % 256, self._timestamps)
+        return Channel(signing, datagrams=datagrams)
+
+    def open(self, name: str, channel: Channel, carrier: FrameSender, robot: int | None = None) -> LinkId | None:
+        """Open a link, to this robot alone if one is given, from 0; None as long as there is no session."""
+        if self._exchange is None:
+            return None
+        link = self._exchange.open_link(name, robot)
+        self._links[link] = _Link(name, channel, carrier)
+        return link
+
+    def close(self, link: LinkId) -> None:
+        """Close a link; no effect on a closed one."""
+        closed = self._links.pop(link, None)
+        if closed is not None and self._exchange is not None:
+            _log.info("MAVLink: %s; %d were too many", self._exchange.link(link), closed.dropped)
+            self._exchange.close_link(link)
+
+    def frames_in(self, name: str, channel: Channel, data: bytes) -> list[Frame]:
+        """Return the good frames in received bytes; the log gets one warning for each peer and fault."""
+        frames = channel.receive_data(data, self._clock())
+        self._received += len(frames)
+        if frames and self._stopwatch() - self._stored > _STORE_SECONDS:
+            self.store_timestamps()
+        if channel.last_fault:
+            self.complaints.warn(f"MAVLink: {name}: thrown away: {channel.last_fault}")
+        return frames
+
+    def store_timestamps(self) -> None:
+        """Store the timestamps of accepted frames for the next program."""
+        self._stored = self._stopwatch()
+        if self._store is not None and self._key is not None:
+            self._store.write(self._timestamps.known)
+
+    def receive(self, link: LinkId, frames: Iterable[Frame]) -> None:
+        """Handle frames received on a link, now or when there is time, and send the answers."""
+        there = self._links.get(link)
+        if there is None:
+            return
+        given = list(frames)
+        if given and not there.waiting:
+            (self._turns if there.taken < LINK_FRAMES else self._served).append(link)
+        room = MOST_WAITING - len(there.waiting)
+        there.waiting += given[:room]
+        if len(given) > room:
+            self.drop(link, len(given) - room)
+        self._work()
+
+    def has_room(self, link: LinkId) -> bool:
+        """Return True unless half as many frames of a link wait as may: no more is parsed at a time."""
+        there = self._links.get(link)
+        return there is None or len(there.waiting) <= MOST_WAITING // 2
+
+    def drop(self, link: LinkId, count: int) -> None:
+        """Count frames that came too fast; log and station are told of the first."""
+        there = self._links[link]
+        self._dropped += count
+        there.dropped += count
+        if there.dropped == count:
+            self.complaints.warn(f"MAVLink: {there.name} sends more than can be handled; some frames are dropped")
+            self.transmit([OutgoingFrame(link, self._flood_warning(link))])
+
+    def _flood_warning(self, link: LinkId) -> Frame:
+        """Return a text for the station, said by a bridge beside the vehicle: the vehicle knows nothing of it."""
+        state = None if self._exchange is None else self._exchange.link(link)
+        robot = 0 if state is None or state.robot is None else state.robot
+        text = mav.MAVLink_statustext_message(mav.MAV_SEVERITY_WARNING, b"Too many frames: some are dropped.", 0, 0)
+        number = text.get_msgId()
+        return Frame(number_of(robot), mav.MAV_COMP_ID_UDP_BRIDGE, 0, number, payload_of(text), crc_extra(number) or 0)
+
+    def _work(self) -> None:
+        """Handle frames that wait, link after link, as long as there is time."""
+        window = int(self._stopwatch() / TICK)
+        if window != self._window:
+            self._window, self._spent, self._answers = window, 0.0, 0
+            self._turns += self._served
+            self._served.clear()
+            for there in self._links.values():
+                there.taken = 0
+        answers: list[OutgoingFrame] = []
+        while self._turns and self._spent < WORK_SECONDS and self._answers < TICK_ANSWERS:
+            begun = self._stopwatch()
+            link = self._turns.popleft()
+            if link in self._links:
+                replies = self._handle_next(link, self._links[link])
+                self._answers += len(replies)
+                answers += replies
+            self._spent += self._stopwatch() - begun
+        self.transmit(answers)
+        if (self._turns or self._served) and self._timer is None:
+            self._timer = asyncio.get_running_loop().call_later(TICK, self._go_on)
+
+    def _go_on(self) -> None:
+        self._timer = None
+        self._work()
+
+    def _handle_next(self, link: LinkId, there: _Link) -> Sequence[OutgoingFrame]:
+        if self._exchange is None:
+            return ()
+        outcome = self._exchange.receive_frame(link, there.waiting.popleft())
+        if outcome.dropped is not None:
+            self.complaints.warn(f"MAVLink: {there.name}: a frame goes nowhere: {outcome.dropped}")
+        there.taken += 1
+        if there.waiting:
+            (self._turns if there.taken < LINK_FRAMES else self._served).append(link)
+        return outcome.replies
+
+    def transmit(self, sent: Sequence[OutgoingFrame]) -> None:
+        """Send frames, each on its link."""
+        now = self._clock()
+        waiting: defaultdict[LinkId, list[bytes]] = defaultdict(list)
+        for one in sent:
+            there = self._links.get(one.link)
+            if there is not None:
+                waiting[one.link].append(there.channel.encode(one.frame, now))
+        for link, frames in waiting.items():
+            there = self._links[link]
+            unsent = there.carrier.send_frames(frames)
+            self._sent += len(frames) - unsent
+            self._unsent += unsent
+            if unsent:
+                self.complaints.warn(f"MAVLink: {there.name}: frames could not be sent and are lost")

@@ -1,0 +1,193 @@
+"""MAVLink over TCP: a port for ground stations, each with a link of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from asyncio import Protocol, Transport
+from collections import deque
+from collections.abc import Sequence
+
+from sim.common.observations import TICK
+from thbridge.mavlink.sockets.links import GARBAGE_LIMIT, MavlinkLinks
+from thbridge.mavlink.wire.frames.channel import Channel
+from thbridge.mavlink.wire.outgoing import LinkId
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.admission import OWN_MACHINE, Admission
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.http_refusal import begins_http
+from thbridge.sockets.listening import ServerDoor
+
+CONNECTIONS = 32
+"""Most connections at a time; one more ends the oldest on which nobody spoke, or is turned away."""
+
+BACKLOG = 1024 * 1024
+"""Bytes that may wait for a peer that does not read before its connection is cut off."""
+
+_SEGMENT = 4096
+"""Most bytes that are parsed in one round of the loop."""
+
+_LINGER = 1.0
+"""Seconds that a peer has at the end to read what it was sent."""
+
+
+class TcpPort:
+    """TCP port, open but not served yet.
+
+    Args:
+        links: links of the session.
+        own: socket, bound and listening.
+        admission: of stations by their addresses.
+
+    Attributes:
+        where: its address.
+    """
+
+    def __init__(self, links: MavlinkLinks, own: socket.socket, admission: Admission = OWN_MACHINE) -> None:
+        self.links = links
+        self.admission = admission
+        where = own.getsockname()
+        self.where = Address(where[0], where[1])
+        self._socket = own
+        self._door = ServerDoor(CONNECTIONS)
+        self._served = False
+        self._open: dict[_Connection, None] = {}
+        self._all_closed = asyncio.Event()
+
+    async def serve(self) -> None:
+        """Accept connections of ground stations."""
+        self._served = True
+        self._door.accept(lambda: _Connection(self), self._socket)
+
+    async def close(self) -> None:
+        """Close the port and all connections."""
+        if not self._served:
+            self._socket.close()
+            return
+        self._door.close()
+        for connection in tuple(self._open):
+            connection.close()
+        while self._open:
+            self._all_closed.clear()
+            await self._all_closed.wait()
+        await self._door.wait_closed()
+
+    def connection_opened(self, connection: _Connection) -> bool:
+        """Add a connection; return False when there is no room for it."""
+        most = self._door.most
+        if len(self._open) >= most:
+            self.links.complaints.warn(f"MAVLink: {most} are connected by TCP; not all of them are heard")
+            silent = next((each for each in self._open if not each.has_spoken), None)
+            if silent is None:
+                return False
+            silent.cut_off("says nothing, and others want to be heard")
+            del self._open[silent]
+        self._open[connection] = None
+        return True
+
+    def connection_closed(self, connection: _Connection) -> None:
+        """Remove a connection that is closed on both sides."""
+        self._open.pop(connection, None)
+        self._all_closed.set()
+
+
+async def tcp_port(links: MavlinkLinks, address: Address, admission: Admission = OWN_MACHINE) -> TcpPort | CannotListen:
+    """Open a port; 0 takes any that is free."""
+    try:
+        found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
+        family, _, _, _, where = found[0]
+        own = socket.create_server((where[0], where[1]), family=family)
+    except (OSError, UnicodeError) as error:
+        return CannotListen.because(error, address.host, address.port)
+    return TcpPort(links, own, admission)
+
+
+class _Connection(Protocol):
+    """Connection of one ground station."""
+
+    def __init__(self, port: TcpPort) -> None:
+        self._port = port
+        self._channel: Channel = port.links.channel(datagrams=False)
+        self._name = ""
+        self._link: LinkId | None = None
+        self._transport: Transport | None = None
+        self._lingering: asyncio.TimerHandle | None = None
+        self._begun = False
+        self._unparsed: deque[bytes] = deque()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if not isinstance(transport, Transport):
+            return
+        peer = transport.get_extra_info("peername") or ("", 0)  # it was gone before it was asked
+        self._name = f"tcp {Address(peer[0], peer[1])}"
+        self._transport = transport
+        stranger = self._port.admission.refused(transport)
+        if stranger is not None:
+            self._port.links.complaints.warn(f"MAVLink: {stranger} is in none of the networks of open_to")
+        if stranger is not None or not self._port.connection_opened(self):
+            transport.abort()
+            return
+        self._link = self._port.links.open(self._name, self._channel, self)
+
+    def data_received(self, data: bytes) -> None:
+        begun, self._begun = self._begun, True
+        if not begun and begins_http(data):
+            self.cut_off("speaks HTTP, as a page in a browser does")
+        self._unparsed.extend(data[at : at + _SEGMENT] for at in range(0, len(data), _SEGMENT))
+        self._parse_some()
+
+    def _parse_some(self) -> None:
+        """Parse a part of what was received; who sends faster than that is not read meanwhile, and loses nothing."""
+        if self._transport is None or self._transport.is_closing():
+            return
+        has_room = self._link is None or self._port.links.has_room(self._link)
+        if self._unparsed and has_room:
+            frames = self._port.links.frames_in(self._name, self._channel, self._unparsed.popleft())
+            if self._link is not None:
+                self._port.links.receive(self._link, frames)
+            if self._channel.bytes_since_good > GARBAGE_LIMIT:
+                self.cut_off("sends nothing of use")
+                return
+        if not self._unparsed:
+            self._transport.resume_reading()
+            return
+        self._transport.pause_reading()
+        asyncio.get_running_loop().call_later(0.0 if has_room else TICK, self._parse_some)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._leave()
+        if self._lingering is not None:
+            self._lingering.cancel()
+        self._port.connection_closed(self)
+
+    @property
+    def has_spoken(self) -> bool:
+        """True when a good frame came."""
+        return self._channel.counts.frames > 0
+
+    def send_frames(self, frames: Sequence[bytes]) -> int:
+        """See `thbridge.mavlink.sockets.links.FrameSender`."""
+        if self._transport is None or self._transport.is_closing():
+            return len(frames)
+        self._transport.write(b"".join(frames))
+        if self._transport.get_write_buffer_size() > BACKLOG:
+            self.cut_off("does not read")
+        return 0
+
+    def close(self) -> None:
+        """Close the connection once the other side has had a moment to read what it was sent."""
+        self._leave()
+        if self._transport is not None:
+            self._transport.close()
+            self._lingering = asyncio.get_running_loop().call_later(_LINGER, self._transport.abort)
+
+    def cut_off(self, why: str) -> None:
+        """End the connection at once."""
+        if self._transport is not None and not self._transport.is_closing():
+            self._port.links.complaints.warn(f"MAVLink: {self._name} {why}, and is cut off")
+            self._transport.abort()
+
+    def _leave(self) -> None:
+        if self._link is not None:
+            self._port.links.close(self._link)
+            self._link = None

@@ -1,0 +1,275 @@
+"""MAVLink over UDP: a socket for each target, one for stations that send first, and a link for each peer."""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+import socket
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, cast
+
+from sim.common.robot_numbers import index_of
+from thbridge.mavlink.sockets.links import GARBAGE_LIMIT, MavlinkLinks
+from thbridge.mavlink.wire.frames.channel import Channel
+from thbridge.mavlink.wire.outgoing import LinkId
+from thbridge.sockets.addresses import Address, UdpTarget
+from thbridge.sockets.admission import OWN_MACHINE, Admission
+from thbridge.sockets.errors import CannotListen
+
+MAX_PEERS = 32
+"""Most peers of one socket beside its target; one more replaces the peer whose last frame is oldest.
+
+Peers without a good frame go first, then those that were not heard for long enough to be `SETTLED_SECONDS` old.
+"""
+
+SETTLED_SECONDS = 3.0
+"""Seconds between the first and the last good frame of a peer that others displace last: not of an invented one."""
+
+MEETINGS = 64
+"""Most new peers of one socket in a second; what others send is dropped."""
+
+STALE_SECONDS = 60.0
+"""Seconds without a good frame after which a peer is forgotten; the target never is."""
+
+MUTE_SECONDS = 10.0
+"""Seconds for which a peer that sent only garbage is ignored."""
+
+_DATAGRAM = 1200
+"""Most bytes of a datagram: below the packet size of any network."""
+
+_TURN = 64
+"""Most datagrams, and about the most frames, that are read at a time: a flood leaves time for other work."""
+
+_LARGEST = 8192
+"""Bytes of a datagram that are read: more than the packet size of any network."""
+
+BUFFER = 4 * 1024 * 1024
+"""Bytes of the system's socket buffers, which fill while a tick runs; the system may grant fewer."""
+
+SocketAddress = tuple[str, int] | tuple[str, int, int, int]
+"""Address in the form of Python's sockets, for IPv4 or IPv6."""
+
+
+@dataclass(slots=True)
+class _Peer:
+    """Peer of a socket; times are seconds of the loop's clock.
+
+    Attributes:
+        channel: its frame codec.
+        last_received: time of its last good frame, or else of its first datagram.
+        first_good: time of its first good frame.
+        link: None until its first good frame.
+        muted: time until which it is ignored.
+    """
+
+    channel: Channel
+    last_received: float
+    first_good: float = 0.0
+    link: LinkId | None = None
+    muted: float = 0.0
+
+    @property
+    def rank(self) -> tuple[bool, bool, float]:
+        """Order in which peers are displaced."""
+        settled = self.link is not None and self.last_received - self.first_good > SETTLED_SECONDS
+        return self.link is not None, settled, self.last_received
+
+
+@dataclass(frozen=True, slots=True)
+class _Outlet:
+    """Transport of a link."""
+
+    socket: socket.socket
+    address: SocketAddress
+
+    def send_frames(self, frames: Sequence[bytes]) -> int:
+        """Send frames, as many in one datagram as fit."""
+        unsent = first = 0
+        while first < len(frames):
+            last, size = first + 1, len(frames[first])
+            while last < len(frames) and size + len(frames[last]) <= _DATAGRAM:
+                size += len(frames[last])
+                last += 1
+            try:
+                self.socket.sendto(b"".join(frames[first:last]), self.address)
+            except ConnectionRefusedError:
+                pass  # An earlier datagram found the port closed; this error says nothing about the present one.
+            except OSError:
+                unsent += last - first
+            first = last
+        return unsent
+
+
+class UdpPort:
+    """UDP socket with its peers.
+
+    Args:
+        links: links of the session.
+        own: socket, bound and not blocking.
+        target: peer from the start; None: only peers that send first.
+        robot: the only robot on its links, from 0; None: all robots.
+        admission: of peers that send first, by their addresses.
+    """
+
+    def __init__(
+        self,
+        links: MavlinkLinks,
+        own: socket.socket,
+        target: SocketAddress | None,
+        robot: int | None = None,
+        admission: Admission = OWN_MACHINE,
+    ) -> None:
+        self._admission = admission
+        self._links = links
+        self._robot = robot
+        self._socket = own
+        self._target = target
+        self._target_host = None if target is None else target[0]
+        self._peers: dict[SocketAddress, _Peer] = {}
+        self._met: deque[float] = deque(maxlen=MEETINGS)
+        self._sweep: asyncio.TimerHandle | None = None
+
+    @property
+    def where(self) -> Address:
+        """Its own address."""
+        host, port, *_ = cast(SocketAddress, self._socket.getsockname())
+        return Address(host, port)
+
+    def serve(self) -> None:
+        """Begin to send and receive."""
+        loop = asyncio.get_running_loop()
+        if self._target is not None:
+            first = self._peers[self._target] = _Peer(self._links.channel(datagrams=True), loop.time())
+            self._open(first, self._target)
+        loop.add_reader(self._socket, self._readable)
+        self._forget_stale()
+
+    def close(self) -> None:
+        """Close the socket and all its links."""
+        asyncio.get_running_loop().remove_reader(self._socket)
+        if self._sweep is not None:
+            self._sweep.cancel()
+        for address in tuple(self._peers):
+            self._forget(address)
+        self._socket.close()
+
+    def _forget_stale(self) -> None:
+        """Forget stale peers, each of which would cost a heartbeat of every robot for ever."""
+        loop = asyncio.get_running_loop()
+        for address, peer in tuple(self._peers.items()):
+            if address != self._target and loop.time() - peer.last_received > STALE_SECONDS:
+                self._forget(address)
+        self._sweep = loop.call_later(STALE_SECONDS / 4.0, self._forget_stale)
+
+    def _readable(self) -> None:
+        read = 0
+        while read < _TURN:
+            read += 1
+            try:
+                data, address = self._socket.recvfrom(_LARGEST)
+            except BlockingIOError:
+                return
+            except OSError:
+                continue  # ICMP: a target's port is closed.
+            read += self._received(data, address)
+
+    def _received(self, data: bytes, address: SocketAddress) -> int:
+        """Handle a datagram; return the number of frames in it."""
+        now = asyncio.get_running_loop().time()
+        peer = self._peers.get(address) or self._meet(address, now)
+        if peer is None or now < peer.muted:
+            return 0
+        if peer.link is not None and not self._links.has_room(peer.link):
+            self._links.drop(peer.link, 1)
+            return 0
+        frames = self._links.frames_in(_name(address), peer.channel, data)
+        if frames:
+            peer.last_received = now
+            peer.first_good = peer.first_good or now
+            self._open(peer, address)
+            if peer.link is not None:
+                self._links.receive(peer.link, frames)
+        elif peer.channel.bytes_since_good > GARBAGE_LIMIT:
+            peer.channel.bytes_since_good = 0
+            peer.muted = now + MUTE_SECONDS
+            self._links.complaints.warn(f"MAVLink: {_name(address)} sends nothing of use, and is not listened to")
+        return len(frames)
+
+    def _meet(self, address: SocketAddress, now: float) -> _Peer | None:
+        if not (self._admission.admits(address[0]) or address[0] == self._target_host):
+            self._links.complaints.warn(f"MAVLink: {address[0]} is in none of the networks of open_to")
+            return None
+        if len(self._met) == MEETINGS and now - self._met[0] < 1.0:
+            self._links.complaints.warn(f"MAVLink: more than {MEETINGS} new peers in a second; not all are heard")
+            return None
+        self._met.append(now)
+        if len(self._peers) > MAX_PEERS:
+            others = (there for there in self._peers if there != self._target)
+            self._forget(min(others, key=lambda there: self._peers[there].rank))
+        peer = self._peers[address] = _Peer(self._links.channel(datagrams=True), now)
+        return peer
+
+    def _forget(self, address: SocketAddress) -> None:
+        link = self._peers.pop(address).link
+        if link is not None:
+            self._links.close(link)
+
+    def _open(self, peer: _Peer, address: SocketAddress) -> None:
+        if peer.link is None:
+            outlet = _Outlet(self._socket, address)
+            peer.link = self._links.open(_name(address), peer.channel, outlet, self._robot)
+
+
+async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotListen:
+    """Open a socket for a target, on the loopback interface if the target is there; not in use yet."""
+    found = await _bound(target.address, lambda there, family: (_local(there[0], family), 0))
+    robot = None if target.number is None else index_of(target.number)
+    return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, robot)
+
+
+async def udp_listener(
+    links: MavlinkLinks, where: Address, admission: Admission = OWN_MACHINE
+) -> UdpPort | CannotListen:
+    """Open a socket at this address for stations that send first; not in use yet."""
+    found = await _bound(where, lambda there, family: there)
+    return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, None, admission=admission)
+
+
+class _Bound(NamedTuple):
+    """Bound socket, and the address for which it was made."""
+
+    socket: socket.socket
+    given: SocketAddress
+
+
+async def _bound(given: Address, own_for: Callable[[SocketAddress, int], SocketAddress]) -> _Bound | CannotListen:
+    """Open a socket for an address, bound to the result of `own_for` for it and its family."""
+    try:
+        found = await asyncio.get_running_loop().getaddrinfo(given.host, given.port, type=socket.SOCK_DGRAM)
+        family, there = found[0][0], cast(SocketAddress, found[0][4])
+        own = socket.socket(family, socket.SOCK_DGRAM)
+        try:
+            own.setblocking(False)
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
+            own.bind(own_for(there, family))
+        except OSError:
+            own.close()
+            raise
+    except (OSError, UnicodeError) as error:
+        return CannotListen.because(error, given.host, given.port)
+    return _Bound(own, there)
+
+
+def _local(host: str, family: int) -> str:
+    """Return the address to bind to in order to reach a host."""
+    if ipaddress.ip_address(host.partition("%")[0]).is_loopback:
+        return host
+    return "::" if family == socket.AF_INET6 else "0.0.0.0"
+
+
+def _name(address: SocketAddress) -> str:
+    return f"udp {Address(address[0], address[1])}"

@@ -1,0 +1,204 @@
+"""Trip of one robot, commanded by a ground station: arm it, send it, wait for its arrival, disarm it.
+
+Without sockets and clocks; it uses a `GroundStation`.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from sim.numerics import elementary
+from thbridge.mavlink.station.ground_station import (
+    HEARTBEAT_PERIOD,
+    CommandAcked,
+    CommandUnanswered,
+    GroundStation,
+    KnownRobot,
+    StationCommand,
+    StationEvent,
+    StatusTextReceived,
+)
+from thbridge.mavlink.values.conventions import ARRIVED
+from thbridge.mavlink.values.vehicle_interface import Target
+from thbridge.mavlink.wire.coordinates import PER_METRE, yaw_of
+from thbridge.mavlink.wire.dialect import mav
+
+ARRIVAL_RADIUS = 0.3
+"""Metres: a robot that stands within this distance of its goal has arrived, whether it reports so or not."""
+
+DISCOVERY_TIMEOUT = 5.0
+HEARTBEAT_TIMEOUT = 5.0
+_TEXT_TIMEOUT = 0.5
+"""Seconds to wait for the text with a robot's reason for its refusal."""
+_STANDING_SECONDS = 3.0
+_STANDING = 0.02
+"""Metres per second."""
+
+_ARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
+_DISARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
+
+
+@dataclass(frozen=True, slots=True)
+class TripOutcome:
+    """Outcome of a trip.
+
+    Attributes:
+        problem: reason why the robot did not arrive, for people; empty when it did.
+        unanswered: True when it did not answer a command.
+    """
+
+    problem: str
+    unanswered: bool = False
+
+
+class StationTripStage(Enum):
+    """Stage of a trip."""
+
+    SEARCHING = auto()
+    TAKING = auto()
+    ASKING = auto()
+    UNDER_WAY = auto()
+    LISTENING = auto()
+    RETURNING = auto()
+    OVER = auto()
+
+
+class StationTrip:
+    """One trip.
+
+    Args:
+        station: ground station that commands the robot.
+        system: system id of the robot.
+        destination: its goal.
+        keep: stay in command of it afterwards.
+        now: seconds of the station's clock.
+
+    Attributes:
+        stage: current stage.
+        outcome: None until it is over.
+    """
+
+    def __init__(self, station: GroundStation, system: int, destination: Target, keep: bool, now: float) -> None:
+        self.stage = StationTripStage.SEARCHING
+        self.outcome: TripOutcome | None = None
+        self._station = station
+        self._system = system
+        self._destination = destination
+        self._keep = keep
+        self._since = now
+        self._commands = False
+        self._problem = ""
+        self._unanswered = False
+        self._stood = now
+
+    @property
+    def remaining(self) -> float:
+        """Straight distance to the goal, metres; NaN while unknown."""
+        robot = self._station.robots.get(self._system)
+        return math.nan if robot is None else _distance(self._destination, robot)
+
+    def advance(self, events: Iterable[StationEvent], now: float) -> None:
+        """Handle the station's events and the passing of time."""
+        for event in events:
+            if event.system == self._system:
+                self._handle_event(event, now)
+        robot = self._station.robots.get(self._system)
+        waited = now - self._since
+        match self.stage:
+            case StationTripStage.SEARCHING if robot is not None:
+                self._send(StationTripStage.TAKING, _ARM, now)
+            case StationTripStage.SEARCHING if waited > DISCOVERY_TIMEOUT:
+                there = ", ".join(str(system) for system in sorted(self._station.robots))
+                self._fail(f"robot {self._system} is not heard; those that are: {there or 'none'}", now)
+            case StationTripStage.UNDER_WAY if robot is not None:
+                self._watch(robot, now)
+            case StationTripStage.LISTENING if waited > _TEXT_TIMEOUT:
+                self._hand_back(now)
+
+    def give_up(self, now: float) -> None:
+        """Abort the trip: the robot is stopped and given back."""
+        self._problem = "given up"
+        self._keep = False
+        self._hand_back(now)
+
+    def _handle_event(self, event: StationEvent, now: float) -> None:
+        match event:
+            case CommandAcked(_, mav.MAV_CMD_COMPONENT_ARM_DISARM, result) if self.stage is StationTripStage.TAKING:
+                if result == mav.MAV_RESULT_ACCEPTED:
+                    self._commands = True
+                    self._send(StationTripStage.ASKING, _command_to(self._destination), now)
+                else:
+                    self._fail(f"robot {self._system} gives nobody else the command ({_word(result)})", now)
+            case CommandAcked(_, mav.MAV_CMD_DO_REPOSITION, result) if self.stage is StationTripStage.ASKING:
+                if result == mav.MAV_RESULT_ACCEPTED:
+                    self.stage, self._since, self._stood = StationTripStage.UNDER_WAY, now, now
+                else:
+                    self._fail(f"robot {self._system} does not go there ({_word(result)})", now)
+            case CommandUnanswered() if self.stage in (StationTripStage.TAKING, StationTripStage.ASKING):
+                self._unanswered = True
+                self._fail(f"robot {self._system} does not answer", now)
+            case CommandAcked() | CommandUnanswered() if self.stage is StationTripStage.RETURNING:
+                self._end()
+            case StatusTextReceived(_, severity, text):
+                self._handle_text(severity, text, now)
+
+    def _handle_text(self, severity: int, text: str, now: float) -> None:
+        """Handle a text of the robot, which tells more than a result code."""
+        if self.stage is StationTripStage.UNDER_WAY and text == ARRIVED:
+            self._hand_back(now)
+        elif severity <= mav.MAV_SEVERITY_WARNING:
+            if self.stage is StationTripStage.UNDER_WAY:
+                self._fail(text, now)
+            elif self.stage is StationTripStage.LISTENING:
+                self._problem = text
+
+    def _watch(self, robot: KnownRobot, now: float) -> None:
+        """Check heartbeat, position and arming of the robot: texts may get lost."""
+        if not robot.speed < _STANDING:
+            self._stood = now
+        if now - robot.last_heartbeat > HEARTBEAT_TIMEOUT:
+            self._fail(f"robot {self._system} is not heard any more", now)
+        elif now - self._stood > _STANDING_SECONDS and _distance(self._destination, robot) < ARRIVAL_RADIUS:
+            self._hand_back(now)
+        elif (
+            not robot.armed and robot.last_heartbeat - self._since > HEARTBEAT_PERIOD
+        ):  # before that it may not know it yet
+            self._fail(f"robot {self._system} is commanded by somebody else now", now)
+
+    def _send(self, stage: StationTripStage, command: StationCommand, now: float) -> None:
+        self.stage, self._since = stage, now
+        self._station.send_command(self._system, command, now)
+
+    def _fail(self, problem: str, now: float) -> None:
+        self._problem = problem
+        self.stage, self._since = StationTripStage.LISTENING, now
+
+    def _hand_back(self, now: float) -> None:
+        if self._commands and not self._keep:
+            self._send(StationTripStage.RETURNING, _DISARM, now)
+        else:
+            self._end()
+
+    def _end(self) -> None:
+        self.stage, self.outcome = StationTripStage.OVER, TripOutcome(self._problem, self._unanswered)
+
+
+def _command_to(target: Target) -> StationCommand:
+    """Return the command that sends a robot there, in MAVLink's local frame, x north and y east."""
+    # NaN is the heading that does not matter.
+    yaw = math.nan if target.heading is None else yaw_of(target.heading)
+    place = (round(target.y * PER_METRE), round(target.x * PER_METRE))
+    parameters = (-1.0, float(mav.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE), 0.0, yaw, *place, 0.0)
+    return StationCommand(mav.MAV_CMD_DO_REPOSITION, parameters, mav.MAV_FRAME_LOCAL_NED)
+
+
+def _distance(target: Target, robot: KnownRobot) -> float:
+    """Return the metres from a robot's own position estimate; NaN while that is unknown."""
+    return elementary.hypot(target.x - robot.x, target.y - robot.y)
+
+
+def _word(result: int) -> str:
+    """Return a code of MAV_RESULT as a word."""
+    known = mav.enums["MAV_RESULT"].get(result)
+    return f"result {result}" if known is None else known.name.removeprefix("MAV_RESULT_").replace("_", " ").lower()

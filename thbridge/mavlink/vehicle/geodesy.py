@@ -1,0 +1,79 @@
+"""Map projection: a plane that touches the WGS84 ellipsoid in the map's origin, its y axis north.
+
+Source: WGS 84 (NGA.STND.0036), semi-axes; the radii of curvature of an ellipsoid.
+Differs: the plane is not bent, so two points 1 km from the origin are off by some centimetres; maps are smaller.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import TypeVar
+
+from sim.numerics import elementary
+from thbridge.mavlink.values.options import GeoOrigin
+
+_SEMI_MAJOR = 6_378_137.0
+_FLATTENING = 1.0 / 298.257223563
+_ECCENTRICITY_SQUARED = _FLATTENING * (2.0 - _FLATTENING)
+
+Number = TypeVar("Number", int, float)
+
+PER_DEGREE = 10_000_000
+"""MAVLink's units per degree, 1.1 cm of latitude each."""
+
+_WHOLE_TURN = 360 * PER_DEGREE
+_POLE = 90 * PER_DEGREE
+
+
+@dataclass(frozen=True, slots=True)
+class GeoPoint:
+    """Point on earth, in ten-millionths of a degree: north of the equator, and east of Greenwich."""
+
+    latitude: int
+    longitude: int
+
+    @property
+    def is_on_earth(self) -> bool:
+        """True when latitude and longitude are in range."""
+        return abs(self.latitude) <= _POLE and abs(self.longitude) <= _WHOLE_TURN // 2
+
+    @property
+    def is_unset(self) -> bool:
+        """True for (0, 0), which ground stations send when they name no place and mean "here"."""
+        return self.latitude == 0 and self.longitude == 0
+
+
+class MapProjection:
+    """Conversion between metres of the map and degrees.
+
+    Args:
+        origin: position of the map's origin; not at a pole.
+    """
+
+    def __init__(self, origin: GeoOrigin) -> None:
+        self.altitude = origin.altitude
+        phi = math.radians(origin.latitude)
+        sine = elementary.sin(phi)
+        shrink = 1.0 - _ECCENTRICITY_SQUARED * (sine * sine)
+        root = math.sqrt(shrink)
+        meridian = _SEMI_MAJOR * (1.0 - _ECCENTRICITY_SQUARED) / (shrink * root)
+        parallel = _SEMI_MAJOR / root * elementary.cos(phi)
+        self._latitude = origin.latitude * PER_DEGREE
+        self._longitude = origin.longitude * PER_DEGREE
+        self._north = math.degrees(1.0 / meridian) * PER_DEGREE
+        self._east = math.degrees(1.0 / parallel) * PER_DEGREE
+
+    def geo_point(self, x: float, y: float) -> GeoPoint:
+        """Convert a point of the map, metres east and north, to one on earth; beyond a pole, the pole."""
+        latitude = round(self._latitude + y * self._north)
+        longitude = round(self._longitude + x * self._east)
+        return GeoPoint(min(max(latitude, -_POLE), _POLE), _half_turn(longitude))
+
+    def map_point(self, place: GeoPoint) -> tuple[float, float]:
+        """Convert a point on earth to one of the map, metres east and north."""
+        east = _half_turn(place.longitude - self._longitude)
+        return east / self._east, (place.latitude - self._latitude) / self._north
+
+
+def _half_turn(longitude: Number) -> Number:
+    """Return the same longitude between -180 and 180 degrees."""
+    return (longitude + _WHOLE_TURN // 2) % _WHOLE_TURN - _WHOLE_TURN // 2

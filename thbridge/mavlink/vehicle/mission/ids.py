@@ -1,0 +1,53 @@
+"""Plan ids, by which a station detects whether its plan is the robot's, and the messages that carry them.
+
+Source: the MAVLink developer guide, "Mission Protocol", "Detecting Mission/Plan Changes". The fields are younger than
+pymavlink's dialect, so its messages are extended here; receivers that do not know the fields ignore them.
+"""
+
+import struct
+import zlib
+from collections.abc import Iterable
+
+from thbridge.mavlink.vehicle.mission.items import MissionItem
+from thbridge.mavlink.wire.dialect import mav
+from thbridge.mavlink.wire.extra_messages import extended
+
+_ITEM = struct.Struct("<HB4f2if?")
+
+
+def plan_id(items: Iterable[MissionItem]) -> int:
+    """Return a checksum of a plan; 0 for an empty one."""
+    crc = 0
+    for item in items:
+        crc = zlib.crc32(
+            _ITEM.pack(item.command, item.frame, *item.params, item.x, item.y, item.z, item.autocontinue), crc
+        )
+    return crc
+
+
+@extended("uint32_t opaque_id")
+class MissionAck(mav.MAVLink_mission_ack_message):
+    """MISSION_ACK with the id of the robot's new plan."""
+
+    def __init__(self, target_system: int, target_component: int, result: int, mission_type: int, plan: int) -> None:
+        super().__init__(target_system, target_component, result, mission_type)
+        self.opaque_id = plan
+
+
+@extended("uint32_t opaque_id")
+class MissionCount(mav.MAVLink_mission_count_message):
+    """MISSION_COUNT with the plan's id."""
+
+    def __init__(self, target_system: int, target_component: int, count: int, mission_type: int, plan: int) -> None:
+        super().__init__(target_system, target_component, count, mission_type)
+        self.opaque_id = plan
+
+
+# The ids of fences and rally points, which would follow, are left out: there are none.
+@extended("uint32_t mission_id")
+class MissionCurrent(mav.MAVLink_mission_current_message):
+    """MISSION_CURRENT with the id of the robot's plan."""
+
+    def __init__(self, seq: int, total: int, mission_state: int, mission_mode: int, plan: int) -> None:
+        super().__init__(seq, total, mission_state, mission_mode)
+        self.mission_id = plan

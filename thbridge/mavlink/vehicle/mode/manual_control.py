@@ -1,0 +1,74 @@
+"""Manual control: sticks or velocities that are sent repeatedly, and hold only for a short time.
+
+Source: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME, for its three seconds: scripts for it
+send a velocity once a second.
+"""
+
+from dataclasses import dataclass
+
+from sim.common.geometry import Pose2
+from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Twist
+from thbridge.mavlink.values.options import AutopilotIdentity
+from thbridge.mavlink.values.vehicle_interface import Denied, VehicleInterface
+from thbridge.mavlink.wire.coordinates import bounded, twist_towards
+
+_DEADMAN = {AutopilotIdentity.GENERIC: TICKS_PER_SECOND // 2, AutopilotIdentity.ARDUPILOT: 3 * TICKS_PER_SECOND}
+"""Ticks for which a command by hand holds."""
+
+
+@dataclass(frozen=True, slots=True)
+class VelocitySetpoint:
+    """Velocity setpoint; see `coordinates.twist_towards` for the fields."""
+
+    frame: int
+    first: float
+    second: float
+    yaw_rate: float
+
+
+class ManualControl:
+    """Manual control of one robot.
+
+    Args:
+        robot: interface to the robot.
+        identity: autopilot that the vehicle presents itself as.
+    """
+
+    def __init__(self, robot: VehicleInterface, identity: AutopilotIdentity) -> None:
+        self._robot = robot
+        self._deadman = _DEADMAN[identity]
+        self._wanted: Twist | VelocitySetpoint | None = None
+        self._until: int | None = None
+
+    @property
+    def is_driving(self) -> bool:
+        """True while the last command holds."""
+        return self._until is not None
+
+    def follow(self, wanted: Twist | VelocitySetpoint, tick: int, base_in_map: Pose2) -> Denied | None:
+        """Drive like this, within the speed limits; a velocity is tracked anew in each tick."""
+        denied = self._steer(wanted, base_in_map)
+        if denied is None:
+            self._wanted, self._until = wanted, tick + self._deadman
+        return denied
+
+    def release_control(self) -> None:
+        """Forget the last command; the robot itself is not halted."""
+        self._wanted = self._until = None
+
+    def step(self, tick: int, base_in_map: Pose2) -> None:
+        """Follow the last command until it is too old; then stop."""
+        if self._until is None or self._wanted is None:
+            return
+        if tick >= self._until:
+            self.release_control()
+            self._robot.drive(STANDSTILL)
+        else:
+            self._steer(self._wanted, base_in_map)
+
+    def _steer(self, wanted: Twist | VelocitySetpoint, base_in_map: Pose2) -> Denied | None:
+        fastest = self._robot.fastest()
+        if isinstance(wanted, Twist):
+            return self._robot.drive(bounded(wanted, fastest))
+        axes = (wanted.frame, wanted.first, wanted.second, wanted.yaw_rate)
+        return self._robot.drive(twist_towards(*axes, base_in_map, fastest))

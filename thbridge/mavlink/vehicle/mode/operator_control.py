@@ -1,0 +1,112 @@
+"""Operator control: the ground station in command of a robot, and the loss of its heartbeats."""
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.mavlink.values.conventions import BY_OTHERS, BY_PARTICIPANT
+from thbridge.mavlink.values.vehicle_interface import (
+    NO_READINGS,
+    PARTICIPANT,
+    DenialKind,
+    Denied,
+    RobotReadings,
+    Station,
+    VehicleInterface,
+)
+
+_AWAY = TICKS_PER_SECOND
+"""Ticks of another's command after which control counts as taken away: the readings show the game's reaction to a
+vehicle's request some ticks late."""
+
+
+class OperatorControl:
+    """Command of one robot, as its vehicle knows it.
+
+    Args:
+        robot: interface to the robot.
+        lost_after: seconds without a heartbeat after which a station counts as lost.
+
+    Attributes:
+        lost_after: as above; may be changed.
+        station: the station in command; None when none is. It stays so while a researcher takes over for a time.
+    """
+
+    def __init__(self, robot: VehicleInterface, lost_after: float) -> None:
+        self._robot = robot
+        self.lost_after = lost_after
+        self.station: Station | None = None
+        self._last_heartbeat = 0
+        self._away = 0
+        self._tick = 0
+        self._readings = NO_READINGS
+
+    @property
+    def commander_id(self) -> int:
+        """Commander as one number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
+        if self.station is not None and not self.is_overruled:
+            return self.station.system
+        return BY_PARTICIPANT if self._readings.commanded_by == PARTICIPANT else BY_OTHERS
+
+    @property
+    def is_lost(self) -> bool:
+        """True when heartbeats of the station in command are overdue."""
+        return self.station is not None and self._tick - self._last_heartbeat > self._timeout
+
+    @property
+    def is_overruled(self) -> bool:
+        """True while a person outside of the game, such as a researcher, drives the robot in place of the station."""
+        ours, readings = str(self.station), self._readings
+        if self.station is None or readings.commander not in (None, ours):
+            return False
+        return readings.commanded_by not in (PARTICIPANT, ours)
+
+    @property
+    def _timeout(self) -> int:
+        return round(self.lost_after * TICKS_PER_SECOND)
+
+    def objection(self, station: Station) -> Denied | None:
+        """Return the reason why this station may not move the robot; None when it may."""
+        if self.station is None:
+            return Denied(f"Commanded by {self._readings.commanded_by}: arm the robot to take command.")
+        reserved = self.reserved(station)
+        if reserved is None and self.is_overruled:
+            return Denied(f"Commanded by {self._readings.commanded_by} just now.", DenialKind.NOT_NOW)
+        return reserved
+
+    def reserved(self, station: Station) -> Denied | None:
+        """Return a denial when another station is in command, for settings that take effect later; else None."""
+        if self.station in (None, station):
+            return None
+        return Denied(f"Commanded by {self.station}.")
+
+    def take(self, station: Station, by_force: bool = False) -> Denied | None:
+        """Put a station in command; in place of another one that is not lost only by force."""
+        if station == self.station:
+            return None
+        if self.station is not None and not by_force and not self.is_lost:
+            return Denied(f"Commanded by {self.station}: arm by force to take it over.")
+        denied = self._robot.take(station)
+        if denied is None:
+            self.station, self._last_heartbeat, self._away = station, self._tick, 0
+        return denied
+
+    def release(self) -> None:
+        """Give the command back to the participant if a station has it."""
+        if self.station is not None:
+            self.station = None
+            self._robot.release()
+
+    def heartbeat(self, station: Station) -> None:
+        """Record a heartbeat, of any component of a station."""
+        if self.station is not None and station.system == self.station.system:
+            self._last_heartbeat = self._tick
+
+    def follow(self, tick: int, readings: RobotReadings) -> bool:
+        """Advance by one tick; return True when the command was taken from the station."""
+        self._tick, self._readings = tick, readings
+        if self.station is None or readings.commander == str(self.station) or self.is_overruled:
+            self._away = 0
+            return False
+        self._away += 1
+        if self._away < _AWAY:
+            return False
+        self.station = None
+        return True

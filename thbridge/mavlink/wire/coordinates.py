@@ -1,0 +1,99 @@
+"""Conversions between MAVLink's coordinate frames and the map: points, headings and velocities.
+
+The map has x east and y north, and angles from east, anticlockwise; MAVLink has north first, then east, and angles from
+north, clockwise. Heights are ignored: all robots stand on one floor.
+"""
+
+import math
+
+from sim.common.geometry import Pose2
+from sim.common.observations import Twist
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from thbridge.mavlink.wire.dialect import mav
+
+GLOBAL = frozenset(
+    {
+        mav.MAV_FRAME_GLOBAL,
+        mav.MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        mav.MAV_FRAME_GLOBAL_TERRAIN_ALT,
+        mav.MAV_FRAME_GLOBAL_INT,
+        mav.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+        mav.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
+    }
+)
+"""Frames of latitude and longitude; they differ only in their heights."""
+
+_BODY = frozenset({mav.MAV_FRAME_BODY_NED, mav.MAV_FRAME_BODY_OFFSET_NED, mav.MAV_FRAME_BODY_FRD})
+
+LOCAL = _BODY | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_LOCAL_OFFSET_NED}
+"""Frames in metres: from the map's origin or from the robot, along the map's axes or along the robot's."""
+
+PER_METRE = 10_000
+"""COMMAND_INT and MISSION_ITEM_INT count metres of `LOCAL` in ten-thousandths."""
+
+_TURN_RATE = 2.0
+"""Radians per second for each radian that a robot points away from where it is to drive."""
+
+
+def yaw_of(theta: float) -> float:
+    """Convert a direction of the map to MAVLink's yaw, radians from north, clockwise, in [-pi, pi)."""
+    return wrap_angle(math.pi / 2.0 - theta)
+
+
+def theta_of(yaw: float) -> float:
+    """Convert a finite yaw to a direction of the map."""
+    return wrap_angle(math.pi / 2.0 - yaw)
+
+
+def compass(theta: float) -> float:
+    """Convert a direction of the map to degrees from north, clockwise, in [0, 360)."""
+    return math.degrees(yaw_of(theta)) % 360.0
+
+
+def quaternion(theta: float) -> tuple[float, float, float, float]:
+    """Convert a direction of the map to a quaternion about MAVLink's down axis, w first."""
+    half = yaw_of(theta) / 2.0
+    w, z = elementary.cos_sin(half)
+    return w, 0.0, 0.0, z
+
+
+def north_east(twist: Twist, theta: float) -> tuple[float, float]:
+    """Return the velocity north and east, m/s, of a robot that points to `theta`."""
+    east, north = elementary.cos_sin(theta)
+    return twist.linear * north, twist.linear * east
+
+
+def point_in_map(frame: int, first: float, second: float, base_in_map: Pose2) -> tuple[float, float]:
+    """Return the map point with these coordinates in a frame of `LOCAL`: north and east, or forward and right."""
+    if frame in _BODY:
+        away = base_in_map.compose(Pose2(first, -second, 0.0))
+        return away.x, away.y
+    if frame == mav.MAV_FRAME_LOCAL_OFFSET_NED:
+        return base_in_map.x + second, base_in_map.y + first
+    return second, first
+
+
+def twist_towards(
+    frame: int, first: float, second: float, yaw_rate: float, base_in_map: Pose2, fastest: Twist
+) -> Twist:
+    """Return the twist by which a robot, which cannot move sideways, follows a velocity in a frame of `LOCAL`.
+
+    In body frames it takes the forward part and the yaw rate. In map frames it turns towards the velocity's direction
+    and drives with the cosine of the remaining angle; without a velocity it turns at the given rate.
+    """
+    if frame in _BODY:
+        return bounded(Twist(first, -yaw_rate), fastest)
+    speed = elementary.hypot(first, second)
+    if speed == 0.0:
+        return bounded(Twist(0.0, -yaw_rate), fastest)
+    error = wrap_angle(elementary.atan2(first, second) - base_in_map.theta)
+    return bounded(Twist(speed * max(0.0, elementary.cos(error)), _TURN_RATE * error), fastest)
+
+
+def bounded(twist: Twist, fastest: Twist) -> Twist:
+    """Clamp both speeds of a twist to the fastest."""
+    return Twist(
+        max(-fastest.linear, min(twist.linear, fastest.linear)),
+        max(-fastest.angular, min(twist.angular, fastest.angular)),
+    )

@@ -1,0 +1,230 @@
+"""Signatures of MAVLink 2: only frames signed with the key are accepted, and each of them only once.
+
+Source: the MAVLink developer guide, "Message Signing".
+
+Differs: no unsigned frame is accepted. Others accept RADIO_STATUS, which radios send without a key; here no radio is in
+between, and a frame forwarded under our signature would look as if the holder of the key had sent it. A key is never
+taken from the wire (SETUP_SIGNING). A timestamp from the last few months that 48 bits can hold is refused, because no
+later frame could have a newer one.
+"""
+
+import hashlib
+import hmac
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Final
+
+from thbridge.mavlink.wire.frames.frame import SIGNED, V2, Frame
+
+KEY_SIZE = 32
+
+UNITS_PER_SECOND = 100_000
+"""A timestamp counts 10 microseconds."""
+
+EPOCH = 1_420_070_400
+"""Unix time from which timestamps count: 1 January 2015."""
+
+FIRST_TIMESTAMP_TOLERANCE = 60 * UNITS_PER_SECOND
+"""Most units by which the first timestamp of a stream may be behind ours."""
+
+LATEST = (1 << 48) - (1 << 40)
+"""Latest timestamp that is accepted; the rest of the range lasts four months at 100,000 frames a second."""
+
+MAX_STREAMS = 1024
+"""Most senders whose timestamps are kept."""
+
+_HEX_KEY = re.compile(r"[0-9a-fA-F]{64}")
+_STAMP_SIZE = 6
+_DIGEST_SIZE = 6
+
+
+@dataclass(frozen=True, slots=True)
+class SigningKey:
+    """Secret that both sides of a link share; `repr` does not show it.
+
+    Raises:
+        ValueError: it is not of 32 bytes.
+    """
+
+    secret: bytes = field(repr=False)
+
+    def __post_init__(self) -> None:
+        if len(self.secret) != KEY_SIZE:
+            raise ValueError(f"a signing key has {KEY_SIZE} bytes, not {len(self.secret)}")
+
+
+@dataclass(frozen=True, slots=True)
+class InvalidKey:
+    """Content of a key file that is no key.
+
+    Attributes:
+        problem: the reason, as a clause without its full stop.
+    """
+
+    problem: str
+
+
+class SignatureFault(StrEnum):
+    """Reason why a frame is rejected, as the end of the sentence "refused: ..."."""
+
+    UNSIGNED = "it is not signed"
+    WRONG = "its signature is wrong"
+    REPEATED = "its timestamp is not newer than the last of its sender"
+    OLD = "its sender is new, and its timestamp more than a minute old"
+    BEFORE = "it was signed before this program began, which does not know what was accepted then"
+    FAR_AHEAD = "its timestamp is from the end of all timestamps"
+    CROWDED = f"there are {MAX_STREAMS} other senders already"
+
+
+@dataclass(frozen=True, slots=True)
+class RejectedFrame:
+    """Frame that is rejected because of its signature."""
+
+    reason: SignatureFault
+
+
+def parse_key(content: bytes) -> SigningKey | InvalidKey:
+    """Return the key in a file: 32 raw bytes, 64 hexadecimal digits, or a passphrase.
+
+    A line of text is a passphrase, and its SHA-256 the key, as in MAVProxy and Mission Planner; QGroundControl has
+    derived keys from passphrases in its own manner since 2025, but shows them as 64 digits.
+
+    Args:
+        content: all of the file. Anything printable is text, with or without an end of line.
+    """
+    try:
+        text = content.decode().removesuffix("\n").removesuffix("\r")
+    except UnicodeDecodeError:
+        text = ""
+    if text.isprintable() and text.strip():
+        if _HEX_KEY.fullmatch(text):
+            return SigningKey(bytes.fromhex(text))
+        return SigningKey(hashlib.sha256(text.encode()).digest())
+    if len(content) == KEY_SIZE:
+        return SigningKey(content)
+    if not content.strip():
+        return InvalidKey("it is empty")
+    return InvalidKey(f"it is neither one line of text nor {KEY_SIZE} bytes, but {len(content)} bytes")
+
+
+@dataclass(frozen=True, slots=True)
+class KnownTimestamps:
+    """Timestamps that an earlier program with the same key knew when it ended.
+
+    Attributes:
+        latest: latest of all, ours included.
+        streams: last accepted one of each stream (link, system, component).
+    """
+
+    latest: int
+    streams: Mapping[tuple[int, int, int], int]
+
+
+class SignatureTimestamps:
+    """Timestamps used so far, by us and by others, on all links with one key.
+
+    The links share them so that a frame from one link is not accepted again on another.
+
+    Args:
+        known: timestamps of an earlier program.
+        not_before: seconds of Unix time before which no frame is accepted: where nothing is known, the program's start,
+            since an earlier one may have accepted whatever is older.
+    """
+
+    def __init__(self, known: KnownTimestamps | None = None, not_before: float = 0.0) -> None:
+        self._latest = 0 if known is None else known.latest
+        self._streams: dict[tuple[int, int, int], int] = {}
+        if known is not None:
+            # Where there are many, those go that would be refused as new ones, too, with whatever they said so far.
+            kept = 0 if len(known.streams) <= MAX_STREAMS // 2 else known.latest - FIRST_TIMESTAMP_TOLERANCE
+            self._streams = {stream: last for stream, last in known.streams.items() if last >= kept}
+        self._not_before = _timestamp_at(not_before)
+
+    @property
+    def known(self) -> KnownTimestamps:
+        """Present timestamps, for the next program."""
+        return KnownTimestamps(self._latest, dict(self._streams))
+
+    def next(self, now: float) -> int:
+        """Return a timestamp to sign with; each is newer than all before, ours and the accepted ones."""
+        self._latest = max(self._latest + 1, _timestamp_at(now))
+        return self._latest
+
+    def check(self, stream: tuple[int, int, int], timestamp: int, now: float) -> SignatureFault | None:
+        """Return the reason to reject a timestamp of a stream (link, system, component); None to accept it."""
+        if timestamp > LATEST:
+            return SignatureFault.FAR_AHEAD
+        last = self._streams.get(stream)
+        if last is not None:
+            return SignatureFault.REPEATED if timestamp <= last else None
+        if timestamp + FIRST_TIMESTAMP_TOLERANCE < max(self._latest, _timestamp_at(now)):
+            return SignatureFault.OLD
+        if timestamp < self._not_before:
+            return SignatureFault.BEFORE
+        return SignatureFault.CROWDED if len(self._streams) >= MAX_STREAMS else None
+
+    def accept(self, stream: tuple[int, int, int], timestamp: int) -> None:
+        """Record the timestamp of a frame whose signature was right."""
+        self._streams[stream] = timestamp
+        self._latest = max(self._latest, timestamp)
+
+
+class Signing:
+    """Signs outgoing frames of a link and verifies incoming ones.
+
+    Args:
+        key: key of both sides.
+        link_id: our number of this link, 0 to 255, which is part of the signature.
+        timestamps: timestamps of all links with this key.
+    """
+
+    def __init__(self, key: SigningKey, link_id: int, timestamps: SignatureTimestamps) -> None:
+        self._key: Final = key
+        self._link_id: Final = link_id
+        self._timestamps: Final = timestamps
+
+    def verify(self, frame: Frame, now: float) -> Frame | RejectedFrame:
+        """Return the frame without its signature, if that is right and new.
+
+        Args:
+            frame: frame as received.
+            now: seconds of Unix time.
+        """
+        if not frame.signature:
+            return RejectedFrame(SignatureFault.UNSIGNED)
+        stamped, digest = frame.signature[:-_DIGEST_SIZE], frame.signature[-_DIGEST_SIZE:]
+        if not hmac.compare_digest(digest, self._digest(_sealed(frame) + stamped)):
+            return RejectedFrame(SignatureFault.WRONG)
+        stream = (stamped[0], frame.system, frame.component)
+        timestamp = int.from_bytes(stamped[1:], "little")
+        reason = self._timestamps.check(stream, timestamp, now)
+        if reason is not None:
+            return RejectedFrame(reason)
+        self._timestamps.accept(stream, timestamp)
+        return frame.unsigned()
+
+    def sign(self, frame: Frame, now: float) -> bytes:
+        """Sign and encode a frame; one of version 1 becomes version 2, since only that can be signed.
+
+        Args:
+            frame: unsigned frame.
+            now: seconds of Unix time.
+        """
+        signed = replace(frame, version=V2, incompat_flags=frame.incompat_flags | SIGNED, signature=b"")
+        stamp = self._timestamps.next(now).to_bytes(_STAMP_SIZE, "little")
+        stamped = signed.to_bytes() + bytes((self._link_id,)) + stamp
+        return stamped + self._digest(stamped)
+
+    def _digest(self, stamped: bytes) -> bytes:
+        return hashlib.sha256(self._key.secret + stamped).digest()[:_DIGEST_SIZE]
+
+
+def _sealed(frame: Frame) -> bytes:
+    """Return header, payload and checksum of a frame, as received."""
+    return replace(frame, signature=b"").to_bytes()
+
+
+def _timestamp_at(now: float) -> int:
+    return min(max(int((now - EPOCH) * UNITS_PER_SECOND), 0), LATEST)

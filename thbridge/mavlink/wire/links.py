@@ -1,0 +1,107 @@
+"""State of each link: the senders heard there and when, frames lost and frames dropped."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from thbridge.mavlink.values.vehicle_interface import Station
+from thbridge.mavlink.wire.frames.frame import missing_between
+
+MOST_STATIONS = 16
+"""Most senders on one link; frames of further ones are dropped."""
+
+
+class DropReason(StrEnum):
+    """Reason why a complete frame is dropped, as the end of the sentence "a frame goes nowhere: ..."."""
+
+    OURS = "its sender has the ids of one of our vehicles"
+    BROADCAST_SENDER = "its sender has the system id 0, which stands for everybody"
+    CROWDED = f"{MOST_STATIONS} other senders are heard on this link"
+    SECRET = "it carries a signing key, and keys come from a file"
+    UNKNOWN = "the dialect does not know its message"
+
+
+@dataclass(slots=True)
+class _LastFrame:
+    """Tick and sequence number of a sender's last frame."""
+
+    tick: int
+    sequence: int
+
+
+@dataclass(slots=True)
+class HubLink:
+    """State of a link in the hub.
+
+    Attributes:
+        name: name for people.
+        timeout: ticks for which a sender counts as present after a frame.
+        robot: the only vehicle on the link, from 0; None: all are.
+        received: number of frames received and accepted.
+        lost: number of frames lost, by the gaps in their senders' sequence numbers.
+        dropped: number of frames dropped, by reason.
+        sent: number of frames sent.
+    """
+
+    name: str
+    timeout: int
+    robot: int | None = None
+    received: int = 0
+    lost: int = 0
+    dropped: Counter[DropReason] = field(default_factory=Counter)
+    sent: int = 0
+    _tick: int | None = None
+    _stations: dict[Station, _LastFrame] = field(default_factory=dict)
+    _counts: dict[int, int] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        counts = f"{self.received} frames came in, {self.lost} were lost on the way, {self.sent} went out"
+        dropped = "".join(f"; {count} went nowhere: {why}" for why, count in self.dropped.items())
+        return f"{self.name}: {counts}{dropped}"
+
+    def reaches(self, robot: int) -> bool:
+        """Return True when this vehicle is on the link."""
+        return self.robot in (None, robot)
+
+    def has_room_for(self, station: Station, tick: int) -> bool:
+        """Return True when frames of this sender are accepted; a stale sender makes room for a new one."""
+        known = self._stations
+        return (
+            station in known or len(known) < MOST_STATIONS or not all(self.is_present(other, tick) for other in known)
+        )
+
+    def record_frame(self, station: Station, sequence: int, tick: int) -> None:
+        """Record a frame from a sender for whom there is room."""
+        last = self._stations.get(station)
+        if last is None:
+            if len(self._stations) >= MOST_STATIONS:
+                del self._stations[min(self._stations, key=lambda other: self._stations[other].tick)]
+            self._stations[station] = _LastFrame(tick, sequence)
+        else:
+            self.lost += missing_between(last.sequence, sequence)
+            last.tick, last.sequence = tick, sequence
+        self._tick = tick
+        self.received += 1
+
+    def is_active(self, tick: int) -> bool:
+        """Return True when a frame came within the timeout."""
+        return self._tick is not None and tick - self._tick <= self.timeout
+
+    def is_present(self, station: Station, tick: int) -> bool:
+        """Return True when a frame of this sender came within the timeout."""
+        last = self._stations.get(station)
+        return last is not None and tick - last.tick <= self.timeout
+
+    def leads_to(self, system: int, component: int | None, tick: int) -> bool:
+        """Return True when a frame of this system came within the timeout; a component of None is any."""
+        return any(
+            station.system == system and component in (None, station.component) and tick - last.tick <= self.timeout
+            for station, last in self._stations.items()
+        )
+
+    def next_sequence(self, system: int) -> int:
+        """Return the sequence number of the next frame that one of our vehicles sends here."""
+        number = self._counts.get(system, 0)
+        self._counts[system] = (number + 1) % 256
+        self.sent += 1
+        return number

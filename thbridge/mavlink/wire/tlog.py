@@ -1,0 +1,60 @@
+"""Telemetry logs as ground stations keep them: each frame with the microseconds of its receipt or sending before it.
+
+Source: the format of MAVProxy's and QGroundControl's `.tlog` files.
+
+Differs: the stamps are not real time but those of the bag beside it, so tools show dates of January 1970.
+"""
+
+import struct
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import replace
+
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.traffic import Traffic
+
+_STAMP = struct.Struct(">Q")
+
+
+class Tlog:
+    """Log of all vehicles, as if it were one more link that carries each message once.
+
+    So the frames of vehicles get the log's own sequence numbers, and tools find no frames lost.
+    """
+
+    def __init__(self) -> None:
+        self._counts: defaultdict[int, int] = defaultdict(int)
+
+    def records(self, microseconds: int, traffic: Iterable[Traffic]) -> bytes:
+        """Return the bytes to append for some traffic, in order.
+
+        Args:
+            microseconds: time of the traffic.
+            traffic: frames of one tick; a message that went to several links, or was received by several vehicles, is
+                there several times in a row.
+        """
+        stamp = _STAMP.pack(microseconds)
+        records: list[bytes] = []
+        last: Traffic | None = None
+        for one in traffic:
+            if last is None or not _same(last, one):
+                records += (stamp, (one.frame if one.incoming else self._counted(one.frame)).to_bytes())
+            last = one
+        return b"".join(records)
+
+    def _counted(self, frame: Frame) -> Frame:
+        count = self._counts[frame.system]
+        self._counts[frame.system] = (count + 1) % 256
+        return replace(frame, sequence=count)
+
+
+def _same(last: Traffic, one: Traffic) -> bool:
+    """Return True when it is the same message, received by another vehicle or sent on another link."""
+    if one.incoming:
+        return last.incoming and last.frame is one.frame
+    content = (one.robot, one.frame.message_id, one.frame.payload)
+    return (
+        not last.incoming
+        and last.link != one.link
+        and (last.robot, last.frame.message_id, last.frame.payload) == content
+    )

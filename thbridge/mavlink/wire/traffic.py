@@ -1,0 +1,46 @@
+"""Frames between links and vehicles: what is sent on a link, what became of a received one, and the record of both."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.links import DropReason
+from thbridge.mavlink.wire.outgoing import LinkId
+
+
+@dataclass(frozen=True, slots=True)
+class OutgoingFrame:
+    """Frame to be sent on a link."""
+
+    link: LinkId
+    frame: Frame
+
+
+@dataclass(frozen=True, slots=True)
+class FrameOutcome:
+    """Result of a received frame.
+
+    Attributes:
+        dropped: reason why it had no effect; None when it had.
+        replies: frames to be sent at once.
+    """
+
+    dropped: DropReason | None = None
+    replies: Sequence[OutgoingFrame] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Traffic:
+    """Frame that a vehicle received or sent.
+
+    Attributes:
+        robot: index of the vehicle in the team.
+        incoming: True when the vehicle received it; False when it sent it.
+        link: name of the link.
+        frame: frame without its signature.
+    """
+
+    robot: int
+    incoming: bool
+    link: str
+    frame: Frame
