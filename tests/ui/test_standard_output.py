@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from tests.commands import thbridge
+from tests.slow import slow
 from thbridge.recording.bag.reading.reader import info
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.topics import RosMessage, Topic
@@ -26,10 +28,10 @@ def bag(tmp_path: Path) -> Path:
 
 def written(folder: Path, *arguments: str) -> bytes:
     before = set(folder.iterdir())
-    done = subprocess.run([sys.executable, "-c", PROGRAM, *arguments], cwd=folder, capture_output=True, check=False)
-    assert done.returncode == 0, done.stderr
+    done = thbridge(folder, *arguments)
+    assert done.exit_code == 0, done.stderr
     assert set(folder.iterdir()) == before
-    return done.stdout
+    return done.stdout_bytes
 
 
 def test_a_study_goes_to_standard_output(tmp_path: Path) -> None:
@@ -64,8 +66,14 @@ def test_standard_output_is_not_shared_with_json(tmp_path: Path, bag: Path) -> N
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
-@pytest.mark.parametrize("words", [("study", "init", "-"), ("maps", "check", "arena8")])
-@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize(
+    ("words", "unbuffered"),
+    [
+        (("study", "init", "-"), ""),
+        (("study", "init", "-"), "1"),
+        *slow((("maps", "check", "arena8"), ""), (("maps", "check", "arena8"), "1")),
+    ],
+)
 def test_a_result_that_has_no_room_is_told_once(tmp_path: Path, words: tuple[str, ...], unbuffered: str) -> None:
     with Path("/dev/full").open("w") as full:
         command = [sys.executable, "-c", PROGRAM, *words]

@@ -230,7 +230,7 @@ def test_a_port_that_something_else_has_is_told_before_anything_begins(tmp_path:
     [
         (("--ros-master", "localhost"), "'localhost' is not a master's address"),
         pytest.param(("--ros-host", "192.0.2.1"), "192.0.2.1", marks=pytest.mark.slow),
-        (("--ros-host", "no such host"), "no such host"),
+        pytest.param(("--ros-host", "no such host"), "no such host", marks=pytest.mark.slow),
     ],
 )
 def test_addresses_that_cannot_be_are_told_before_anything_begins(

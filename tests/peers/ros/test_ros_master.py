@@ -136,6 +136,7 @@ def test_topics(graph):
             eventually(lambda: re.search(r"average rate: [1-9].*\n.*window: \d\d", hz.text), "its rate")
 
 
+@pytest.mark.slow
 def test_parameters(graph):
     written = graph.folder / "given.yaml"
     written.write_text("{speed: 0.5, name: 'a & <b> é', flags: [true, 3], deep: {er: {est: -1}}}\n")
@@ -165,6 +166,7 @@ def test_nodes_and_services(graph):
         eventually(lambda: node not in graph.says("rosnode", "list").split(), "the node to be gone")
 
 
+@pytest.mark.slow
 def test_a_killed_node_is_cleaned_up(graph):
     with graph.talker("/doomed") as talker:
         node = graph.node_of("/doomed")
@@ -175,6 +177,7 @@ def test_a_killed_node_is_cleaned_up(graph):
         assert node not in graph.says("rosnode", "list").split()
 
 
+@pytest.mark.slow
 def test_a_node_of_the_same_name_takes_over_and_its_subscribers_go_on(graph):
     with graph.running("rostopic", "echo", "/words") as echo:
         with graph.running(PYTHON, "-c", NAMED_TALKER, "first") as first:

@@ -21,10 +21,13 @@ from thbridge.ros.rviz import COLOURS
 
 NEEDED = ("rviz", "Xvfb", "import")
 
-pytestmark = pytest.mark.skipif(
-    any(shutil.which(program) is None for program in NEEDED),
-    reason=f"not installed: {', '.join(NEEDED)} (rviz, xvfb, imagemagick; see scripts/install_peers.sh)",
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        any(shutil.which(program) is None for program in NEEDED),
+        reason=f"not installed: {', '.join(NEEDED)} (rviz, xvfb, imagemagick; see scripts/install_peers.sh)",
+    ),
+]
 
 ROBOTS = 2
 NEAR = 12

@@ -54,7 +54,7 @@ def test_ranges_in_a_room_are_those_of_plane_geometry(angle: float, expected: fl
 
 
 @given(SEEDS, ORIGINS)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=settings.default.max_examples // 2, deadline=None)
 def test_a_beam_ends_exactly_where_it_first_meets_an_occupied_cell(seed: int, origin: Pose2) -> None:
     rng = np.random.default_rng(seed)
     grid = random_grid(rng, origin)

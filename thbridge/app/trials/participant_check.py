@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from sim.common.observations import TICKS_PER_SECOND
+from sim.common.robot_numbers import number_of
 from thbridge.app.compose.game import build_hider, build_keeper, knowledge_of
 from thbridge.app.compose.installed import installed_participant
 from thbridge.app.compose.setting import StudySetting, read_setting
@@ -118,8 +119,8 @@ def _position(view: View) -> Iterator[str]:
     for robot in view.robots:
         where = f"in room {robot.place}" if robot.place else "in the corridor"
         going = "" if robot.moving_to is None else f", on the way to room {robot.moving_to}"
-        yield f"Robot {robot.robot + 1} is {where}{going}, with energy {robot.energy:g}"
+        yield f"Robot {number_of(robot.robot)} is {where}{going}, with energy {robot.energy:g}"
     yield f"Unvisited rooms: {', '.join(str(room.room) for room in view.rooms if room.state == 'unvisited') or 'none'}"
     for talk in view.dialogues:
-        yield f"Dialogue {talk.dialogue} with robot {talk.robot + 1}: {talk.said[-1] if talk.said else ''}"
+        yield f"Dialogue {talk.dialogue} with robot {number_of(talk.robot)}: {talk.said[-1] if talk.said else ''}"
         yield f"Choices: {'; '.join(talk.choices) or 'none'}"
