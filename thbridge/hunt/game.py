@@ -17,7 +17,7 @@ States are msgspec's structs, which are replaced 25 times as fast as dataclasses
 """
 
 import math
-from typing import assert_never
+from typing import TypeVar, assert_never
 
 import msgspec
 from msgspec import field
@@ -50,6 +50,8 @@ from thbridge.hunt.events import (
 from thbridge.hunt.properties import Properties
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import TreasureKind
+
+_Part = TypeVar("_Part")
 
 
 class CommandHolder(msgspec.Struct, frozen=True):
@@ -217,9 +219,9 @@ class GameState(msgspec.Struct, frozen=True):
     @property
     def free_rooms(self) -> tuple[Room, ...]:
         """Rooms that are neither visited nor reserved, in counting order: where a robot may be sent."""
-        reserved = [robot.bound_for for robot in self.robots if robot.bound_for is not None]
+        reserved = [robot.bound_for.people for robot in self.robots if robot.bound_for is not None]
         rooms = zip(self.started.costs.rooms, self.rooms, strict=True)
-        return tuple(room for room, state in rooms if not state.visited and room not in reserved)
+        return tuple([room for room, state in rooms if not state.visited and room.people not in reserved])
 
 
 def begin(started: GameStarted) -> GameState:
@@ -260,9 +262,9 @@ def apply(state: GameState, event: Event) -> GameState:
                 replace(robot, energy=robot.energy - event.cost, bound_for=event.room, paid=event.cost),
             )
         case RobotArrived():
-            room = _room(state, event.room)
-            state = _with_robot(state, event.robot, _standing(_robot(state, event.robot), event.room))
-            return _with_room(state, event.room, replace(room, visited=True, finder=event.robot))
+            room = replace(_room(state, event.room), visited=True, finder=event.robot)
+            robots = _with(state.robots, event.robot, _standing(_robot(state, event.robot), event.room))
+            return replace(state, robots=robots, rooms=_with(state.rooms, event.room.wire, room))
         case MoveFailed():
             robot = _robot(state, event.robot)
             refund = min(event.refund, robot.paid)
@@ -334,15 +336,19 @@ def _robot(state: GameState, number: int) -> RobotState:
 def _room(state: GameState, room: Room) -> RoomState:
     if not state.has_room(room):
         raise ValueError(f"{room} is not one of the {len(state.rooms)} rooms of this game")
-    return state.room(room)
+    return state.rooms[room.wire]
 
 
 def _with_robot(state: GameState, number: int, robot: RobotState) -> GameState:
-    return replace(state, robots=(*state.robots[:number], robot, *state.robots[number + 1 :]))
+    return replace(state, robots=_with(state.robots, number, robot))
 
 
 def _with_room(state: GameState, room: Room, changed: RoomState) -> GameState:
-    return replace(state, rooms=(*state.rooms[: room.wire], changed, *state.rooms[room.wire + 1 :]))
+    return replace(state, rooms=_with(state.rooms, room.wire, changed))
+
+
+def _with(those: tuple[_Part, ...], index: int, changed: _Part) -> tuple[_Part, ...]:
+    return (*those[:index], changed, *those[index + 1 :])
 
 
 def _charge(state: GameState, number: int, cost: float) -> GameState:

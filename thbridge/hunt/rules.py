@@ -431,8 +431,10 @@ def _intervenes(robot: int, researcher: str) -> CommanderChanged:
 
 
 def _may_be_decided(state: GameState, room: Room) -> bool:
+    if state.room(room).is_decided:
+        return False
     robot = state.decider(room)
-    if robot is None or state.room(room).is_decided:
+    if robot is None:
         return False
     worker = state.robots[robot]
     return not (worker.is_silent or worker.is_blocked or worker.energy < state.started.identify_cost)

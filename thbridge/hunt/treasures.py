@@ -49,6 +49,8 @@ def same_name(left: str, right: str) -> bool:
 
     Nor does it count whether a letter with marks was typed as one character or as two (NFC, NFD).
     """
+    if left == right:
+        return True
     left, right = (unicodedata.normalize("NFC", name).casefold() for name in (left, right))
     return left.split() == right.split()
 

@@ -9,12 +9,13 @@ from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, TICK, Twist
 from sim.numerics import elementary
 from thbridge.api.errors import HuntError, told
-from thbridge.api.learning.abstract_hunt import AbstractHunt, MoveTimes
+from thbridge.api.learning.abstract_hunt import AbstractHunt, HuntOpening, MoveTimes
 from thbridge.api.learning.observation import BodyNumbers
 from thbridge.api.learning.team_environment import Decision, TeamEnvironment
 from thbridge.api.session import HuntEvent, noted
 from thbridge.api.study import HuntStudy
 from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
 from thbridge.roles.robot_requests import StationSend
 
 
@@ -74,11 +75,12 @@ class AbstractHuntEnv(TeamEnvironment):
                 raise HuntError(f"{key}: {problem}. Remove them from the study, or use HuntEnv.", key=key)
         with told():
             self._times = MoveTimes.of(self._setting)
+        self._opening = HuntOpening.of(self._setting, self._times)
         self._hunt: AbstractHunt | None = None
         self._starts = self._setting.map.starts[: self.study.robots]
-        # Numbers of robots that stand at a pose, or drive from one to another in a number of ticks.
-        self._standing: dict[Pose2, BodyNumbers] = {}
-        self._straight: dict[tuple[Pose2, Pose2, int], tuple[BodyNumbers, BodyNumbers]] = {}
+        # Numbers of each robot that stands in a room, or drives from one to another in a number of ticks.
+        self._standing: dict[tuple[int, int], BodyNumbers] = {}
+        self._straight: dict[tuple[int, int, int, int], tuple[BodyNumbers, BodyNumbers]] = {}
 
     @property
     def events(self) -> list[HuntEvent]:
@@ -116,7 +118,7 @@ class AbstractHuntEnv(TeamEnvironment):
         if record is not None:
             problem = "the abstract hunt has no robots that could be recorded"
             raise HuntError(f"record: {problem}. Use HuntEnv.", key="record")
-        self._hunt = AbstractHunt(self._setting, self._times, self._rule, seed)
+        self._hunt = AbstractHunt(self._setting, self._opening, self._times, self._rule, seed)
 
     def _send(self, request: StationSend) -> None:
         self._playing.ask(request)
@@ -139,19 +141,24 @@ class AbstractHuntEnv(TeamEnvironment):
     def _bodies(self) -> list[BodyNumbers]:
         hunt = self._playing
         bodies = []
-        for state, start, move in zip(hunt.game.robots, self._starts, hunt.moves, strict=True):
-            pose = start if state.at.is_corridor else self._goals[state.at.wire]
-            if move is None or state.bound_for is None:
-                if pose not in self._standing:
-                    self._standing[pose] = self._encoder.of_pose(pose, STANDSTILL, 0.0)
-                bodies.append(self._standing[pose])
+        for robot, (state, move) in enumerate(zip(hunt.game.robots, hunt.moves, strict=True)):
+            at, goal = state.at, state.bound_for
+            if move is None or goal is None:
+                standing = robot, at.people
+                if standing not in self._standing:
+                    self._standing[standing] = self._encoder.of_pose(self._place(robot, at), STANDSTILL, 0.0)
+                bodies.append(self._standing[standing])
                 continue
-            ends = pose, self._goals[state.bound_for.wire], move.arrives - move.departed
-            if ends not in self._straight:
-                self._straight[ends] = self._straight_line(*ends)
-            share = (hunt.tick - move.departed) / (move.arrives - move.departed)
-            bodies.append(_between(*self._straight[ends], share))
+            ticks = move.arrives - move.departed
+            leg = robot, at.people, goal.people, ticks
+            if leg not in self._straight:
+                ends = self._place(robot, at), self._place(robot, goal)
+                self._straight[leg] = self._straight_line(*ends, ticks)
+            bodies.append(_between(*self._straight[leg], (hunt.tick - move.departed) / ticks))
         return bodies
+
+    def _place(self, robot: int, room: Room) -> Pose2:
+        return self._starts[robot] if room.is_corridor else self._goals[room.wire]
 
     def _straight_line(self, start: Pose2, goal: Pose2, ticks: int) -> tuple[BodyNumbers, BodyNumbers]:
         """Return the numbers of a robot at the start and the end of a straight line."""
@@ -163,6 +170,6 @@ class AbstractHuntEnv(TeamEnvironment):
 
 
 def _between(first: BodyNumbers, last: BodyNumbers, share: float) -> BodyNumbers:
-    (x, y, *others), (last_x, last_y) = first.motion, last.motion[:2]
-    place = [x + share * (last_x - x), y + share * (last_y - y)]
-    return BodyNumbers([*place, *others], 0.0, first.remaining * (1.0 - share), [])
+    motion = first.motion.copy()
+    motion[:2] = [start + share * (end - start) for start, end in zip(motion[:2], last.motion[:2], strict=True)]
+    return BodyNumbers(motion, 0.0, first.remaining * (1.0 - share), [])

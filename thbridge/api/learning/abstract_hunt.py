@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from msgspec import structs
+
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.api.learning.treasure_rule import TreasureRule
 from thbridge.api.session import SENDER
@@ -73,6 +75,34 @@ class AbstractMove(NamedTuple):
     arrives: int
 
 
+@dataclass(frozen=True, slots=True)
+class HuntOpening:
+    """Beginning of a study's hunts, which is the same for all seeds but for seed and treasures.
+
+    Attributes:
+        game: the state in which all robots are commanded.
+        priced: events before the treasures are hidden.
+        commanded: events after it.
+    """
+
+    game: GameState
+    priced: tuple[Event, ...]
+    commanded: tuple[Event, ...]
+
+    @classmethod
+    def of(cls, setting: StudySetting, times: MoveTimes) -> "HuntOpening":
+        """Return the beginning of a study's hunts."""
+        study = setting.study
+        started = game_rules(study).start(1, study.robots, setting.costs, setting.templates.properties)
+        game = begin(started)
+        priced, commanded = list[Event](), list[Event]()
+        for robot, row in enumerate(times.prices):
+            game = _followed(game, rules.price(game, robot, row), priced)
+        for robot in range(study.robots):
+            game = _followed(game, ruling_on(game, TakeCommand(robot, SENDER)), commanded)
+        return cls(game, tuple(priced), tuple(commanded))
+
+
 class AbstractHunt:
     """A game whose robots are no more than their places; commanded, as ground stations command, by requests.
 
@@ -81,6 +111,7 @@ class AbstractHunt:
 
     Args:
         setting: the study with its files.
+        opening: of the study's hunts.
         times: of its moves.
         rule: decides about treasures.
         seed: of the game, in the place of the study's.
@@ -92,22 +123,18 @@ class AbstractHunt:
         events: all events so far with their ticks, oldest first.
     """
 
-    def __init__(self, setting: StudySetting, times: MoveTimes, rule: TreasureRule, seed: int) -> None:
-        study = setting.study
+    def __init__(
+        self, setting: StudySetting, opening: HuntOpening, times: MoveTimes, rule: TreasureRule, seed: int
+    ) -> None:
         self.tick = 0
-        self.moves: list[AbstractMove | None] = [None] * study.robots
+        self.moves: list[AbstractMove | None] = [None] * len(opening.game.robots)
         self._times, self._rule = times, rule
-        started = game_rules(replace(study, seed=seed)).start(
-            1, study.robots, setting.costs, setting.templates.properties
-        )
-        self.game: GameState = begin(started)
-        self.events: list[tuple[int, Event]] = [(0, started)]
-        for robot, row in enumerate(times.prices):
-            self._follow(rules.price(self.game, robot, row))
-        treasures = build_hider(setting.templates, seed).hidden(started.game, len(self.game.rooms))
-        self._record((TreasuresHidden(treasures),))
-        for robot in range(study.robots):
-            self.ask(TakeCommand(robot, SENDER))
+        started = structs.replace(opening.game.started, seed=seed)
+        hidden = TreasuresHidden(build_hider(setting.templates, seed).hidden(started.game, len(opening.game.rooms)))
+        self.game: GameState = apply(structs.replace(opening.game, started=started), hidden)
+        self.events: list[tuple[int, Event]] = [
+            (0, event) for event in (started, *opening.priced, hidden, *opening.commanded)
+        ]
         self._record(rules.ending(self.game))
 
     def ask(self, request: JudgedRequest) -> None:
@@ -144,3 +171,11 @@ class AbstractHunt:
                 self.moves[event.robot] = AbstractMove(self.tick, arrives)
             self.events.append((self.tick, event))
             self.game = apply(self.game, event)
+
+
+def _followed(game: GameState, ruling: rules.Ruling, events: list[Event]) -> GameState:
+    """Return the state after a ruling, and add its events to a list; a refusal has none."""
+    for event in ruling if isinstance(ruling, tuple) else ():
+        game = apply(game, event)
+        events.append(event)
+    return game

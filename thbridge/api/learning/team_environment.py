@@ -23,6 +23,8 @@ from thbridge.api.learning.treasure_rule import TreasureRule
 from thbridge.api.study import HuntStudy, setting_of
 from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.rules import affordable
 from thbridge.roles.robot_requests import StationSend
 
 try:
@@ -84,10 +86,11 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         self.observation_spaces = {agent: Box(*box) for agent in self.possible_agents}
         self.action_spaces = {agent: self._action_space() for agent in self.possible_agents}
         self._seed, self._episode = study.seed, 0
-        # The state of the game that readiness and masks are for.
+        # The state of the game that readiness and choices are for.
         self._judged: GameState | None = None
         self._ready: list[bool] = []
-        self._masks: Mask = np.zeros((0, 0), np.int8)
+        self._choices: list[tuple[Room, ...]] = []
+        self._masks: Mask | None = None
 
     def _scale(self, seconds: float) -> ObservationScale:
         grid, world = self._setting.map.grid, self._setting.study.world
@@ -202,16 +205,17 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
 
     def _act(self, game: GameState, actions: Mapping[str, Action]) -> dict[str, bool]:
         """Send robots to rooms; return for each agent whether its choice counts."""
-        masks, taken = self._masks_of(game), set[int]()
+        self._judge(game)
+        taken: list[int] = []
         accepted = {}
         for robot, agent in enumerate(self.possible_agents):
             action = actions.get(agent, 0)
             room = action if isinstance(action, int) else int(np.asarray(action).item())
             if not 0 <= room <= len(self._goals):
                 raise HuntError(f"{agent}: there is no action {room}. Choose one of 0 to {len(self._goals)}.")
-            counts = bool(masks[robot, room]) and room not in taken
+            counts = room == 0 or (room not in taken and any(room == each.people for each in self._choices[robot]))
             if counts and room > 0:
-                taken.add(room)
+                taken.append(room)
                 self._send(StationSend(robot, room))
             accepted[agent] = counts
         return accepted
@@ -221,15 +225,19 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         if game is not self._judged:
             self._judged = game
             self._ready = [self._is_ready(game, robot) for robot in range(len(game.robots))]
-            self._masks = action_masks(game, self._ready)
+            self._choices = [affordable(game, robot) if ready else () for robot, ready in enumerate(self._ready)]
+            self._masks = None
 
     def _masks_of(self, game: GameState) -> Mask:
         self._judge(game)
+        if self._masks is None:
+            self._masks = action_masks(self._choices, len(self._goals))
         return self._masks
 
     def _awaits_decision(self, game: GameState) -> bool:
         """Return True when some robot may be sent."""
-        return int(np.count_nonzero(self._masks_of(game))) > len(self._ready)
+        self._judge(game)
+        return any(self._choices)
 
     def _is_ready(self, game: GameState, robot: int) -> bool:
         """Return True when a robot could be sent: it stands, is able, and has nothing to decide where it stands."""

@@ -38,7 +38,8 @@ class TreasureRule:
         room = game.room(state.at)
         if room.sensed is None or room.is_decided or game.standing_in(state.at) != robot:
             return None
-        names = {kind.name for kind in self.kinds if room.known.items() <= kind.properties.items()}
+        known = room.known.items()
+        names = {kind.name for kind in self.kinds if known <= kind.properties.items()}
         name = next(iter(names)) if len(names) == 1 else None
         if room.image is not None:
             name = self.shown_by.get(room.image)
