@@ -3,6 +3,7 @@
 import ast
 import re
 from collections import defaultdict
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -20,11 +21,26 @@ def _trees() -> list[tuple[Path, ast.Module]]:
     return [(file, ast.parse(file.read_text())) for file in files]
 
 
+@cache
+def _definitions() -> list[tuple[Path, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef]]:
+    kinds = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+    return [(file, node) for file, tree in _trees() for node in _statements(tree) if isinstance(node, kinds)]
+
+
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield a node and the statements in it, without looking through expressions, which are most of a tree."""
+    yield node
+    for name in ("body", "orelse", "finalbody", "handlers", "cases"):
+        inner = getattr(node, name, ())
+        for child in inner if isinstance(inner, list) else ():
+            yield from _statements(child)
+
+
 def test_every_term_of_the_glossary_is_in_the_code() -> None:
     text = "\n".join(file.read_text() for file, _ in _trees())
     named = [(row[0], name) for row in ROWS for name in re.findall(r"`(\w+)`", row[2])]
     assert len(named) == len(ROWS) > 60
-    there = {name for pair in re.findall(r"^\s*class (\w+)|^(\w+)\b.*=", text, re.MULTILINE) for name in pair}
+    there = {name for pair in re.findall(r"^ *class (\w+)|^(\w+)\b.*=", text, re.MULTILINE) for name in pair}
     assert [(term, name) for term, name in named if name not in there] == []
 
 
@@ -35,10 +51,9 @@ def test_terms_stand_once() -> None:
 
 def test_a_public_class_name_is_used_once() -> None:
     places: dict[str, list[str]] = defaultdict(list)
-    for file, tree in _trees():
-        for node in ast.walk(tree):
-            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                places[node.name].append(str(file.relative_to(ROOT)))
+    for file, node in _definitions():
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            places[node.name].append(str(file.relative_to(ROOT)))
     assert {name: where for name, where in places.items() if len(where) > 1} == {}
 
 
@@ -46,10 +61,7 @@ def test_docstrings_begin_with_what_the_thing_is_or_does() -> None:
     riddles = ("What ", "Who ", "How ", "Where ", "Whether ", "Which ", "Why ", "Whoever ", "Of ")
     found = [
         f"{file.relative_to(ROOT)}: {text.splitlines()[0]}"
-        for file, tree in _trees()
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
-        and (text := ast.get_docstring(node)) is not None
-        and text.startswith(riddles)
+        for file, node in _definitions()
+        if (text := ast.get_docstring(node)) is not None and text.startswith(riddles)
     ]
     assert found == []

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from rosbags.rosbag1 import Reader
 
+from tests import commands
 from tests.system import programs
 
 
@@ -59,16 +60,16 @@ def test_another_map_is_only_another_file(tmp_path):
 def test_a_taken_port_keeps_nobody_from_playing_alone(tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        done = thbridge(tmp_path, "play", "--headless", "--json", "--port", str(port), "--max-seconds", "5")
-    assert done.returncode == 1
+        done = commands.thbridge(tmp_path, "play", "--headless", "--json", "--port", port, "--max-seconds", 5)
+    assert done.exit_code == 1
     assert "cannot listen" in done.stderr
     assert json.loads(done.stdout)["sim_seconds"] == 5.0
 
 
 def test_a_broken_study_is_refused_before_anything_starts(tmp_path):
     (tmp_path / "study.yaml").write_text("robts: 3\n")
-    done = thbridge(tmp_path, "play", "study.yaml", "--headless")
-    assert done.returncode == 2
+    done = commands.thbridge(tmp_path, "play", "study.yaml", "--headless")
+    assert done.exit_code == 2
     assert "study.yaml, line 1" in done.stderr.replace("\n", " ")
     assert "robots" in done.stderr
     assert "Traceback" not in done.stderr
