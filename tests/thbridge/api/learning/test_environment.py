@@ -77,7 +77,7 @@ def test_episodes_without_a_seed_follow_from_the_last_one_given() -> None:
 
 
 def test_a_whole_game_scores_what_its_rewards_say_and_replays(tmp_path: Path) -> None:
-    env = HuntEnv(STUDY)
+    env = HuntEnv(api.HuntStudy(robots=3, game={"energy": 25}))
     observations, infos = env.reset(seed=2, options={"record": tmp_path / "episode.bag"})
     total, steps = 0.0, 0
     while env.agents:
