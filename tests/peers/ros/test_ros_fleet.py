@@ -19,6 +19,7 @@ from sim.inputs import DriveManually, SendGoal, WithdrawGoal
 from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from tests.peers.crashes import run_peer, skipping_if_crashed
+from tests.peers.ros.beside import knows
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.goal_owners import GoalOwner
@@ -115,13 +116,8 @@ print(json.dumps(sorted(set(map(tuple, told[1:]))) + [told[0]]))
 """
 
 
-def _knows(*modules: str) -> bool:
-    asked = [PYTHON, "-c", f"import {', '.join(modules)}"]
-    return Path(PYTHON).exists() and subprocess.run(asked, capture_output=True, env=CLEAN, check=False).returncode == 0
-
-
 pytestmark = pytest.mark.skipif(
-    shutil.which("rosbag") is None or not _knows("rospy", "actionlib", "tf2_ros", "move_base_msgs", "rosbag"),
+    shutil.which("rosbag") is None or not knows("rospy", "actionlib", "tf2_ros", "move_base_msgs", "rosbag"),
     reason="not installed: rosbag, python3-actionlib, python3-tf2-ros (see scripts/install_peers.sh)",
 )
 
