@@ -173,7 +173,7 @@ class Team:
         space = Workspace(*grid.cells.shape)
         self._robots: list[Robot] = []
         for index, parameters in enumerate(robots):
-            localizer = self._localizer(index, parameters, grid, world, seed)
+            localizer = self._localizer(index, parameters, grid, world, seed, parts)
             localizer.start(starts[index], START_COVARIANCE)
             navigator = Navigator(
                 parameters, footprint, grid, index, space, int(noise.key(seed, namespace_of(index))), parts.recoveries
@@ -181,7 +181,13 @@ class Team:
             self._robots.append(Robot(index, localizer, navigator, footprint))
 
     def _localizer(
-        self, index: int, parameters: RobotParameters, grid: OccupancyGrid, world: WorldParameters, seed: int
+        self,
+        index: int,
+        parameters: RobotParameters,
+        grid: OccupancyGrid,
+        world: WorldParameters,
+        seed: int,
+        parts: InstalledParts,
     ) -> Localizer:
         if parameters.localization in {"truth", "fake_localization"}:
             truth = parameters.fake_localization
@@ -191,6 +197,9 @@ class Team:
             from sim.robot.localization.ekf import KalmanLocalizer  # noqa: PLC0415
 
             return KalmanLocalizer(parameters, grid, mount_of(world.laser))
+        if (factory := parts.localizers.get(parameters.localization)) is not None:
+            own = int(noise.key(seed, namespace_of(index), "localizer"))
+            return factory(parameters, grid, mount_of(world.laser), own)
         return Amcl(parameters.amcl, grid, mount_of(world.laser), seed, namespace_of(index))
 
     @property

@@ -1,5 +1,6 @@
 """Options that several commands share."""
 
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -178,24 +179,19 @@ PERSON = "person"
 _SIMULATED = tuple(each.value for each in BotStrategy)
 
 
-def _simulated_participant(name: str | None) -> str | None:
-    """Return the name of a simulated participant. Raises BadParameter: there is none of this name."""
-    if name is None or name in _SIMULATED:
+def one_of(built_in: tuple[str, ...], group: str) -> Callable[[str | None], str | None]:
+    """Return the callback of an option that takes a built-in name, or one that is installed in a group."""
+
+    def check(name: str | None) -> str | None:
+        if name is None or name in built_in:
+            return name
+        from thbridge.files.plugins import names_in  # noqa: PLC0415 - help and completion load nothing of it
+
+        if name not in (installed := names_in(group)):
+            raise typer.BadParameter(f"{name!r} is not one of {', '.join(map(repr, (*built_in, *installed)))}.")
         return name
-    return _known(name, _SIMULATED)
 
-
-def _participant(name: str | None) -> str | None:
-    """Return the name of a participant, who may be a person; likewise."""
-    return name if name == PERSON or name is None or name in _SIMULATED else _known(name, (PERSON, *_SIMULATED))
-
-
-def _known(name: str, built_in: tuple[str, ...]) -> str:
-    from thbridge.files.plugins import PARTICIPANTS  # noqa: PLC0415 - help and completion load nothing of it
-
-    if name not in (installed := PARTICIPANTS.names()):
-        raise typer.BadParameter(f"{name!r} is not one of {', '.join(map(repr, (*built_in, *installed)))}.")
-    return name
+    return check
 
 
 ParticipantName = Annotated[
@@ -203,7 +199,7 @@ ParticipantName = Annotated[
     typer.Option(
         "--participant",
         metavar="|".join((PERSON, *_SIMULATED, "NAME")),
-        callback=_participant,
+        callback=one_of((PERSON, *_SIMULATED), "thbridge.participants"),
         autocompletion=lambda: [PERSON, *_SIMULATED],
         help="You in the terminal (`person`), or how a simulated participant chooses rooms, or the NAME of one that is "
         "installed; without a window.",
@@ -214,7 +210,7 @@ SimulatedParticipant = Annotated[
     typer.Option(
         "--participant",
         metavar="|".join((*_SIMULATED, "NAME")),
-        callback=_simulated_participant,
+        callback=one_of(_SIMULATED, "thbridge.participants"),
         autocompletion=lambda: [*_SIMULATED],
         help="Let a simulated participant play anew, instead of saying again what was said.",
     ),

@@ -29,6 +29,6 @@ from sim.parameters.reconfiguration import (
     reconfigurable,
     reconfigured,
 )
-from sim.parameters.robot import MIN_MAX_PAIRS, RobotParameters
+from sim.parameters.robot import BUILT_IN_LOCALIZERS, MIN_MAX_PAIRS, RobotParameters
 from sim.parameters.ros_defaults import not_in_ros, parameters_of, with_ros_defaults
 from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters

@@ -31,6 +31,8 @@ _LASER = ObstacleParameters(
 _AMCL = AmclParameters(max_particles=1000, kld_err=0.05, laser_max_beams=60, laser_sigma_hit=0.1)
 _INFLATION = InflationParameters(inflation_radius=0.5)
 
+BUILT_IN_LOCALIZERS = ("amcl", "ekf", "ukf", "truth", "fake_localization")
+
 MIN_MAX_PAIRS = (
     ("amcl", "min_particles", "max_particles"),
     ("TrajectoryPlannerROS", "min_vel_x", "max_vel_x"),
@@ -47,8 +49,9 @@ class RobotParameters:
 
     localization: str = param(
         "amcl",
-        "how it knows where it is; truth and fake_localization are the same",
-        choices=("amcl", "ekf", "ukf", "truth", "fake_localization"),
+        "how it knows where it is; truth and fake_localization are the same; also a localizer that is installed",
+        choices=BUILT_IN_LOCALIZERS,
+        plugins="thbridge.localizers",
     )
     amcl: AmclParameters = param(_AMCL, "particle filter")
     ekf: EkfParameters = param(EkfParameters(), "Kalman filter, extended or unscented")

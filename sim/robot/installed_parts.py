@@ -4,10 +4,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from sim.parameters import BUILT_IN_RECOVERIES, RobotParameters
+from sim.parameters import BUILT_IN_LOCALIZERS, BUILT_IN_RECOVERIES, RobotParameters
+from sim.robot.localization.estimate import LocalizerFactory
 from sim.robot.navigator.recovery import RecoveryFactory
 
-PartKind = Literal["recoveries"]
+PartKind = Literal["localizers", "recoveries"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,9 +16,11 @@ class InstalledParts:
     """Factories of parts. What they make raises `PartFailed`, and nothing else, where it fails.
 
     Attributes:
+        localizers: localizers.
         recoveries: recovery behaviors.
     """
 
+    localizers: Mapping[str, LocalizerFactory] = field(default_factory=dict)
     recoveries: Mapping[str, RecoveryFactory] = field(default_factory=dict)
 
     def check(self, parameters: RobotParameters) -> None:
@@ -29,6 +32,8 @@ class InstalledParts:
 
 def installed_names(parameters: RobotParameters) -> Iterator[tuple[PartKind, str, str]]:
     """Yield the kind, the parameter and the name of each part that parameters name and that is not built in."""
+    if parameters.localization not in BUILT_IN_LOCALIZERS:
+        yield "localizers", "localization", parameters.localization
     for behavior in parameters.move_base.recovery_behaviors:
         if behavior.name not in BUILT_IN_RECOVERIES:
             yield "recoveries", "move_base.recovery_behaviors", behavior.name

@@ -89,7 +89,7 @@ class CarriedOutput(RobotOutput):
     def estimate(self) -> Estimate:
         """Made now."""
         left, tick, _, _, _ = self._parts
-        return replace(left.estimate, tick=tick, base_in_map=self.neighbour.base_in_map, updated=False)
+        return replace(left.estimate, tick=tick, base_in_map=self.neighbour.base_in_map, updated=False, fault="")
 
     @cached_property
     def neighbour(self) -> Neighbour:

@@ -98,8 +98,9 @@ class PluginKind:
 STRATEGIES = PluginKind("thbridge.strategies", "strategy")
 WORDINGS = PluginKind("thbridge.wordings", "author of wordings")
 PARTICIPANTS = PluginKind("thbridge.participants", "simulated participant")
+LOCALIZERS = PluginKind("thbridge.localizers", "localizer")
 RECOVERIES = PluginKind("thbridge.recovery_behaviors", "recovery behavior")
-KINDS = (STRATEGIES, WORDINGS, PARTICIPANTS, RECOVERIES)
+KINDS = (STRATEGIES, WORDINGS, PARTICIPANTS, LOCALIZERS, RECOVERIES)
 """All kinds."""
 
 

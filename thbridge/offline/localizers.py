@@ -8,6 +8,7 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, Imu, LaserMount, Odometry, Scan
 from sim.parameters import AmclParameters, EkfParameters, RobotParameters
+from sim.robot.installed_parts import InstalledParts
 from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Localizer
 
@@ -16,9 +17,14 @@ ROBOT = "robot1"
 
 
 def recorded_localizer(
-    software: RobotParameters, grid: OccupancyGrid, mount: LaserMount, start: Pose2 | None, seed: int
+    software: RobotParameters,
+    grid: OccupancyGrid,
+    mount: LaserMount,
+    start: Pose2 | None,
+    seed: int,
+    parts: InstalledParts | None = None,
 ) -> Localizer:
-    """Make the localizer that `software.localization` names: `amcl`, `ekf` or `ukf`.
+    """Make the localizer that `software.localization` names: `amcl`, `ekf` or `ukf`, or one of a lab.
 
     Args:
         software: the parameters.
@@ -26,11 +32,14 @@ def recorded_localizer(
         mount: the laser.
         start: pose of the robot at the beginning; None: it may be anywhere.
         seed: random seed of the particle filter.
+        parts: those of labs that the software names; None: it names none.
     """
     localizer: Localizer
     first: AmclParameters | EkfParameters
     if software.localization == "amcl":
         localizer, first = Amcl(software.amcl, grid, mount, seed, ROBOT), software.amcl
+    elif parts is not None and software.localization in parts.localizers:
+        localizer, first = parts.localizers[software.localization](software, grid, mount, seed), software.amcl
     else:
         from thbridge.offline.kalman import RecordedKalman  # noqa: PLC0415 - loads filterpy
 

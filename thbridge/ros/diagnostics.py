@@ -57,6 +57,7 @@ class RobotDiagnostics:
         self.changed = False
         self._collisions = 0
         self._given_up = ""
+        self._fault = ""
 
     def log_lines(
         self, snapshot: TeamSnapshot, output: RobotOutput, goals: Sequence[ActionServerMessage]
@@ -85,6 +86,11 @@ class RobotDiagnostics:
             self._lost = output.estimate.lost
             text = "the robot does not know where it is" if self._lost else "the robot knows where it is"
             yield LogLine(LogLevel.WARN if self._lost else LogLevel.INFO, self._localiser, text)
+        # Carried on are only robots whose localizers work, as in the tick before.
+        fault = "" if isinstance(output, CarriedOutput) else output.estimate.fault
+        if fault and fault != self._fault:
+            yield LogLine(LogLevel.ERROR, self._localiser, fault)
+        self._fault = fault
         if output.navigation.fault:
             yield LogLine(LogLevel.ERROR, self._navigator, output.navigation.fault)
         clears = output.navigation.state == "clearing"

@@ -15,6 +15,7 @@ from sim.numerics.elementary import wrap_angle
 from sim.parameters import RobotParameters, with_ros_defaults
 from sim.robot.localization.estimate import Localizer
 from sim.robot.localization.wrong_pose import WRONG_DISTANCE, WRONG_TURN
+from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.progress import Tell
 from thbridge.files.ros.defaults import RosDefault, ros_defaults
@@ -121,9 +122,10 @@ def run_localization(
     tell: Tell,
 ) -> LocalizationResult | RequestRefused:
     """Run the filter over a recording; `tell` takes the progress."""
+    parts = installed_parts([software])
 
     def begin() -> Localizer:
-        return recorded_localizer(software, grid, recording.laser.mount, start, seed)
+        return recorded_localizer(software, grid, recording.laser.mount, start, seed, parts)
 
     warm_up(begin(), software, recording.laser.scan(0, recording.laser.first))
     done = itertools.count(1)

@@ -5,10 +5,11 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
+from thbridge.app.trials.localizer_check import try_localizer
 from thbridge.app.trials.participant_check import try_participant
 from thbridge.app.trials.plugin_trial import DETERMINED, PluginTrial
 from thbridge.app.trials.recovery_check import try_recovery
-from thbridge.files.plugins import KINDS, PARTICIPANTS, RECOVERIES, PluginKind
+from thbridge.files.plugins import KINDS, LOCALIZERS, PARTICIPANTS, RECOVERIES, PluginKind
 from ui.actions.talk.check import counted
 from ui.actions.talk.trial_faults import fault_as_json, fault_lines
 
@@ -17,6 +18,7 @@ LONGEST = 5.0
 
 TRIALS: Mapping[PluginKind, Callable[[str, int, float], PluginTrial]] = {
     PARTICIPANTS: try_participant,
+    LOCALIZERS: try_localizer,
     RECOVERIES: try_recovery,
 }
 """Trial of each kind of plug-in, given a name, a seed and the seconds that a call may take."""

@@ -39,6 +39,9 @@ def plugins_check(
     recovery: Annotated[
         str | None, typer.Option(help="A recovery behavior that is installed: it runs in places of all kinds.")
     ] = None,
+    localizer: Annotated[
+        str | None, typer.Option(help="A localizer that is installed: it is asked for all that it may be asked for.")
+    ] = None,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
@@ -46,10 +49,11 @@ def plugins_check(
 
     Strategies and authors of wordings: `thbridge talk check`.
     """
-    from thbridge.files.plugins import PARTICIPANTS, RECOVERIES
+    from thbridge.files.plugins import LOCALIZERS, PARTICIPANTS, RECOVERIES
     from ui.actions.plugin_check import check_plugin
 
-    asked = [(kind, name) for kind, name in ((PARTICIPANTS, participant), (RECOVERIES, recovery)) if name is not None]
+    named = ((PARTICIPANTS, participant), (RECOVERIES, recovery), (LOCALIZERS, localizer))
+    asked = [(kind, name) for kind, name in named if name is not None]
     if not asked:
         fail(
             BAD_INPUT,

@@ -7,7 +7,8 @@ import numpy as np
 
 from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
-from sim.common.observations import Imu, Odometry, Scan
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
@@ -30,6 +31,7 @@ class Estimate:
         agreement: share of the last scan weighed that the map explains from this place, 0..1; None where the localiser
             weighs none, or has not yet.
         p_wrong: probability that the pose is wrong (`wrong_pose`) by the last scan weighed, 0..1; None likewise.
+        fault: failure of a localizer of others in this tick, which is lost then; empty without one.
     """
 
     tick: int
@@ -41,6 +43,7 @@ class Estimate:
     lost: bool = False
     agreement: float | None = None
     p_wrong: float | None = None
+    fault: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +75,23 @@ def carried_on(corrections: FloatArray, odometry: FloatArray) -> FloatArray:
         out[i, 1] = corrections[i, 1] + s * odometry[i, 0] + c * odometry[i, 1]
         out[i, 2] = wrap_angle(corrections[i, 2] + odometry[i, 2])
     return out
+
+
+class LocalizerFactory(Protocol):
+    """Factory of a localizer: a class or function."""
+
+    def __call__(
+        self, parameters: RobotParameters, grid: OccupancyGrid, mount: LaserMount, seed: int, /
+    ) -> "Localizer":
+        """Return the localizer of one robot, whose `start` is called next.
+
+        Args:
+            parameters: of the robot's software.
+            grid: the map.
+            mount: of the laser.
+            seed: random seed, another one for each robot.
+        """
+        ...
 
 
 class Localizer(Protocol):

@@ -23,7 +23,6 @@ from thbridge.roles.participant.installed_participant import InstalledParticipan
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import ParticipantRequest, View
 from thbridge.study.study_file import DialogueSection, Study
-from thbridge.timing.slow_calls import ImpatientCaller
 
 LONGEST_GAME = 400 * TICKS_PER_SECOND
 """Ticks after which a game counts as one that never ends."""
@@ -84,11 +83,11 @@ def _play(
 ) -> Iterator[str]:
     """Play a game; yield all requests for each view."""
     study, knowledge = setting.study, knowledge_of(setting.templates)
-    caller = ImpatientCaller[Sequence[ParticipantRequest]](seconds)
+    caller = trial.caller(seconds)
 
     def call(asked: Callable[[], Sequence[ParticipantRequest]]) -> Sequence[ParticipantRequest]:
         with printing_aside():
-            return caller.call(lambda: trial.own.measure(asked))
+            return caller(asked)
 
     tried = installed_participant(name, knowledge, study.seed, Attitude.CREDULOUS, call)
     player = _OnTrial(trial, title, tried, Bot(BotStrategy.NEAREST, knowledge, study.seed))

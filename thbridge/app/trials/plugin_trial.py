@@ -3,9 +3,13 @@
 import hashlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from typing import Any, TypeVar
 
+from thbridge.app.compose.installed_parts import PartCaller
 from thbridge.dialogue.trials.faults import TrialFault
-from thbridge.timing.slow_calls import Stopwatch
+from thbridge.timing.slow_calls import ImpatientCaller, Stopwatch
+
+T = TypeVar("T")
 
 SLOWEST = 100.0
 """Times that a plug-in may take as long as the built-in part in the same situations."""
@@ -57,6 +61,16 @@ class PluginTrial:
             at = next((i for i, pair in enumerate(zip(first, again, strict=False)) if pair[0] != pair[1]), -1)
             told = (f"First: {each[at][:300]}" if each else "Nothing" for each in (first, again))
             self.note(NOT_DETERMINED, DETERMINED, (title, *told))
+
+    def caller(self, seconds: float) -> PartCaller:
+        """Return the function that calls the plug-in: it measures calls, and waits for each so long and no longer."""
+        impatient = ImpatientCaller[Any](seconds)
+
+        def call(asked: Callable[[], T], /) -> T:
+            returned: T = impatient.call(lambda: self.own.measure(asked))
+            return returned
+
+        return call
 
     def end(self) -> None:
         """Judge its speed; to be called once, at the end."""

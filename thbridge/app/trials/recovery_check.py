@@ -1,6 +1,6 @@
 """Trial of a recovery behavior: places with and without room, each of which it has to end in."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +17,6 @@ from sim.robot.navigator.rotated_map import RotatedMap
 from sim.robot.part_failure import PartFailed
 from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.app.trials.plugin_trial import PluginTrial
-from thbridge.timing.slow_calls import ImpatientCaller
 
 _CELLS, _RESOLUTION = 120, 0.05
 _START = Pose2(3.0, 3.0, 0.0)
@@ -35,12 +34,11 @@ def try_recovery(name: str, seed: int, seconds: float) -> PluginTrial:
     """Return the trial of a recovery behavior; arguments and errors as for `try_participant`."""
     trial = PluginTrial("rotate_recovery")
     software = RobotParameters(move_base=MoveBaseParameters(recovery_behaviors=(RecoveryBehavior(name),)))
-    factory = installed_parts([software], log=False).recoveries[name]
-    caller = ImpatientCaller[Twist | None](seconds)
+    factory = installed_parts([software], trial.caller(seconds)).recoveries[name]
     for place, walls in _PLACES.items():
         for goal in (Pose2(5.0, 3.0, 0.0), None):
             title = f"A robot {place}, {'without a goal' if goal is None else 'with a goal ahead'}"
-            trial.twice(title, lambda: _run(trial, title, factory, caller, walls, goal, seed))  # noqa: B023 - at once
+            trial.twice(title, lambda: _run(trial, title, factory, walls, goal, seed))  # noqa: B023 - at once
     trial.end()
     return trial
 
@@ -49,7 +47,6 @@ def _run(
     trial: PluginTrial,
     title: str,
     factory: RecoveryFactory,
-    caller: ImpatientCaller[Twist | None],
     walls: tuple[tuple[int, int, int, int], ...],
     goal: Pose2 | None,
     seed: int,
@@ -67,22 +64,18 @@ def _run(
     try:
         behavior = factory(seed)
         while now.seconds <= LONGEST_RECOVERY:
-            command = caller.call(_measured(trial, lambda: behavior.command(now)))  # noqa: B023 - at once
+            command = behavior.command(now)
             trial.built_in.measure(lambda: controller.rotate_recovery(now.base_in_map, now.twist, ()))  # noqa: B023
             yield repr(command)
             if command is None:
                 return
             now = _after(now, command, controller.control_ticks * TICK)
-    except (PartFailed, TimeoutError) as failed:
+    except PartFailed as failed:
         remedy = "Correct it for this place: it has to return a finite Twist, or None at its end"
         trial.note(str(failed), remedy, (title, f"After {now.seconds:.1f} s, at {now.base_in_map}"))
         return
     problem = f"it has not ended after {LONGEST_RECOVERY:g} s"
     trial.note(problem, "Let it return None once it has done what it can, or cannot move", (title,))
-
-
-def _measured(trial: PluginTrial, asked: Callable[[], Twist | None]) -> Callable[[], Twist | None]:
-    return lambda: trial.own.measure(asked)
 
 
 def _controller(grid: OccupancyGrid) -> Controller:

@@ -1,12 +1,11 @@
 """`thbridge localize`: where was the robot, by any bag with scans and odometry."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ui.options import AsJson, ProgressKind, ProgressOption
+from ui.options import AsJson, ProgressKind, ProgressOption, one_of
 from ui.outputs import STANDARD_OUTPUT, destination, share_no_output, share_outputs
 from ui.recordings import Recording
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
@@ -14,20 +13,22 @@ from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 Triple = tuple[float, float, float]
 
 
-class RecordedFilter(StrEnum):
-    """Filters for recordings, under the names that `localization` has in a study."""
-
-    AMCL = "amcl"
-    EKF = "ekf"
-    UKF = "ukf"
+FILTERS = ("amcl", "ekf", "ukf")
+"""Filters for recordings, under the names that `localization` has in a study."""
 
 
 def localize_command(
     bag: Recording,
     map_yaml: Annotated[Path, typer.Option("--map", help="The map, a map_server YAML file.")],
     localization: Annotated[
-        RecordedFilter, typer.Option(help="Particle filter, extended or unscented Kalman filter.")
-    ] = RecordedFilter.AMCL,
+        str,
+        typer.Option(
+            metavar="|".join((*FILTERS, "NAME")),
+            callback=one_of(FILTERS, "thbridge.localizers"),
+            autocompletion=lambda: [*FILTERS],
+            help="Particle filter, extended or unscented Kalman filter, or the NAME of a localizer that is installed.",
+        ),
+    ] = "amcl",
     params: Annotated[
         list[Path] | None, typer.Option(help="ROS YAML file with the filter's parameters; may be repeated.")
     ] = None,
