@@ -176,7 +176,14 @@ class Team:
             localizer = self._localizer(index, parameters, grid, world, seed, parts)
             localizer.start(starts[index], START_COVARIANCE)
             navigator = Navigator(
-                parameters, footprint, grid, index, space, int(noise.key(seed, namespace_of(index))), parts.recoveries
+                parameters,
+                footprint,
+                grid,
+                index,
+                space,
+                int(noise.key(seed, namespace_of(index))),
+                parts.recoveries,
+                parts.planners,
             )
             self._robots.append(Robot(index, localizer, navigator, footprint))
 

@@ -21,7 +21,7 @@ from sim.parameters.ekf import EkfParameters, UkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParameters
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
-from sim.parameters.move_base import BUILT_IN_RECOVERIES, MoveBaseParameters, RecoveryBehavior
+from sim.parameters.move_base import BUILT_IN_PLANNERS, BUILT_IN_RECOVERIES, MoveBaseParameters, RecoveryBehavior
 from sim.parameters.reconfiguration import (
     LiveParameter,
     ParameterRejection,

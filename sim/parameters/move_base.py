@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from sim.parameters.declaration import live, param
 
+BUILT_IN_PLANNERS = ("navfn/NavfnROS", "global_planner/GlobalPlanner")
 BUILT_IN_RECOVERIES = ("conservative_reset", "rotate_recovery", "aggressive_reset")
 
 
@@ -35,7 +36,10 @@ class MoveBaseParameters:
     }
 
     base_global_planner: str = live(
-        "navfn/NavfnROS", "the global planner", choices=("navfn/NavfnROS", "global_planner/GlobalPlanner")
+        "navfn/NavfnROS",
+        "the global planner; also one that is installed, which cannot be chosen while the robot runs",
+        choices=BUILT_IN_PLANNERS,
+        plugins="thbridge.global_planners",
     )
     base_local_planner: str = live(
         "base_local_planner/TrajectoryPlannerROS",

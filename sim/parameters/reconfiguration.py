@@ -169,6 +169,8 @@ def _changed(section: _Section, names: list[str], path: str, value: object) -> _
         return inside if isinstance(inside, ParameterRejection) else dataclasses.replace(section, **{name: inside})
     if not is_live(fields[name]):
         return ParameterRejection(path, "fixed", f"{path} cannot change while the robot runs")
+    if isinstance(value, str) and value == own:
+        return section  # A part that is installed keeps its name, which is no choice for others.
     new = _fit(get_type_hints(type(section))[name], fields[name].metadata, path, value)
     return new if isinstance(new, ParameterRejection) else dataclasses.replace(section, **{name: new})
 

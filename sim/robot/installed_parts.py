@@ -4,11 +4,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from sim.parameters import BUILT_IN_LOCALIZERS, BUILT_IN_RECOVERIES, RobotParameters
+from sim.parameters import BUILT_IN_LOCALIZERS, BUILT_IN_PLANNERS, BUILT_IN_RECOVERIES, RobotParameters
+from sim.robot.global_planning.path import PlannerFactory
 from sim.robot.localization.estimate import LocalizerFactory
 from sim.robot.navigator.recovery import RecoveryFactory
 
-PartKind = Literal["localizers", "recoveries"]
+PartKind = Literal["localizers", "planners", "recoveries"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,10 +18,12 @@ class InstalledParts:
 
     Attributes:
         localizers: localizers.
+        planners: global planners.
         recoveries: recovery behaviors.
     """
 
     localizers: Mapping[str, LocalizerFactory] = field(default_factory=dict)
+    planners: Mapping[str, PlannerFactory] = field(default_factory=dict)
     recoveries: Mapping[str, RecoveryFactory] = field(default_factory=dict)
 
     def check(self, parameters: RobotParameters) -> None:
@@ -34,6 +37,8 @@ def installed_names(parameters: RobotParameters) -> Iterator[tuple[PartKind, str
     """Yield the kind, the parameter and the name of each part that parameters name and that is not built in."""
     if parameters.localization not in BUILT_IN_LOCALIZERS:
         yield "localizers", "localization", parameters.localization
+    if parameters.move_base.base_global_planner not in BUILT_IN_PLANNERS:
+        yield "planners", "move_base.base_global_planner", parameters.move_base.base_global_planner
     for behavior in parameters.move_base.recovery_behaviors:
         if behavior.name not in BUILT_IN_RECOVERIES:
             yield "recoveries", "move_base.recovery_behaviors", behavior.name

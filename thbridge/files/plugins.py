@@ -99,8 +99,9 @@ STRATEGIES = PluginKind("thbridge.strategies", "strategy")
 WORDINGS = PluginKind("thbridge.wordings", "author of wordings")
 PARTICIPANTS = PluginKind("thbridge.participants", "simulated participant")
 LOCALIZERS = PluginKind("thbridge.localizers", "localizer")
+PLANNERS = PluginKind("thbridge.global_planners", "global planner")
 RECOVERIES = PluginKind("thbridge.recovery_behaviors", "recovery behavior")
-KINDS = (STRATEGIES, WORDINGS, PARTICIPANTS, LOCALIZERS, RECOVERIES)
+KINDS = (STRATEGIES, WORDINGS, PARTICIPANTS, LOCALIZERS, PLANNERS, RECOVERIES)
 """All kinds."""
 
 

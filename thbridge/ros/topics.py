@@ -1,5 +1,6 @@
 """The topics of a session, with the types of their messages."""
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
@@ -92,7 +93,9 @@ class Planners:
     def of(cls, parameters: RobotParameters) -> "Planners":
         """The planners of a robot: "navfn/NavfnROS" becomes NavfnROS."""
         chosen = parameters.move_base
-        return cls(chosen.base_global_planner.rpartition("/")[2], chosen.base_local_planner.rpartition("/")[2])
+        # A planner that is installed may have a name with other characters than ROS allows.
+        planner = re.sub(r"\W", "_", chosen.base_global_planner.rpartition("/")[2], flags=re.ASCII)
+        return cls(planner, chosen.base_local_planner.rpartition("/")[2])
 
 
 class VehicleTopics:

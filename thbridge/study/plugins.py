@@ -4,11 +4,15 @@ from collections.abc import Iterator, Mapping
 
 from sim.parameters import RobotParameters
 from sim.robot.installed_parts import PartKind, installed_names
-from thbridge.files.plugins import LOCALIZERS, PARTICIPANTS, RECOVERIES, STRATEGIES, WORDINGS, PluginKind
+from thbridge.files.plugins import LOCALIZERS, PARTICIPANTS, PLANNERS, RECOVERIES, STRATEGIES, WORDINGS, PluginKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.study_file import Study
 
-PART_KINDS: Mapping[PartKind, PluginKind] = {"localizers": LOCALIZERS, "recoveries": RECOVERIES}
+PART_KINDS: Mapping[PartKind, PluginKind] = {
+    "localizers": LOCALIZERS,
+    "planners": PLANNERS,
+    "recoveries": RECOVERIES,
+}
 """Kind of plug-ins of each kind of parts of robots."""
 
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from thbridge.app.trials.localizer_check import try_localizer
 from thbridge.app.trials.participant_check import try_participant
+from thbridge.app.trials.planner_check import try_planner
 from thbridge.app.trials.plugin_trial import DETERMINED, PluginTrial
 from thbridge.app.trials.recovery_check import try_recovery
-from thbridge.files.plugins import KINDS, LOCALIZERS, PARTICIPANTS, RECOVERIES, PluginKind
+from thbridge.files.plugins import KINDS, LOCALIZERS, PARTICIPANTS, PLANNERS, RECOVERIES, PluginKind
 from ui.actions.talk.check import counted
 from ui.actions.talk.trial_faults import fault_as_json, fault_lines
 
@@ -19,6 +20,7 @@ LONGEST = 5.0
 TRIALS: Mapping[PluginKind, Callable[[str, int, float], PluginTrial]] = {
     PARTICIPANTS: try_participant,
     LOCALIZERS: try_localizer,
+    PLANNERS: try_planner,
     RECOVERIES: try_recovery,
 }
 """Trial of each kind of plug-in, given a name, a seed and the seconds that a call may take."""

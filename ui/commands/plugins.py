@@ -42,6 +42,9 @@ def plugins_check(
     localizer: Annotated[
         str | None, typer.Option(help="A localizer that is installed: it is asked for all that it may be asked for.")
     ] = None,
+    planner: Annotated[
+        str | None, typer.Option(help="A global planner that is installed: it plans on maps with and without paths.")
+    ] = None,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
@@ -49,10 +52,10 @@ def plugins_check(
 
     Strategies and authors of wordings: `thbridge talk check`.
     """
-    from thbridge.files.plugins import LOCALIZERS, PARTICIPANTS, RECOVERIES
+    from thbridge.files.plugins import LOCALIZERS, PARTICIPANTS, PLANNERS, RECOVERIES
     from ui.actions.plugin_check import check_plugin
 
-    named = ((PARTICIPANTS, participant), (RECOVERIES, recovery), (LOCALIZERS, localizer))
+    named = ((PARTICIPANTS, participant), (RECOVERIES, recovery), (LOCALIZERS, localizer), (PLANNERS, planner))
     asked = [(kind, name) for kind, name in named if name is not None]
     if not asked:
         fail(

@@ -38,6 +38,7 @@ from sim.robot.global_planning.itinerary import (
 )
 from sim.robot.global_planning.path import Path, PathPlanner, PathSearch, PlanRefusal, with_edge
 from sim.robot.global_planning.safe_interval import BoolArray, Roadmap, make_roadmap, refuge, route
+from sim.robot.part_failure import PartFailed
 
 PLANNED_GAP = 0.16
 """Metres that two robots' circumscribed circles are apart in a plan."""
@@ -86,6 +87,9 @@ class ItineraryPlanner:
         costmap: the robot's, over the whole map.
         inflation: its inflation layer's parameters.
         planner: finds paths for it when it is alone.
+
+    Attributes:
+        fault: failure of a planner of others, until somebody takes it; empty without one.
     """
 
     def __init__(
@@ -95,6 +99,7 @@ class ItineraryPlanner:
         inflation: InflationParameters,
         planner: PathPlanner,
     ) -> None:
+        self.fault = ""
         self._static = static
         self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
         self.costmap = costmap
@@ -139,6 +144,9 @@ class ItineraryPlanner:
             next(search)
         except StopIteration as done:
             attempt.found[over], attempt.search = done.value, None
+        except PartFailed as failed:
+            self.fault = str(failed)
+            attempt.found[over], attempt.search = PlanRefusal("no_way", self.fault), None
 
     def give_up(self) -> None:
         """Give up the search under way."""

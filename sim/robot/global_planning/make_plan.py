@@ -12,15 +12,14 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.costs import CostFrame, Costs
-from sim.robot.global_planning.path import Path, PlanRefusal
-from sim.robot.global_planning.potential_planner import PotentialPlanner
+from sim.robot.global_planning.path import Path, PlanRefusal, RobotPathPlanner
 
 STEP = 3
 """Cells from one square of places around the goal to the next."""
 
 
 def make_plan(
-    planner: PotentialPlanner,
+    planner: RobotPathPlanner,
     costs: Costs,
     frame: CostFrame,
     start: Pose2,

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.common.geometry import Pose2
 from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
+from sim.parameters import RobotParameters
 from sim.robot.costmap.costs import CostFrame, Costs
 
 PlanRefusalCode = Literal[
@@ -113,6 +115,24 @@ class PathPlanner(Protocol):
             start: pose of the base, in the costmap's frame.
             goal: pose at the end.
         """
+
+
+class RobotPathPlanner(PathPlanner, Protocol):
+    """Global planner of a robot. One of others raises `PartFailed`, and nothing else, where it fails."""
+
+    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
+        """Plan a path at once; see `search`."""
+
+    def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
+        """(rows, cols) True in the cells where a path from a start may end; see `search`."""
+
+
+class PlannerFactory(Protocol):
+    """Factory of a global planner of others."""
+
+    def __call__(self, parameters: RobotParameters, seed: int, /) -> RobotPathPlanner:
+        """Return the planner of a robot with these parameters; `seed` is another one for each robot."""
+        ...
 
 
 def headings(points: FloatArray, last: float) -> FloatArray:

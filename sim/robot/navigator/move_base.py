@@ -40,9 +40,8 @@ from sim.robot.global_planning.itinerary import (
 )
 from sim.robot.global_planning.itinerary_planner import BlockedByRobots, ItineraryPlanner
 from sim.robot.global_planning.make_plan import make_plan
-from sim.robot.global_planning.path import PlanRefusal, headings
+from sim.robot.global_planning.path import PlannerFactory, PlanRefusal, RobotPathPlanner, headings
 from sim.robot.global_planning.planners import global_planner
-from sim.robot.global_planning.potential_planner import PotentialPlanner
 from sim.robot.global_planning.wave import Workspace
 from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.costmaps import Costmaps
@@ -97,6 +96,7 @@ class Navigator:
         space: room to plan in, which it may share with others: nothing is kept there between plans. None: of its own.
         seed: random seed of recovery behaviors.
         recoveries: recovery behaviors of others, by name.
+        planners: global planners of others, by name.
     """
 
     def __init__(
@@ -108,9 +108,11 @@ class Navigator:
         space: Workspace | None = None,
         seed: int = 0,
         recoveries: Mapping[str, RecoveryFactory] | None = None,
+        planners: Mapping[str, PlannerFactory] | None = None,
     ) -> None:
         self._seed = seed
         self._recoveries = recoveries or {}
+        self._planners = planners or {}
         self._fault = ""
         self._rotated = RotatedMap(static)
         static = self._rotated.grid
@@ -119,7 +121,10 @@ class Navigator:
         self._costmaps = Costmaps(parameters, footprint, self._rotated, robot)
         self._space = space
         self._itinerary_planner = ItineraryPlanner(
-            static, self._costmaps.global_costmap, parameters.global_costmap.inflation_layer, self._planner(parameters)
+            static,
+            self._costmaps.global_costmap,
+            parameters.global_costmap.inflation_layer,
+            self._planner(parameters, space),
         )
         self._controller = Controller(parameters, static, self._costmaps, robot)
         move_base = parameters.move_base
@@ -178,7 +183,9 @@ class Navigator:
         self._parameters = parameters
         self._costmaps.configure(parameters)
         if parameters.global_costmap != before.global_costmap or _plans_by(parameters) != _plans_by(before):
-            self._itinerary_planner.configure(parameters.global_costmap.inflation_layer, self._planner(parameters))
+            self._itinerary_planner.configure(
+                parameters.global_costmap.inflation_layer, self._planner(parameters, self._space)
+            )
         self._controller.configure(parameters)
         self._recovery.configure(move_base, self._costmaps.global_costmap.circumscribed_radius)
         self._oscillation.configure(move_base.oscillation_timeout, move_base.oscillation_distance)
@@ -200,13 +207,18 @@ class Navigator:
         costs, frame = self._costmaps.global_costmap.as_updated(place.x, place.y, self._stale.known(self._tick))
         adds = self._parameters.move_base.make_plan_add_unreachable_goal
         # In room of its own: a search may be under way in the other.
-        planner = global_planner(*_plans_by(self._parameters))
-        poses = make_plan(planner, costs, frame, turned.pose_in_grid(start), turned.pose_in_grid(goal), tolerance, adds)
+        start, goal = turned.pose_in_grid(start), turned.pose_in_grid(goal)
+        try:
+            poses = make_plan(self._planner(self._parameters), costs, frame, start, goal, tolerance, adds)
+        except PartFailed as failed:
+            return PlanRefusal("no_way", str(failed))
         return poses if isinstance(poses, PlanRefusal) else turned.poses_in_map(poses)
 
-    def _planner(self, parameters: RobotParameters) -> PotentialPlanner:
-        """The global planner that these parameters name."""
-        return global_planner(*_plans_by(parameters), self._space)
+    def _planner(self, parameters: RobotParameters, space: Workspace | None = None) -> RobotPathPlanner:
+        """The global planner that these parameters name; `space` as for `Navigator`."""
+        if (factory := self._planners.get(parameters.move_base.base_global_planner)) is not None:
+            return factory(parameters, int(noise.key(self._seed, "global planner")))
+        return global_planner(*_plans_by(parameters), space)
 
     def step(
         self,
@@ -302,7 +314,8 @@ class Navigator:
     def _report(self, tick: int, pose: Pose2) -> Navigation:
         name: NavigatorState = "idle" if self._goal is None else "planning"
         plan, times, remaining, claim = NO_POSES, NO_TIMES, 0.0, None
-        fault, self._fault = self._fault, ""
+        fault, self._fault = self._fault or self._itinerary_planner.fault, ""
+        self._itinerary_planner.fault = ""
         output, waits_for = STANDING, None if self._goal is None else self._progress.yields_to(tick)
         state = self._state.then if isinstance(self._state, Clearing) else self._state
         match state:

@@ -6,13 +6,17 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.common.observations import Imu, LaserMount, Odometry, Scan, Twist
+from sim.numerics import elementary_arrays
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 from sim.parameters import LaserParameters, RobotParameters
+from sim.robot.costmap.costs import INSCRIBED, LETHAL, CostFrame, Costs
+from sim.robot.global_planning.path import Path, PathSearch, PlanRefusal, RobotPathPlanner, headings, plan_refusal
 from sim.robot.installed_parts import InstalledParts, PartKind, installed_names
 from sim.robot.localization.estimate import Estimate, Localizer, LocalizerFactory, read_only
 from sim.robot.navigator.recovery import RecoveryFactory, RecoverySituation, RunningRecovery
@@ -232,6 +236,136 @@ class GuardedLocalizer:
         )
 
 
+class PathFinder(Protocol):
+    """Global planner of a lab (nav_core::BaseGlobalPlanner)."""
+
+    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2, /) -> FloatArray | None:
+        """(m, 2) or (m, 3) points or poses from start to goal; None where there is no path.
+
+        Args:
+            costs: (rows, cols) of the whole map; it cannot be written to.
+            frame: place of the costs in the map.
+            start: pose of the base.
+            goal: pose at the end.
+        """
+
+
+class PathFinderFactory(Protocol):
+    """Factory of a lab's global planner: a class or function."""
+
+    def __call__(self, parameters: RobotParameters, seed: int, /) -> PathFinder:
+        """Return the planner of one robot.
+
+        Args:
+            parameters: of the robot's software.
+            seed: random seed, another one for each robot.
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class GuardedPlannerFactory:
+    """Factory of a lab's global planner; see `PlannerFactory`.
+
+    Attributes:
+        factory: of the lab.
+        guard: of what it makes.
+    """
+
+    factory: PathFinderFactory
+    guard: PartGuard
+
+    def __call__(self, parameters: RobotParameters, seed: int, /) -> RobotPathPlanner:
+        """Return the planner."""
+        return GuardedPlanner(lambda: self.factory(parameters, seed), self.guard)
+
+
+class GuardedPlanner:
+    """Global planner of a lab; its paths are checked.
+
+    Args:
+        make: makes the lab's planner, when the first path is asked for.
+        guard: of its calls.
+    """
+
+    def __init__(self, make: Callable[[], PathFinder], guard: PartGuard) -> None:
+        self._make = make
+        self._guard = guard
+        self._finder: PathFinder | None = None
+
+    def search(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> PathSearch:
+        """Search a path, in one go; see `PathPlanner`. Raises PartFailed."""
+        yield from ()
+        return self.plan(costs, frame, start, goal)
+
+    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
+        """Plan a path at once; see `RobotPathPlanner`. Raises PartFailed."""
+        if _cost_at(costs, frame, start) is None:
+            return plan_refusal("start_outside")
+        at_goal = _cost_at(costs, frame, goal)
+        if at_goal is None or at_goal in _OCCUPIED:
+            return plan_refusal("goal_outside" if at_goal is None else "goal_occupied")
+        given = costs.copy()
+        given.setflags(write=False)
+
+        def find() -> FloatArray | None:
+            if self._finder is None:
+                self._finder = self._make()
+            found = self._finder.plan(given, frame, start, goal)
+            return None if found is None else np.array(found, np.float64)
+
+        points = self._guard.call(find, lambda found: _wrong_path(found, given, frame, start, goal))
+        if points is None:
+            return plan_refusal("no_way")
+        line = np.vstack([start.array()[:2], points[1:-1, :2], goal.array()[:2]])
+        # Points in the same place have no heading.
+        moved = np.append(True, (np.diff(line, axis=0) != 0.0).any(axis=1))
+        line = line[moved] if moved[1:].any() else line[[0, -1]]
+        return Path(headings(line, goal.theta))
+
+    def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
+        """(rows, cols) True in all free cells: which of them a lab's planner reaches only a plan shows."""
+        return costs < INSCRIBED
+
+
+_OCCUPIED = (INSCRIBED, LETHAL)
+END_TOLERANCE = 0.2
+"""Metres by which a lab's path may begin and end beside the robot and the goal."""
+
+
+def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> str:
+    if found is None:
+        return ""
+    points = np.asarray(found)
+    if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points) or not np.isfinite(points).all():
+        return "its path is no (m, 2) or (m, 3) array of finite numbers"
+    for what, end, place in (("begins", points[0], start), ("ends", points[-1], goal)):
+        away = float(elementary_arrays.hypot(end[0] - place.x, end[1] - place.y))
+        if away > END_TOLERANCE:
+            return f"its path {what} {away:.2f} m from the {'robot' if what == 'begins' else 'goal'}"
+    ends = np.vstack([start.array()[:2], points[1:-1, :2], goal.array()[:2]])
+    steps = elementary_arrays.hypot(*np.diff(ends, axis=0).T)
+    for (x, y), (u, v), step in zip(ends[:-1].tolist(), ends[1:].tolist(), steps.tolist(), strict=True):
+        parts = max(1, math.ceil(step / frame.resolution))
+        for part in range(parts + 1):
+            at = Pose2(x + (u - x) * part / parts, y + (v - y) * part / parts, 0.0)
+            cost = _cost_at(costs, frame, at)
+            # It may lead out of an obstacle that the robot stands beside.
+            if at.distance(start) > NEAR_ROBOT and (cost is None or cost in _OCCUPIED):
+                return f"its path leads through an obstacle at ({at.x:.2f}, {at.y:.2f})"
+    return ""
+
+
+NEAR_ROBOT = 0.5
+"""Metres from the robot within which its path may touch obstacles."""
+
+
+def _cost_at(costs: Costs, frame: CostFrame, place: Pose2) -> int | None:
+    """Return the cost of the cell at a place; None outside."""
+    row, col = math.floor((place.y - frame.y) / frame.resolution), math.floor((place.x - frame.x) / frame.resolution)
+    return int(costs[row, col]) if 0 <= row < costs.shape[0] and 0 <= col < costs.shape[1] else None
+
+
 _NO_PARTICLES = read_only(np.empty((0, 3)))
 
 
@@ -278,6 +412,8 @@ def load_part(kind: PartKind, name: str) -> Callable[..., Any]:  # type: ignore[
             mount = mount_of(LaserParameters())
             takes = "a robot's parameters, a map, a laser's mount and a seed"
             plugin.made(name, lambda: factory(RobotParameters(), _hall(), mount, 0), LOCALIZER_METHODS, takes)
+        case "planners":
+            plugin.made(name, lambda: factory(RobotParameters(), 0), ("plan",), "a robot's parameters and a seed")
         case "recoveries":
             plugin.made(name, lambda: factory(0), ("command",), "a seed")
     return factory
@@ -286,6 +422,7 @@ def load_part(kind: PartKind, name: str) -> Callable[..., Any]:  # type: ignore[
 LOCALIZER_METHODS = ("update", "start", "globalize", "widen", "request_update", "configure")
 _GUARDED: Mapping[PartKind, Callable[..., Any]] = {  # type: ignore[explicit-any]  # of labs
     "localizers": GuardedLocalizerFactory,
+    "planners": GuardedPlannerFactory,
     "recoveries": GuardedRecoveryFactory,
 }
 

@@ -34,9 +34,10 @@ class VehicleParameter:
     declaration: LiveParameter
 
     def to_number(self, value: ParameterValue) -> float:
-        """Return the number for a value: of a word its place among the choices; 0 for None."""
+        """Return the number for a value: of a word its place among the choices, -1 for a plug-in's; 0 for None."""
         if isinstance(value, str):
-            return float(self.declaration.choices.index(value))
+            choices = self.declaration.choices
+            return float(choices.index(value)) if value in choices else -1.0
         return float(value or 0)
 
     def from_number(self, number: float) -> ParameterValue | Denied:
