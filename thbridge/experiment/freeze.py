@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from thbridge.experiment.folder import EXPORTS, FREEZE, RECORDINGS, STORE, Exper
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.plugins import package_of
+from thbridge.study.plugins import plugins_of
 
 _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
 """What comes of running an experiment; all else in its folder is what was planned."""
@@ -60,7 +63,7 @@ class _FreezeFile(msgspec.Struct):
 
 
 def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fingerprint:
-    """Return the fingerprint of an experiment as it is now.
+    """Return the fingerprint of an experiment as it is now, with the packages of the plug-ins that its studies name.
 
     Raises:
         BadFile: a file cannot be read.
@@ -74,6 +77,11 @@ def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fin
                     files[name.as_posix()] = hashlib.file_digest(file, "sha256").hexdigest()
             except OSError as error:
                 raise BadFile(path, f"cannot be read ({reason_of(error)})", "Give the right to read it") from None
+    with suppress(BadFile):  # A faulty experiment is reported by whoever reads it.
+        design = folder.read()
+        studies = [study for cell in design.cells for study in cell.studies]
+        plugins = {key: package for key in plugins_of(*studies) if (package := package_of(key)) is not None}
+        return Fingerprint(files, {**versions, **plugins})
     return Fingerprint(files, versions)
 
 

@@ -12,6 +12,8 @@ from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.recording import build_record
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.trials.plugin_trial import NOT_DETERMINED, PluginTrial
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.freeze import fingerprint_of
 from thbridge.files.errors import BadFile
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import RequestSuggestion, SelectRoom
@@ -169,3 +171,11 @@ def test_a_trial_tells_what_is_not_determined() -> None:
     trial, played = PluginTrial("participant"), iter(["a", "b", "a", "c"])
     trial.twice("a game", lambda: [next(played), next(played)])
     assert trial.faults[NOT_DETERMINED].position == ("a game", "First: b", "First: c")
+
+
+def test_the_fingerprint_of_a_study_with_people_has_its_package(tmp_path: Path) -> None:
+    steps = "steps:\n  - {step: trial, name: game, each_condition: true}\n"
+    within = "within: {participant.strategy: [nearest, second]}\n"
+    (tmp_path / "experiment.yaml").write_text(f"title: x\n{within}quota: 4\n{steps}")
+    found = fingerprint_of(ExperimentFolder(tmp_path), {"python": "3"}).versions
+    assert found == {"python": "3", "thbridge.participants:second": "lab-of-people 1.0"}

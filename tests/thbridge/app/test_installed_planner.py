@@ -17,6 +17,7 @@ from sim.team import Team, TeamSnapshot
 from tests.plugins import install_plugins
 from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.app.compose.setting import read_setting
+from thbridge.app.trials.planner_check import try_planner
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.roles.vehicles.parameters import VehicleParameter
@@ -169,3 +170,8 @@ def test_a_robot_that_runs_keeps_it_or_takes_a_built_in_one() -> None:
     assert isinstance(reconfigured(own, path, "lab/straight"), ParameterRejection)
     declared = next(each for each in live_parameters() if each.path == path)
     assert VehicleParameter("GLOBAL_PLAN", declared).to_number("lab/detour") == -1.0
+
+
+def test_a_trial_finds_what_is_wrong_with_a_planner() -> None:
+    assert "it finds no path where navfn finds one" in try_planner("lab/nothing", 0, 60.0).faults
+    assert any("leads through an obstacle" in problem for problem in try_planner("lab/straight", 0, 60.0).faults)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
@@ -19,11 +20,14 @@ from sim.team import Team, TeamSnapshot
 from tests.plugins import install_plugins
 from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.app.compose.setting import read_setting
+from thbridge.app.trials.plugin_trial import NOT_DETERMINED
+from thbridge.app.trials.recovery_check import try_recovery
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.ros.diagnostics import RobotDiagnostics
 from thbridge.ros.messages.records import LogLevel
 from thbridge.study.study_file import Study
+from ui.cli import app
 
 SOURCE = """
 from sim.common.observations import Twist
@@ -57,6 +61,19 @@ class Ahead(Back):
         return Twist(0.5, 0.0)
 
 
+class Fickle(Back):
+    made = 0
+
+    def command(self, now):
+        Fickle.made += 1
+        return None if now.seconds > 0.2 else Twist(1e-4 * Fickle.made, 0.0)
+
+
+class Hashed(Back):
+    def command(self, now):
+        return None if now.seconds > 0.2 else Twist(1e-20 * hash("lab"), 0.0)
+
+
 def no_seed():
     return None
 """
@@ -66,6 +83,8 @@ NAMES = {
     "infinite": "Infinite",
     "tuples": "Tuples",
     "ahead": "Ahead",
+    "fickle": "Fickle",
+    "hashed": "Hashed",
     "odd": "no_seed",
 }
 
@@ -154,3 +173,30 @@ def test_a_file_of_ros_names_it_by_its_type(tmp_path: Path) -> None:
 def test_parameters_without_plugins_load_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("thbridge.files.plugins.entry_points", None)
     assert installed_parts([RobotParameters(move_base=MoveBaseParameters())]).recoveries == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [
+        ("fickle", NOT_DETERMINED),
+        pytest.param("ahead", "it has not ended after 30 s", marks=pytest.mark.slow),
+        ("tuples", "the recovery behavior tuples failed: a tuple is no Twist, and not None"),
+    ],
+)
+def test_a_trial_finds_what_is_wrong_with_a_behavior(name: str, problem: str) -> None:
+    assert problem in try_recovery(name, 0, 60.0).faults
+
+
+@pytest.mark.slow
+def test_the_command_finds_what_differs_in_another_process() -> None:
+    done = CliRunner().invoke(app, ["plugins", "check", "--recovery", "hashed"])
+    assert done.exit_code == 2
+    assert "hashed: in another process it decided otherwise with the same seed" in done.output
+
+
+def test_the_command_lists_what_is_installed_and_checks_what_is_named() -> None:
+    listed = CliRunner().invoke(app, ["plugins", "list"])
+    assert "recovery behavior back: lab_of_recovery:Back, of the package lab-of-recovery 1.0" in listed.output
+    for arguments, told in (([], "nothing to check"), (["--recovery", "bakc"], "The nearest is back")):
+        done = CliRunner().invoke(app, ["plugins", "check", *arguments])
+        assert done.exit_code == 2 and told in done.output

@@ -328,6 +328,7 @@ class TestWhatADialogueMayName:
         (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-of-forms\nVersion: 1.0\n")
         (folder / "entry_points.txt").write_text(
             "[thbridge.wordings]\npolite = no_such_module:polite\n[thbridge.strategies]\nhard = no_such_module:Hard\n"
+            "[thbridge.participants]\nmodel = no_such_module:Model\n"
         )
         monkeypatch.syspath_prepend(str(tmp_path))
         told = "of the package lab-of-forms 1.0"
@@ -335,6 +336,8 @@ class TestWhatADialogueMayName:
         for key in ("dialogue.strategy", "dialogue.manner.strategy", "dialogue.each.2.strategy"):
             assert is_named(key) and not is_path(key)
             assert named(key, tmp_path) == {**own, "hard": f"no_such_module:Hard, {told}"}
+        choices = draft_of(tmp_path / "study.yaml", "").fields()["participant.strategy"].choices
+        assert choices == ("suggestion", "nearest", "random", "model")
 
     @pytest.mark.parametrize("key", ["dialogue.games", "dialogue.words", "dialogue.language", "dialogue.strategy"])
     def test_what_is_offered_is_right_in_the_study(self, tmp_path: Path, key: str) -> None:
