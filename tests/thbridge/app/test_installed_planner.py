@@ -20,7 +20,7 @@ from thbridge.app.compose.setting import read_setting
 from thbridge.app.trials.planner_check import try_planner
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.parameters import parse_ros_files
-from thbridge.roles.vehicles.parameters import VehicleParameter
+from thbridge.mavlink.role.parameters import VehicleParameter
 from thbridge.ros.diagnostics import RobotDiagnostics
 from thbridge.ros.messages.records import LogLevel
 from thbridge.ros.topics import Planners
