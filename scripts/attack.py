@@ -38,16 +38,16 @@ from typing import TypeAlias, cast
 from free_ports import free_ports
 
 from sim.numerics.compiled_files import write
+from thbridge.credentials import Right, key_line
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.head import LogHead, head_path
 from thbridge.files.keys.key_ring import KeyRing
 from thbridge.mavlink.wire.dialect import mav
-from thbridge.protocols.credentials import Right, key_line
-from thbridge.protocols.text.lines import encode_line
-from thbridge.protocols.watching import BagStreamReader, SessionMessage, parse_status
 from thbridge.roles.participant.tabui import encode_request_line
 from thbridge.roles.view import RequestSuggestion
+from thbridge.text_protocol.wire.lines import encode_line
 from thbridge.timing.wall_clock import utc_now
+from thbridge.watching.wire import BagStreamReader, SessionMessage, parse_status
 
 HOST = "127.0.0.1"
 PATIENCE = 10.0

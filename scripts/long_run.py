@@ -30,7 +30,7 @@ from endurance.growth import Samples, judge
 from endurance.sampling import Sampler, Visitors
 from free_ports import free_ports
 
-from thbridge.protocols.text import legacy
+from thbridge.text_protocol.wire import legacy
 
 THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")
 PATIENCE = 300.0

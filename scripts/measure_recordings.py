@@ -22,11 +22,11 @@ from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
-from thbridge.protocols.text import legacy
 from thbridge.recording.bag.options import Compression, RecordingDetail
 from thbridge.recording.bag.reading.reader import info
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.study.study_file import RecordingSection, Study
+from thbridge.text_protocol.wire import legacy
 
 WHOLE = RecordingSection(Compression.NONE, RecordingDetail.ALL)
 SHOWN = 12

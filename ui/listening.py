@@ -8,11 +8,11 @@ from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.mavlink.files.signing_key import read_signing_key
 from thbridge.mavlink.files.signing_timestamps import TimestampFile
 from thbridge.mavlink.sockets.server import MavlinkPorts
+from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence, is_master_uri
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import RingKeys
-from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, is_master_uri
 from thbridge.study.study_file import Study
 from ui.door_keys import watch_keys
 from ui.terminal import BAD_INPUT, bad_input, fail, note

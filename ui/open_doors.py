@@ -12,8 +12,8 @@ from ui.terminal import BAD_INPUT, command, fail, note
 
 if TYPE_CHECKING:
     from thbridge.app.listeners import WatchAddress
+    from thbridge.rosgraph.sockets.joining import GraphAddress
     from thbridge.sockets.keys import RingKeys
-    from thbridge.sockets.rosgraph.joining import GraphAddress
     from thbridge.study.study_file import Study
 
 

@@ -22,17 +22,17 @@ from thbridge.mavlink.sockets.client import open_station
 from thbridge.mavlink.station.ground_station import GroundStation
 from thbridge.mavlink.station.trip import StationTrip
 from thbridge.mavlink.values.vehicle_interface import Target
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import is_notice
-from thbridge.protocols.watching import SessionMessage, parse_status
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import ParticipantRequest, PlayAgain, View
+from thbridge.rosgraph.sockets.node import RosNode
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.reconnecting import ConnectionLost
-from thbridge.sockets.rosgraph.node import RosNode
-from thbridge.sockets.text.client import TextClient
-from thbridge.sockets.watching.client import WatchClient, WatchConnected
+from thbridge.text_protocol.sockets.client import TextClient
+from thbridge.text_protocol.sockets.reconnecting import ConnectionLost
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import is_notice
+from thbridge.watching.sockets.client import WatchClient, WatchConnected
+from thbridge.watching.wire import SessionMessage, parse_status
 
 HOST = "127.0.0.1"
 PASSES = 10.0

@@ -19,16 +19,16 @@ from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.dialogue.conditions import DialogueCondition
-from thbridge.protocols.text import legacy
-from thbridge.protocols.watching import STATUS, SessionMessage, WatchStatus
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode
 from thbridge.roles.view import AnswerDialogue, ParticipantRequest, View
 from thbridge.ros.topics import RosMessage
-from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.study.built_in import STANDARD
 from thbridge.study.study_file import DialogueSection, Study
+from thbridge.text_protocol.wire import legacy
+from thbridge.watching.sockets.client import WatchClient, WatchConnected, WatchEvent
+from thbridge.watching.wire import STATUS, SessionMessage, WatchStatus
 from ui.model.theme import LIGHT
 from ui.model.watching.tools import obstacle
 from ui.windows.researcher.docks.displays import MapDisplay

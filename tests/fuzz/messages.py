@@ -23,6 +23,7 @@ from tests.thbridge.mavlink.hostile import orders
 from tests.thbridge.mavlink.rig import Rig
 from thbridge.app.session.input_records import from_record
 from thbridge.app.session.watch_requests import WatchRequestHandler, request_line
+from thbridge.credentials import KeyAnswer, key_line, parse_answer, secret_of
 from thbridge.dialogue.portrait import DialoguePortrait, PortrayedBelief, PortrayedGame, read_portrait
 from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.progress import BadHistory, Progress
@@ -38,21 +39,20 @@ from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.frames.framer import FrameParser, parse_datagram
 from thbridge.mavlink.wire.frames.signing import parse_key
 from thbridge.mavlink.wire.outgoing import LinkId
-from thbridge.protocols.credentials import KeyAnswer, key_line, parse_answer, secret_of
-from thbridge.protocols.rosgraph.tcpros import FrameBuffer, decode_header
-from thbridge.protocols.rosgraph.xmlrpc import decode_call, decode_response
-from thbridge.protocols.text import canonical, legacy
-from thbridge.protocols.text.lines import LineSplitter, TextMessage, parse_line
-from thbridge.protocols.text.notice import Notice, NoticeValue, decode_notice, parse_notice
-from thbridge.protocols.watching import BagStreamReader, SessionMessage, WatcherRequest, WatcherSession, parse_status
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.roles.robot_requests import Pause, Resume, SetRate, Step
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.session_records import InputRecord
+from thbridge.rosgraph.wire.tcpros import FrameBuffer, decode_header
+from thbridge.rosgraph.wire.xmlrpc import decode_call, decode_response
 from thbridge.sockets.addresses import parse_address, parse_target
 from thbridge.sockets.admission import parse_network
+from thbridge.text_protocol.wire import canonical, legacy
+from thbridge.text_protocol.wire.lines import LineSplitter, TextMessage, parse_line
+from thbridge.text_protocol.wire.notice import Notice, NoticeValue, decode_notice, parse_notice
 from thbridge.timing.pacer import Pacer
+from thbridge.watching.wire import BagStreamReader, SessionMessage, WatcherRequest, WatcherSession, parse_status
 from ui.model.watching.scene import PendingTurn, Wizard
 from ui.model.watching.scene_builder import decode_wizard
 

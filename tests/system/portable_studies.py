@@ -40,14 +40,14 @@ from thbridge.app.session.session import Session
 from thbridge.mavlink.wire.dialect import Message, crc_extra, mav, payload_of
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.outgoing import LinkId
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.router import ConnectionId
 from thbridge.recording.digest import digest_of
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request, SetParameters
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.study_file import read_study_text
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.router import ConnectionId
 
 Inputs = Callable[[int, Session], None]
 """Gives a session what comes from outside before a tick."""

@@ -13,8 +13,8 @@ import pytest
 
 from tests.system import programs
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import encode_line
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import encode_line
 
 CONSENT = "We record what you do.\nYou may stop at any time."
 CLAIM = ".robots.bag.lock"

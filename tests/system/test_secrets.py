@@ -137,7 +137,7 @@ def test_keys_are_nowhere_but_in_their_files(tmp_path: Path, keys: Path) -> None
 
 
 FAILING = """
-import thbridge.protocols.watching as watching
+import thbridge.watching.wire as watching
 def feed(self, data):
     raise RuntimeError("on purpose")
 watching.WatcherSession.feed = feed

@@ -19,6 +19,7 @@ import pytest
 from tests.thbridge.experiment.test_backup import play
 from tests.thbridge.experiment.test_design import write
 from thbridge.analysis.export.exporting import table_name
+from thbridge.credentials import Right
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import LONGEST_TITLE
@@ -38,7 +39,6 @@ from thbridge.files.tables.table_files import Column, TableFiles, TableFormat
 from thbridge.files.template_files import read_template_set
 from thbridge.files.treasure_files import read_treasures_yaml
 from thbridge.files.word_files import SHIPPED_LANGUAGES, read_language
-from thbridge.protocols.credentials import Right
 from thbridge.recording.bag.ros2 import as_ros1
 from thbridge.study.study_file import load_study
 from ui.model.template_set.draft import template_draft

@@ -22,8 +22,8 @@ _WATCHER = """
 import asyncio, sys
 from pathlib import Path
 from thbridge.files.keys.key_file import read_key
-from thbridge.protocols.watching import SessionMessage
-from thbridge.sockets.watching.client import WatchClient
+from thbridge.watching.wire import SessionMessage
+from thbridge.watching.sockets.client import WatchClient
 
 async def watch():
     client = WatchClient("10.9.0.2", 6010, read_key(Path(sys.argv[1])))

@@ -7,11 +7,14 @@ from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
-from thbridge.protocols.credentials import LOCAL, Credentials
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage, encode_line
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
-from thbridge.protocols.text.router import (
+from thbridge.credentials import LOCAL, Credentials
+from thbridge.roles.keeper.disclosed.consent import ConsentStatus
+from thbridge.roles.notices import KEEPER, ParticipantReady
+from thbridge.roles.view import DeclineConsent, GiveConsent, View
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextMessage, encode_line
+from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.router import (
     ClientJoined,
     ConnectionId,
     Forwarded,
@@ -19,9 +22,6 @@ from thbridge.protocols.text.router import (
     SendToClient,
     TurnedAway,
 )
-from thbridge.roles.keeper.disclosed.consent import ConsentStatus
-from thbridge.roles.notices import KEEPER, ParticipantReady
-from thbridge.roles.view import DeclineConsent, GiveConsent, View
 
 
 class ParticipantDeclined(Exception):  # noqa: N818 - nothing went wrong with the program

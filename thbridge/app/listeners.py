@@ -16,12 +16,12 @@ from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.publisher import TeamPublisher
+from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import KeyVerifier
-from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence
-from thbridge.sockets.watching.server import WatchServer
 from thbridge.timing.pacer import Pacer
+from thbridge.watching.sockets.server import WatchServer
 
 
 @dataclass(frozen=True, slots=True)

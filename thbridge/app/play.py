@@ -27,7 +27,6 @@ from thbridge.hunt.game import GameState
 from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
 from thbridge.mavlink.wire.frames.frame import Frame
-from thbridge.protocols.text import legacy
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
@@ -36,12 +35,13 @@ from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.simr.simr import SimR
 from thbridge.ros.names import GRAPH_LINK
+from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import RingKeys
-from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.text.server import TextServer
+from thbridge.text_protocol.sockets.server import TextServer
+from thbridge.text_protocol.wire import legacy
 from thbridge.timing.keepalive import kept_alive
 from thbridge.timing.loop import LoopResult, run_ticks
 from thbridge.timing.pace_meter import PaceMeter

@@ -15,10 +15,6 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.keys.key_file import ClientKey
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.client import NameRegistered
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.notices import KEEPER, ConsentQuery, HideRequest, Orders, RecordingPermission
@@ -27,9 +23,13 @@ from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.simr.simr import SimR
 from thbridge.roles.view import View
-from thbridge.sockets.reconnecting import ConnectionLost, LossReason
-from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.text.client import TextClient
+from thbridge.rosgraph.sockets.joining import GraphAddress
+from thbridge.text_protocol.sockets.client import TextClient
+from thbridge.text_protocol.sockets.reconnecting import ConnectionLost, LossReason
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.client import NameRegistered
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 

@@ -15,20 +15,20 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.programs import SIMR, SimrOptions, await_consent, run_at_server
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
-from thbridge.protocols.rosgraph.links import TopicHeader
-from thbridge.protocols.text import legacy
-from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.messages.stamps import TICK_NS
 from thbridge.ros.reconfigure import described
 from thbridge.ros.remote.changes import SettledState
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage
+from thbridge.rosgraph.files.real_robots import FleetRecorder
+from thbridge.rosgraph.sockets.fleet import CALLER, Fleet
+from thbridge.rosgraph.sockets.joining import GraphAddress
+from thbridge.rosgraph.wire.links import TopicHeader
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.reconnecting import ConnectionLost
-from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
-from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.text.client import TextClient
 from thbridge.study.real_robots import FleetSection
+from thbridge.text_protocol.sockets.client import TextClient
+from thbridge.text_protocol.sockets.reconnecting import ConnectionLost
+from thbridge.text_protocol.wire import legacy
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 

@@ -14,7 +14,7 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import RingKeys
-from thbridge.sockets.text.server import TextServer
+from thbridge.text_protocol.sockets.server import TextServer
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 

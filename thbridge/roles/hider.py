@@ -8,8 +8,9 @@ from sim.numerics import noise
 from thbridge.hunt.codec import treasure_fields
 from thbridge.hunt.properties import OF_2016, TreasureProperty, labelled
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.legacy import (
+from thbridge.roles.notices import KEEPER, HideRequest, HiderReady, HideTreasures, LegacyReply
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.legacy import (
     AskTreasure,
     FoundTreasure,
     NameTreasure,
@@ -17,9 +18,8 @@ from thbridge.protocols.text.legacy import (
     SnapTreasure,
     TreasureImage,
 )
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import COUNTED, Notice, decode_notice, encode_notice, is_notice, parse_notice
-from thbridge.roles.notices import KEEPER, HideRequest, HiderReady, HideTreasures, LegacyReply
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import COUNTED, Notice, decode_notice, encode_notice, is_notice, parse_notice
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
 """Ticks that a question waits for a keeper; without any notice of a keeper it is then answered as in 2016."""

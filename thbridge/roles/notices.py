@@ -14,7 +14,7 @@ import msgspec
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import RoomNames
-from thbridge.protocols.text.notice import NoticeValue
+from thbridge.text_protocol.wire.notice import NoticeValue
 
 KEEPER = "Game"
 """Name of the keeper at the text server."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from thbridge.protocols.text.lines import TextMessage
+from thbridge.text_protocol.wire.lines import TextMessage
 
 
 class Role(Protocol):

@@ -1,1 +1,1 @@
-"""TCP and UDP sockets for the protocols of `thbridge.protocols`, which makes all decisions."""
+"""TCP and UDP sockets: addresses, who is admitted, TLS, keys, and listening, for the wires of all features."""

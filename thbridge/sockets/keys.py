@@ -5,9 +5,9 @@ import logging
 import ssl
 from typing import Protocol
 
+from thbridge.credentials import LOCAL, Credentials
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.key_ring import KeyEntry, KeyRing
-from thbridge.protocols.credentials import LOCAL, Credentials
 from thbridge.sockets.warn_once import WarnOnce
 
 _log = logging.getLogger(__name__)

@@ -11,9 +11,9 @@ from sim.parameters import param
 from sim.parameters.declaration import live
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
-from thbridge.protocols.rosgraph.names import canonical, join
 from thbridge.ros.names import frame_name
 from thbridge.ros.remote.names import RemoteNames
+from thbridge.rosgraph.wire.names import canonical, join
 
 S = TypeVar("S")
 

@@ -27,7 +27,6 @@ from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.hunt.team_planner import TeamPlanner
-from thbridge.protocols.text.canonical import Dialect
 from thbridge.recording.bag.options import Compression, DefinitionTexts, Readers, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import LONGEST_HOST, TEXT_SERVER_PORT
@@ -47,6 +46,7 @@ from thbridge.study.noise import (
 from thbridge.study.real_robots import FleetSection, faults_of_fleet
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
+from thbridge.text_protocol.wire.canonical import Dialect
 
 OWN_STRATEGY = "manner"
 """Name of the strategy that robots come with."""

@@ -8,8 +8,8 @@ from thbridge.files.language_texts import shipped_texts
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.roles.view import View
-from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.study.study_file import ServerSection, Study
+from thbridge.text_protocol.sockets.reconnecting import ConnectionLost
 from ui.hosting.lobby import WILDCARD_ADDRESSES
 from ui.hosting.seats import Seat, seat_of_bot, seat_of_person
 from ui.options import ADDRESS, PERSON

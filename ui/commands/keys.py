@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.protocols.credentials import Right
+from thbridge.credentials import Right
 from ui.commands.group import CommandGroup
 from ui.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
 

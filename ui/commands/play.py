@@ -119,9 +119,9 @@ def play(
     from thbridge.app.play import HuntUnfinished, PlayOptions
     from thbridge.app.session.session import TickRecord
     from thbridge.files.language_texts import shipped_languages
-    from thbridge.protocols.text import legacy
     from thbridge.study.built_in import STANDARD
     from thbridge.study.overrides import with_changes
+    from thbridge.text_protocol.wire import legacy
     from ui.actions.programs import new_token
     from ui.door_keys import keys_of
     from ui.event_loop import run
@@ -246,7 +246,7 @@ def play(
 
 
 def _roles(names: str) -> frozenset[str]:
-    from thbridge.protocols.text import legacy
+    from thbridge.text_protocol.wire import legacy
 
     chosen = frozenset(name.strip() for name in names.split(",") if name.strip())
     known = {legacy.TABUI, legacy.HIDER}

@@ -49,10 +49,10 @@ def replay_command(
     from thbridge.app.compose.setting import read_setting
     from thbridge.app.replay.replay import ReplayOptions, recorded_study, replay, session_of
     from thbridge.app.session.session import TickRecord
-    from thbridge.protocols.text import legacy
     from thbridge.recording.bag.reading.reader import info, messages
     from thbridge.ros.names import INPUTS
     from thbridge.study.overrides import with_changes
+    from thbridge.text_protocol.wire import legacy
     from ui.actions.replay import other_versions, replayed_as_json, show_replayed
     from ui.event_loop import run
     from ui.first_start import compile_ahead

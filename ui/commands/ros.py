@@ -52,9 +52,9 @@ def ros_master(
     """Run a ROS master, in place of roscore, until stopped."""
     import asyncio
 
+    from thbridge.rosgraph.sockets import master_server
+    from thbridge.rosgraph.sockets.joining import GraphAddress
     from thbridge.sockets.admission import Admission
-    from thbridge.sockets.rosgraph import master_server
-    from thbridge.sockets.rosgraph.joining import GraphAddress
     from thbridge.study.study_file import Study
     from ui.open_doors import check_doors, with_open_to
 

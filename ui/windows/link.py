@@ -16,11 +16,11 @@ from typing import TypeAlias
 from sim.common.observations import TICK
 from thbridge.app.programs import exchange
 from thbridge.files.keys.key_file import ClientKey
-from thbridge.protocols.text.lines import TextMessage
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.view import GiveConsent, ParticipantRequest, View
-from thbridge.sockets.reconnecting import Backoff, ConnectionLost
-from thbridge.sockets.text.client import TextClient
+from thbridge.text_protocol.sockets.client import TextClient
+from thbridge.text_protocol.sockets.reconnecting import Backoff, ConnectionLost
+from thbridge.text_protocol.wire.lines import TextMessage
 
 POLL_PERIOD = 0.005
 """Seconds from one poll of the connection to the next. Robots are drawn later by half of it, and by the jitter that it

@@ -23,7 +23,7 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.view import GiveConsent
-from thbridge.sockets.reconnecting import ConnectionLost, LossReason
+from thbridge.text_protocol.sockets.reconnecting import ConnectionLost, LossReason
 from ui.model.lobby import (
     LOBBY,
     Agreed,

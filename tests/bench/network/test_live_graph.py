@@ -27,8 +27,8 @@ from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.ros.topics import CLOCK
-from thbridge.sockets.rosgraph import tcpros_server
-from thbridge.sockets.rosgraph.joining import GraphAddress
+from thbridge.rosgraph.sockets import tcpros_server
+from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
@@ -41,7 +41,7 @@ SEND_BUFFER = 16384
 
 LISTEN = """
 import asyncio, json, sys, time
-from thbridge.sockets.rosgraph.node import RosNode
+from thbridge.rosgraph.sockets.node import RosNode
 
 async def main():
     master, number, first, last = sys.argv[1], int(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4])
@@ -78,8 +78,8 @@ asyncio.run(main())
 
 STALL = """
 import asyncio, json, socket, sys
-from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.protocols.rosgraph.tcpros import encode_header
+from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
+from thbridge.rosgraph.wire.tcpros import encode_header
 
 async def main():
     client, topics, sockets = XmlRpcClient(), json.loads(sys.stdin.readline()), []

@@ -15,10 +15,10 @@ import time
 import pytest
 
 from tests.bench.budget import Budgets
-from thbridge.protocols.rosgraph.tcpros import encode_header
-from thbridge.sockets.rosgraph.http_client import XmlRpcClient
-from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
-from thbridge.sockets.rosgraph.publications import Publication
+from thbridge.rosgraph.sockets.http_client import XmlRpcClient
+from thbridge.rosgraph.sockets.node import NodeStarted, RosNode
+from thbridge.rosgraph.sockets.publications import Publication
+from thbridge.rosgraph.wire.tcpros import encode_header
 
 pytestmark = [
     pytest.mark.bench,
@@ -41,7 +41,7 @@ TYPE = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1")
 
 LISTENERS = """
 import asyncio, sys
-from thbridge.sockets.rosgraph.node import RosNode
+from thbridge.rosgraph.sockets.node import RosNode
 
 async def main():
     master, topics, count = sys.argv[1], sys.argv[2].split(","), 0

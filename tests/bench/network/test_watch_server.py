@@ -24,8 +24,8 @@ from thbridge.roles.participant.tabui import TabUI
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.watching.server import WatchServer
 from thbridge.study.study_file import Study
+from thbridge.watching.sockets.server import WatchServer
 
 pytestmark = pytest.mark.bench
 

@@ -10,11 +10,11 @@ import pytest
 
 from tests.bench.budget import Budgets, best
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.protocols.watching import SessionMessage
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.ros.messages import types
 from thbridge.ros.publisher import RosMessage, TeamPublisher
+from thbridge.watching.wire import SessionMessage
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import ShownLayers
 from ui.sources.bag import BagSource, open_bag

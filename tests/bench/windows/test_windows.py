@@ -23,7 +23,7 @@ from tests.bench.budget import Budgets
 from tests.bench.windows.film import Film, Shown, shoot
 from tests.peers.windows.desktop import desktop, needs_desktop
 from tests.ui.windows.researcher.hunts import watched_hunt
-from thbridge.sockets.watching.client import WatchClient
+from thbridge.watching.sockets.client import WatchClient
 from ui.model.screen import Screen
 from ui.model.theme import LIGHT
 from ui.windows import look

@@ -12,13 +12,13 @@ import pytest
 from tests.peers.crashes import run_peer, skip_if_crashed
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_ring import KeyRing
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage, parse_line
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.keys import RingKeys
-from thbridge.sockets.text.server import TextServer
 from thbridge.sockets.tls import server_context
+from thbridge.text_protocol.sockets.server import TextServer
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextMessage, parse_line
+from thbridge.text_protocol.wire.router import MessageRouter
 from thbridge.timing.wall_clock import utc_now
 
 SOURCES = sorted(Path(__file__).parent.glob("*.java"))

@@ -21,16 +21,16 @@ from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from tests.peers.crashes import run_peer, skipping_if_crashed
 from tests.peers.ros.beside import knows
 from thbridge.recording.bag.writing.writer import BagWriter
-from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.reconfigure import described
 from thbridge.ros.remote.robot import RemoteRobot
+from thbridge.rosgraph.files.real_robots import FleetRecorder
+from thbridge.rosgraph.sockets.fleet import CALLER, Fleet
+from thbridge.rosgraph.sockets.joining import GraphAddress
+from thbridge.rosgraph.sockets.master_server import MasterServer
+from thbridge.rosgraph.sockets.node import NodeStarted
 from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
-from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.sockets.rosgraph.node import NodeStarted
 from thbridge.study.real_robots import FleetNames, FleetSection
 
 PYTHON = "/usr/bin/python3"

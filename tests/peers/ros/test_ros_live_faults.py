@@ -18,8 +18,8 @@ from tests.peers.ros import live
 from tests.peers.ros.beside import NEEDS_ROS, PATIENCE, PYTHON, Ros
 from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
-from thbridge.protocols.rosgraph.tcpros import encode_header
 from thbridge.recording.bag.reading.reader import messages
+from thbridge.rosgraph.wire.tcpros import encode_header
 
 pytestmark = NEEDS_ROS
 

@@ -16,12 +16,12 @@ import pytest
 
 from tests.peers.crashes import skip_if_crashed
 from tests.system.ports import free_port
-from thbridge.protocols.rosgraph.links import ServiceFailed
-from thbridge.protocols.rosgraph.tcpros import encode_header
-from thbridge.protocols.rosgraph.xmlrpc import MethodResponse
 from thbridge.recording.bag.reading.reader import messages
-from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
+from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
+from thbridge.rosgraph.sockets.node import NodeStarted, RosNode
+from thbridge.rosgraph.wire.links import ServiceFailed
+from thbridge.rosgraph.wire.tcpros import encode_header
+from thbridge.rosgraph.wire.xmlrpc import MethodResponse
 
 PYTHON = "/usr/bin/python3"
 TOOLS = ("rosmaster", "rostopic", "rosnode", "rosservice", "rosparam")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.protocols.rosgraph.master import METHODS, Master, NodeShutdown, Notification, ParamUpdate, PublisherUpdate
-from thbridge.protocols.rosgraph.xmlrpc import MethodCall, XmlRpcValue
+from thbridge.rosgraph.wire.master import METHODS, Master, NodeShutdown, Notification, ParamUpdate, PublisherUpdate
+from thbridge.rosgraph.wire.xmlrpc import MethodCall, XmlRpcValue
 
 PYTHON = "/usr/bin/python3"
 SEQUENCES = 150

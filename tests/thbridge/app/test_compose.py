@@ -14,7 +14,6 @@ from thbridge.files.errors import BadFile
 from thbridge.files.game_files import SHIPPED_GAMES
 from thbridge.files.resources import shipped
 from thbridge.files.yaml.load import Loaded
-from thbridge.protocols.text.notice import encode_notice
 from thbridge.recording.bag.options import DefinitionTexts
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.roles.notices import Subscribe
@@ -29,6 +28,7 @@ from thbridge.study.study_file import (
     Study,
     load_study,
 )
+from thbridge.text_protocol.wire.notice import encode_notice
 
 
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])

@@ -13,15 +13,15 @@ from thbridge.app.consent import ConsentDesk, introduction
 from thbridge.app.server import ConsentedLog
 from thbridge.app.session.session import Session
 from thbridge.hunt.events import EndReason, GameEnded, TreasuresHidden
-from thbridge.protocols.text.lines import TextMessage, encode_line, parse_line
-from thbridge.protocols.text.notice import Notice, NoticeValue, encode_notice, parse_notice
-from thbridge.protocols.text.router import RouterOutput, SendToClient, TurnedAway
 from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.roles.keeper.disclosed.consent import ConsentStatus
 from thbridge.roles.notices import KEEPER, ParticipantReady
 from thbridge.roles.view import DeclineConsent, GiveConsent, View
 from thbridge.study.study_file import ParticipantSection, Study
+from thbridge.text_protocol.wire.lines import TextMessage, encode_line, parse_line
+from thbridge.text_protocol.wire.notice import Notice, NoticeValue, encode_notice, parse_notice
+from thbridge.text_protocol.wire.router import RouterOutput, SendToClient, TurnedAway
 
 CONSENT = "We record what you do."
 

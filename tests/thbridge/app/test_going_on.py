@@ -13,13 +13,13 @@ from thbridge.app.programs import tabui
 from thbridge.app.replay.replay import ReplayOptions, replay
 from thbridge.app.session.input_log import GameDiffers
 from thbridge.app.session.session import TickRecord
-from thbridge.protocols.text import legacy
 from thbridge.recording.bag.reading import reader
 from thbridge.recording.recordings import make_room
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import BotStrategy, ServerSection, Study
+from thbridge.text_protocol.wire import legacy
 
 STUDY = Study(map="practice", templates="practice", robots=1, server=ServerSection(port=0))
 

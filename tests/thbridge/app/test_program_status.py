@@ -3,11 +3,11 @@
 import logging
 
 from thbridge.app.programs import ProgramStatus
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextCommand, TextMessage
-from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.notices import KEEPER, HideRequest
-from thbridge.sockets.text.client import TextClient
+from thbridge.text_protocol.sockets.client import TextClient
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
+from thbridge.text_protocol.wire.notice import encode_notice
 
 
 def test_each_change_is_told_once(caplog):

@@ -20,7 +20,6 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.rules import RuleReason
-from thbridge.protocols.text.notice import Notice, decode_notice
 from thbridge.roles.notices import KEEPER, Orders, TeamStatus
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
@@ -49,6 +48,7 @@ from thbridge.roles.view import (
     TakePicture,
     View,
 )
+from thbridge.text_protocol.wire.notice import Notice, decode_notice
 
 NAME = "ground station 255"
 TAKE = TakeCommand(0, NAME)

@@ -1,10 +1,10 @@
 """Hider without a keeper: it answers by itself, as in 2016."""
 
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.hider import KEEPER_TIMEOUT, Hider
 from thbridge.roles.notices import KEEPER, HideRequest
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.notice import encode_notice
 
 KINDS = [TreasureKind({"colour": "Red", "footprint": "Round and Large"}, 10, "Red Ball", "ball.jpg")]
 

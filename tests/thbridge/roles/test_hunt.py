@@ -22,7 +22,6 @@ from thbridge.hunt.events import (
     TreasuresHidden,
     TreasureTakenUp,
 )
-from thbridge.protocols.text import legacy
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
@@ -43,6 +42,7 @@ from thbridge.roles.view import (
     TakeUpTreasure,
     View,
 )
+from thbridge.text_protocol.wire import legacy
 
 Stage = stage.Stage
 

@@ -14,15 +14,15 @@ from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import GameStarted
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextCommand, TextMessage
-from thbridge.protocols.text.notice import encode_notice, kind_of, notice, parse_notice
 from thbridge.roles import notices, view
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.notices import KEEPER
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.study.study_file import Study
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
+from thbridge.text_protocol.wire.notice import encode_notice, kind_of, notice, parse_notice
 
 small = st.integers(-2, 10)
 number = st.one_of(small, st.integers(), st.floats(allow_nan=False, allow_infinity=False))

@@ -6,9 +6,9 @@ from typing import get_args, get_type_hints
 from hypothesis import given, reject
 from hypothesis import strategies as st
 
-from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
 from thbridge.roles import notices
 from thbridge.roles.view import DeclineConsent, ParticipantRequest, View
+from thbridge.text_protocol.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
 
 STATES = [
     each

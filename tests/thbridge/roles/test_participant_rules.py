@@ -11,7 +11,6 @@ from tests.thbridge.roles.stage import RULES, Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import Condition
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.protocols.text.notice import Notice, parse_notice
 from thbridge.roles.participant.tabui import TabUI, encode_request_line
 from thbridge.roles.participant_rules import judge, revealed
 from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
@@ -31,6 +30,7 @@ from thbridge.roles.view import (
     TakeUpTreasure,
     View,
 )
+from thbridge.text_protocol.wire.notice import Notice, parse_notice
 
 ROBOTS, ROOMS = range(2), range(1, 9)
 

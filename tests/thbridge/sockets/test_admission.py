@@ -5,14 +5,14 @@ import pytest
 
 from thbridge.mavlink.sockets.links import MavlinkLinks
 from thbridge.mavlink.sockets.tcp import TcpPort, tcp_port
-from thbridge.protocols.text.router import MessageRouter
+from thbridge.rosgraph.sockets.master_server import MasterServer
+from thbridge.rosgraph.sockets.node import NodeStarted, RosNode
 from thbridge.sockets.addresses import Address, ListeningAddress
 from thbridge.sockets.admission import OWN_MACHINE, Admission, is_own, parse_network
-from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
-from thbridge.sockets.text.server import TextServer
-from thbridge.sockets.watching import server as watch_server
-from thbridge.sockets.watching.server import SessionPace, WatchServer
+from thbridge.text_protocol.sockets.server import TextServer
+from thbridge.text_protocol.wire.router import MessageRouter
+from thbridge.watching.sockets import server as watch_server
+from thbridge.watching.sockets.server import SessionPace, WatchServer
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.0.1.1", "::1", "localhost", "::ffff:127.0.0.1"])

@@ -12,22 +12,22 @@ from pathlib import Path
 import pytest
 
 from tests.thbridge.mavlink.sockets.test_server import Exchange
-from tests.thbridge.sockets.watching.test_server import House
+from tests.thbridge.watching.sockets.test_server import House
 from thbridge.files.ros.definitions import Definitions
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import GameStarted
 from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.journal_folder import JournalStore
+from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
+from thbridge.rosgraph.sockets.http_server import XmlRpcServer
+from thbridge.rosgraph.sockets.tcpros_server import TcprosServer
 from thbridge.sockets.addresses import Address, ListeningAddress
 from thbridge.sockets.keys import SingleKey
 from thbridge.sockets.listening import DESCRIPTORS, RESERVED, ServerDoor, check_room, fair_shares, mark
-from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.sockets.rosgraph.http_server import XmlRpcServer
-from thbridge.sockets.rosgraph.tcpros_server import TcprosServer
-from thbridge.sockets.text.server import TextServer
-from thbridge.sockets.watching.server import WatchServer
+from thbridge.text_protocol.sockets.server import TextServer
+from thbridge.text_protocol.wire.router import MessageRouter
+from thbridge.watching.sockets.server import WatchServer
 
 PATIENCE = 30
 LOCALHOST = "127.0.0.1"

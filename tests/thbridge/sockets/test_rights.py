@@ -9,26 +9,26 @@ from pathlib import Path
 
 import pytest
 
+from thbridge.credentials import Right, key_line
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_file import ClientKey, read_key
 from thbridge.files.keys.key_ring import KeyRing
-from thbridge.protocols.credentials import Right, key_line
-from thbridge.protocols.text.client import NameRegistered
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import notice
-from thbridge.protocols.text.router import Forwarded, MessageRouter
-from thbridge.protocols.watching import parse_status
 from thbridge.sockets import admission
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.keys import RingKeys
-from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
-from thbridge.sockets.text import server as text_server
-from thbridge.sockets.text.client import TextClient
-from thbridge.sockets.text.server import TextServer
 from thbridge.sockets.tls import server_context
-from thbridge.sockets.watching import server as watch_server
-from thbridge.sockets.watching.client import SessionMessage, WatchClient, WatchConnected
-from thbridge.sockets.watching.server import SessionPace, WatchServer
+from thbridge.text_protocol.sockets import server as text_server
+from thbridge.text_protocol.sockets.client import TextClient
+from thbridge.text_protocol.sockets.reconnecting import Backoff, ConnectionLost, LossReason
+from thbridge.text_protocol.sockets.server import TextServer
+from thbridge.text_protocol.wire.client import NameRegistered
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import notice
+from thbridge.text_protocol.wire.router import Forwarded, MessageRouter
+from thbridge.watching.sockets import server as watch_server
+from thbridge.watching.sockets.client import SessionMessage, WatchClient, WatchConnected
+from thbridge.watching.sockets.server import SessionPace, WatchServer
+from thbridge.watching.wire import parse_status
 
 PATIENCE = 30.0
 NOW = "2026-03-01T12:00:00Z"

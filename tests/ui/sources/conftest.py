@@ -14,11 +14,11 @@ from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
-from thbridge.protocols.text import legacy
 from thbridge.recording.bag.options import Compression
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
 from thbridge.study.study_file import RecordingSection, Study
+from thbridge.text_protocol.wire import legacy
 from ui.model.watching.tools import obstacle
 
 STUDY = dataclasses.replace(Study(), seed=7, robots=3)

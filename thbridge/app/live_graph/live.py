@@ -26,7 +26,6 @@ from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.app.session.mavros import frame_in
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.mavlink.wire.frames.frame import Frame
-from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import Request
 from thbridge.ros import clients, names
 from thbridge.ros.clients import InvalidMessage
@@ -36,10 +35,11 @@ from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree
 from thbridge.ros.topics import CLOCK, OF_ERRORS, RosMessage, Topic, VehicleTopics
+from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence, ensure_master
+from thbridge.rosgraph.sockets.node import NodeStarted, RosNode
+from thbridge.rosgraph.sockets.request_queue import RequestQueue
+from thbridge.rosgraph.wire.links import ServiceFailed
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, ensure_master
-from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
-from thbridge.sockets.rosgraph.request_queue import RequestQueue
 from thbridge.sockets.warn_once import WarnOnce
 from thbridge.study.external_nodes import ExternalNodes
 

@@ -3,12 +3,12 @@
 import logging
 
 from thbridge.app.live_graph.typed_node import TypedNode
-from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.ros import clients
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.messages.pack.fields import UINT32, string
 from thbridge.ros.names import CALLER
+from thbridge.rosgraph.wire.links import ServiceFailed
 
 LOGGERS = ("thbridge", "sim", "ui")
 """Loggers whose level can be asked and set: one for each package."""

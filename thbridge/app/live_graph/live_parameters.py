@@ -13,8 +13,6 @@ from sim.parameters import RobotParameters, reconfigurable
 from sim.parameters.reconfiguration import ParameterRejection
 from thbridge.app.live_graph.rate_limiter import RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
-from thbridge.protocols.rosgraph.links import ServiceFailed
-from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
 from thbridge.roles.robot_requests import ParameterValue as SetValue
 from thbridge.roles.robot_requests import Request, SetParameters, with_values
 from thbridge.ros import reconfigure
@@ -23,6 +21,8 @@ from thbridge.ros.messages import types
 from thbridge.ros.names import RobotNames
 from thbridge.ros.parameters import MOVE_BASE, ParameterValue, has, leaves, name_of, path_of, robot_tree, value_at
 from thbridge.ros.reconfigure import ReconfigureServer
+from thbridge.rosgraph.wire.links import ServiceFailed
+from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
 from thbridge.sockets.warn_once import WarnOnce
 from thbridge.study.external_nodes import ExternalNodes
 

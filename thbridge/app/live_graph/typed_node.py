@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 from thbridge.files.ros.definitions import Definitions
 from thbridge.ros.messages.types import service_type
-from thbridge.sockets.rosgraph.node import RosNode
-from thbridge.sockets.rosgraph.publications import Publication
-from thbridge.sockets.rosgraph.tcpros_server import ServiceHandler
+from thbridge.rosgraph.sockets.node import RosNode
+from thbridge.rosgraph.sockets.publications import Publication
+from thbridge.rosgraph.sockets.tcpros_server import ServiceHandler
 
 
 @dataclass(frozen=True, slots=True, eq=False)

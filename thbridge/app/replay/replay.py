@@ -32,7 +32,6 @@ from thbridge.files.errors import BadFile
 from thbridge.files.yaml.tree import parse
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import RoomAdvised
-from thbridge.protocols.text import legacy
 from thbridge.recording.bag.options import RecordingDetail
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.recording.bag.reading.reader import RawMessage
@@ -47,6 +46,7 @@ from thbridge.ros.topics import P_WRONG, MessageFilter, RosMessage
 from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, load_study_tree, read_study_text
+from thbridge.text_protocol.wire import legacy
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 

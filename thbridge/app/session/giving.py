@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from thbridge.app.session import inputs
 from thbridge.app.session.session import Session
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextMessage
 
 
 class RecordedParticipant:

@@ -8,12 +8,12 @@ a session that is given the same ones in the same ticks does the same.
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from thbridge.credentials import LOCAL, Credentials
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.outgoing import LinkId
-from thbridge.protocols.credentials import LOCAL, Credentials
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.router import ConnectionId
 from thbridge.roles.robot_requests import Request
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.router import ConnectionId
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,8 +23,6 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.mavlink.wire.outgoing import VehicleStatus
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.ros.messages.records import GraphRequest, Record, SendRobots, Success
@@ -37,6 +35,8 @@ from thbridge.ros.messages.session_records import (
     UtteranceRecord,
 )
 from thbridge.ros.messages.stamps import stamp_ns
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.router import Forwarded
 
 JUMP = 0.2
 """Metres in one tick beyond what a robot can drive: it was carried."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from thbridge.app.session import inputs
 from thbridge.app.session.inputs import Input
+from thbridge.credentials import LOCAL, Credentials
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt.events import Event, GameStarted, JournalEntry, KeyUsed
 from thbridge.hunt.game import GameState
@@ -17,9 +18,13 @@ from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.links import HubLink
 from thbridge.mavlink.wire.outgoing import LinkId, VehicleStatus
 from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame, Traffic
-from thbridge.protocols.credentials import LOCAL, Credentials
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.router import (
+from thbridge.roles.keeper.keeper import Keeper, ProgramRefusal
+from thbridge.roles.keeper.requests.wizard import WizardState
+from thbridge.roles.robot_requests import GameRequest, Request
+from thbridge.roles.robots_role import RobotsRole
+from thbridge.roles.role import Role
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.router import (
     ClientJoined,
     ConnectionId,
     Forwarded,
@@ -27,11 +32,6 @@ from thbridge.protocols.text.router import (
     RouterOutput,
     TurnedAway,
 )
-from thbridge.roles.keeper.keeper import Keeper, ProgramRefusal
-from thbridge.roles.keeper.requests.wizard import WizardState
-from thbridge.roles.robot_requests import GameRequest, Request
-from thbridge.roles.robots_role import RobotsRole
-from thbridge.roles.role import Role
 
 if TYPE_CHECKING:  # Only sessions with robots need these.
     from sim.team import TeamSnapshot

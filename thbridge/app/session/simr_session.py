@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 from thbridge.app.session.inputs import ClientRequest, Input, MessageForwarded, NameAccepted
 from thbridge.app.session.session import TickRecord, TickRecorder
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.roles.robot_requests import GameRequest, Request
 from thbridge.roles.simr.simr import SimR
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.router import Forwarded
 
 
 class SimrSession:

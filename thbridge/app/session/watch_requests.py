@@ -45,9 +45,9 @@ from thbridge.ros.clients import FARTHEST, is_covariance
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.topics import RosMessage
-from thbridge.sockets.watching.server import SessionPace
 from thbridge.study.things import fault_of_thing
 from thbridge.timing.pacer import Pacer
+from thbridge.watching.sockets.server import SessionPace
 
 MOST_PENDING = 200
 """Requests that may come between two ticks; more than a person makes in a pause."""

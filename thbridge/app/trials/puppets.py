@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, TeamRejection, TeamStatus
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 
 
 class Puppets:

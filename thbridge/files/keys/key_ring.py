@@ -12,6 +12,7 @@ from pathlib import Path
 
 import msgspec
 
+from thbridge.credentials import Right
 from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.regular_files import content_of
 from thbridge.files.disk.synced import make_folder
@@ -20,7 +21,6 @@ from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_file import key_text
 from thbridge.files.keys.private_file import check_private
-from thbridge.protocols.credentials import Right
 
 RING = "ring.json"
 """The file of a ring, in its folder."""

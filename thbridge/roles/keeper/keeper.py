@@ -31,18 +31,6 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextCommand, TextMessage
-from thbridge.protocols.text.notice import (
-    Notice,
-    NoticeValue,
-    decode_notice,
-    encode_notice,
-    is_notice,
-    kind_of,
-    parse_notice,
-)
-from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.consent import ConsentAnswer, ConsentStatus
@@ -77,6 +65,18 @@ from thbridge.roles.notices import (
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import CommandRequest, GameRequest
 from thbridge.roles.view import Debrief, DeclineConsent, GiveConsent, ParticipantRequest, PlayAgain, SendRobot
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
+from thbridge.text_protocol.wire.notice import (
+    Notice,
+    NoticeValue,
+    decode_notice,
+    encode_notice,
+    is_notice,
+    kind_of,
+    parse_notice,
+)
+from thbridge.text_protocol.wire.router import Forwarded
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
 _WISHES = {kind_of(kind) for kind in get_args(ParticipantRequest)}

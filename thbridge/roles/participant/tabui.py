@@ -6,9 +6,6 @@ from typing import Protocol
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.rooms import Room, RoomNames
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.roles.notices import (
     KEEPER,
     FloorPlan,
@@ -31,6 +28,9 @@ from thbridge.roles.view import (
     View,
     refusal_wishes,
 )
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 
 RETRY_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks after which a request is sent again if the view does not show its effect."""

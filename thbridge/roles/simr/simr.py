@@ -12,10 +12,6 @@ from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text import canonical, legacy
-from thbridge.protocols.text.canonical import Dialect, GotoPoint, MoveByHand, PoseQuery, decode_goto
-from thbridge.protocols.text.lines import TextCommand, TextMessage
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.roles import failure_reasons as reasons
 from thbridge.roles.notices import (
     KEEPER,
@@ -34,6 +30,10 @@ from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS, RobotControls
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.roles.simr.travel_times import TravelTimes
+from thbridge.text_protocol.wire import canonical, legacy
+from thbridge.text_protocol.wire.canonical import Dialect, GotoPoint, MoveByHand, PoseQuery, decode_goto
+from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
+from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 
 STATUS_PERIOD = TICKS_PER_SECOND
 """Ticks from one status to the next; one is also sent whenever a move, a condition or a researcher changes."""

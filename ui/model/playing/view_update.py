@@ -7,7 +7,6 @@ from thbridge.hunt import rules
 from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text.notice import kind_of
 from thbridge.roles.participant_rules import Discussed
 from thbridge.roles.view import (
     AnswerDialogue,
@@ -23,6 +22,7 @@ from thbridge.roles.view import (
     TakeUpTreasure,
     View,
 )
+from thbridge.text_protocol.wire.notice import kind_of
 from ui.model.playing.memory.history import GameHistory, stopped_words
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.memory.state import (

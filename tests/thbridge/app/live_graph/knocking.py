@@ -22,12 +22,12 @@ from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.outgoing import LinkId
-from thbridge.protocols.rosgraph.links import ServiceFailed
-from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
-from thbridge.protocols.text import legacy
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.names import GRAPH_LINK
-from thbridge.sockets.rosgraph.joining import GraphAddress
+from thbridge.rosgraph.sockets.joining import GraphAddress
+from thbridge.rosgraph.wire.links import ServiceFailed
+from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
+from thbridge.text_protocol.wire import legacy
 
 Answer = bytes | ServiceFailed
 

@@ -21,13 +21,13 @@ from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.mavlink.wire.traffic import Traffic
-from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import SetParameters
 from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import leaves
+from thbridge.rosgraph.wire.links import ServiceFailed
 from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study

@@ -16,7 +16,7 @@ from tests.thbridge.app.live_graph.knocking import Visited, cancel, goal
 from tests.thbridge.app.replay.test_replay import equal
 from tests.thbridge.ros.test_clients import STORE, header, packed, pose, stamped
 from thbridge.app.compose.setting import StudySetting, read_setting
-from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
+from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
 from thbridge.study.study_file import Study
 
 ROBOTS = ("/robot1", "/robot2")

@@ -9,18 +9,18 @@ from dataclasses import replace
 import pytest
 
 from sim.parameters import RobotParameters
-from tests.thbridge.sockets.rosgraph.service_client import call_service
+from tests.thbridge.rosgraph.sockets.service_client import call_service
 from thbridge.app.live_graph.live_parameters import LiveParameters
 from thbridge.app.live_graph.rate_limiter import REQUESTS_PER_TICK, RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.files.ros.definitions import Definitions
-from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import Request, SetParameters
 from thbridge.ros.messages import types
 from thbridge.ros.messages.types import service_type
+from thbridge.rosgraph.sockets.master_server import MasterServer
+from thbridge.rosgraph.sockets.node import NodeStarted, RosNode
+from thbridge.rosgraph.wire.links import ServiceFailed
 from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 
 PATIENCE = 30.0
 AMCL = "/robot2/amcl"

@@ -27,7 +27,6 @@ from thbridge.mavlink.wire.dialect import Message, crc_extra, decoded, mav, payl
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.frames.framer import FrameParser
 from thbridge.mavlink.wire.outgoing import LinkId
-from thbridge.protocols.text import legacy
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
@@ -38,6 +37,7 @@ from thbridge.ros.topics import RosMessage, Topic
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.overrides import StudyChange
 from thbridge.study.study_file import Study
+from thbridge.text_protocol.wire import legacy
 
 STUDY = replace(Study(), seed=7, robots=2, mavlink=MavlinkSection(on=True))
 OPEN, BURST = 4, 15

@@ -58,12 +58,6 @@ from thbridge.app.session.simr_session import SimrSession
 from thbridge.app.session.watch_requests import request_line
 from thbridge.files.errors import BadFile
 from thbridge.hunt.team_planner import TeamPlanner
-from thbridge.protocols import watching
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.client import NameRegistered
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import encode_notice
-from thbridge.protocols.text.router import ConnectionId, Forwarded, RouterOutput, SendToClient
 from thbridge.recording.bag.options import Compression, RecordingDetail
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
@@ -89,10 +83,16 @@ from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.text.client import TextClient
-from thbridge.sockets.watching.client import WatchClient
 from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.study_file import DialogueSection, RecordingSection, Study, read_study_text
+from thbridge.text_protocol.sockets.client import TextClient
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.client import NameRegistered
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.router import ConnectionId, Forwarded, RouterOutput, SendToClient
+from thbridge.watching import wire
+from thbridge.watching.sockets.client import WatchClient
 
 STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
 
@@ -129,7 +129,7 @@ def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, R
         tick = 0
         while waiting:
             for event in clients[0].take():
-                if isinstance(event, watching.SessionMessage) and event.topic == names.TF:
+                if isinstance(event, wire.SessionMessage) and event.topic == names.TF:
                     tick = (event.stamp_ns - START_NS) // TICK_NS
             while waiting and tick >= waiting[0][0]:
                 assert clients[0].send(request_line("researcher", waiting.pop(0)[1]))

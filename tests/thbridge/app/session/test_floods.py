@@ -8,8 +8,8 @@ from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.inputs import BytesReceived
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.text.server import TextServer
 from thbridge.study.study_file import Study
+from thbridge.text_protocol.sockets.server import TextServer
 
 PATIENCE = 60.0
 LINE = b"%%error Flood Nobody x\n"

@@ -30,14 +30,14 @@ from thbridge.app.session.inputs import (
     NameAccepted,
     ParticipantSent,
 )
+from thbridge.credentials import LOCAL, PLAIN, Credentials, Right
 from thbridge.mavlink.wire.frames.frame import Frame
-from thbridge.protocols.credentials import LOCAL, PLAIN, Credentials, Right
-from thbridge.protocols.text.lines import TextMessage, tokens
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.records import GoalRequest, SimpleGoal
 from thbridge.ros.messages.session_records import InputRecord
+from thbridge.text_protocol.wire.lines import TextMessage, tokens
 
 FLOATS = st.floats()
 WORDS = st.text(min_size=1, max_size=20).filter(lambda text: tokens(text) == [text])

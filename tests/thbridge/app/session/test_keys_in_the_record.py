@@ -3,9 +3,9 @@
 from tests.thbridge.roles.stage import Stage
 from thbridge.app.session.input_records import to_record
 from thbridge.app.session.inputs import ConnectionOpened
+from thbridge.credentials import Credentials, Right
 from thbridge.hunt.events import KeyUsed
-from thbridge.protocols.credentials import Credentials, Right
-from thbridge.protocols.text.router import TurnedAway
+from thbridge.text_protocol.wire.router import TurnedAway
 
 
 def test_a_game_has_the_keys_of_its_programs_and_what_was_asked_by_others() -> None:

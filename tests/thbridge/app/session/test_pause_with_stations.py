@@ -22,9 +22,9 @@ from thbridge.mavlink.wire.frames.framer import parse_datagram
 from thbridge.roles.robot_requests import PaceRequest, Pause, Resume
 from thbridge.sockets.addresses import Address, ListeningAddress, UdpTarget
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.watching.client import WatchClient
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
+from thbridge.watching.sockets.client import WatchClient
 
 BEATS = 2
 PATIENCE = 300

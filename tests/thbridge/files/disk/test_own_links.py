@@ -9,6 +9,7 @@ import pytest
 
 from tests.thbridge.experiment.test_backup import play
 from tests.thbridge.experiment.test_design import write
+from thbridge.credentials import Right
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.files.disk.edited_file import write_edited
@@ -18,7 +19,6 @@ from thbridge.files.disk.synced import make_folder
 from thbridge.files.disk.whole import new_folder, write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.key_ring import KeyRing
-from thbridge.protocols.credentials import Right
 from thbridge.recording.bag.writing.bag_file import NAMELESS, BagFile
 from thbridge.recording.claims import claim, release
 from thbridge.recording.journal_folder import JournalStore

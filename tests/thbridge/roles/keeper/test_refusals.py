@@ -11,9 +11,9 @@ from thbridge.dialogue.moves import Author, DialogueTopic, DialogueUtterance, Le
 from thbridge.hunt.events import RobotArrived, RobotDeparted, TreasureLeft, TreasurePictured, TreasureSensed
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.router import Forwarded, SendToClient
 from thbridge.roles.keeper.keeper import ProgramRefusal
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.router import Forwarded, SendToClient
 
 
 class Outsider:

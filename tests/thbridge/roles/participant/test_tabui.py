@@ -4,11 +4,11 @@ from msgspec import structs
 
 from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, encode_notice, parse_notice
 from thbridge.roles.notices import KEEPER
 from thbridge.roles.participant.tabui import NUMBER_PERIOD, REJOIN_PERIOD, RETRY_PERIOD, TabUI
 from thbridge.roles.view import CallBack, RefusalView, RequestSuggestion, SendRobot, View
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import Notice, encode_notice, parse_notice
 
 UNSURE = RequestSuggestion(0)
 

@@ -11,9 +11,6 @@ from sim.team import Team, TeamSnapshot
 from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.hunt.events import Condition
-from thbridge.protocols.text import canonical, legacy
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.roles.notices import (
     KEEPER,
     MoveOrder,
@@ -29,6 +26,9 @@ from thbridge.roles.simr.pose_telemetry import POSE_PERIOD, SUBSCRIPTION_TICKS
 from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT, SimR
 from thbridge.study.study_file import Study
 from thbridge.study.things import Mishap, MishapEntry, Shape, ThingEntry
+from thbridge.text_protocol.wire import canonical, legacy
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 
 
 @pytest.fixture(scope="module")

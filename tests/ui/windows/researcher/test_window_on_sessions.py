@@ -13,9 +13,9 @@ from pytestqt.qtbot import QtBot
 
 from sim.common.geometry import Pose2
 from tests.ui.windows.researcher.hunts import watched_hunt
-from thbridge.protocols.watching import STATUS, SessionMessage, WatchStatus
-from thbridge.sockets.reconnecting import ConnectionLost, LossReason
-from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
+from thbridge.text_protocol.sockets.reconnecting import ConnectionLost, LossReason
+from thbridge.watching.sockets.client import WatchClient, WatchConnected, WatchEvent
+from thbridge.watching.wire import STATUS, SessionMessage, WatchStatus
 from ui.model.theme import LIGHT
 from ui.model.watching.scene import RobotScene
 from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection

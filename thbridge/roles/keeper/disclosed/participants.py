@@ -5,11 +5,11 @@ from collections import deque
 from collections.abc import Iterator
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, encode_notice
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.notices import PicturePiece
 from thbridge.roles.view import View
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import Notice, encode_notice
 
 MOST_PARTICIPANTS = 64
 """Participants' programs at a time."""

@@ -14,13 +14,13 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.properties import labelled, named_by_labels
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text import canonical, legacy
-from thbridge.protocols.text.lines import TextCommand, TextMessage, UnreadableText
-from thbridge.protocols.text.notice import kind_of
-from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.view import DialogueMatter, IdentifyTreasure, SendRobot, SenseTreasure, TakePicture
+from thbridge.text_protocol.wire import canonical, legacy
+from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText
+from thbridge.text_protocol.wire.notice import kind_of
+from thbridge.text_protocol.wire.router import Forwarded
 
 _WISHES: Mapping[type, str] = {
     legacy.GotoRoom: kind_of(SendRobot),

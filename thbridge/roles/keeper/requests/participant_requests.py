@@ -7,7 +7,6 @@ from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text.notice import Notice, decode_notice, kind_of
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import Situation, judge, place
@@ -25,6 +24,7 @@ from thbridge.roles.view import (
     TakeUpTreasure,
     TellProperty,
 )
+from thbridge.text_protocol.wire.notice import Notice, decode_notice, kind_of
 
 
 def handle_participant_request(game: OpenGame, state: GameState, notice: Notice, *, awaits_treasures: bool) -> None:

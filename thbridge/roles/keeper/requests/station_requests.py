@@ -8,7 +8,6 @@ from thbridge.hunt.events import Commander, CommanderChanged
 from thbridge.hunt.game import CommandHolder, GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text.notice import kind_of
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import (
@@ -22,6 +21,7 @@ from thbridge.roles.robot_requests import (
     TakeCommand,
 )
 from thbridge.roles.view import SendRobot
+from thbridge.text_protocol.wire.notice import kind_of
 
 JudgedRequest: TypeAlias = (
     TakeCommand | ReleaseCommand | StationSend | StationTakePicture | StationIdentify | StationLeave

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile
 from thbridge.files.keys.key_file import read_key
-from thbridge.sockets.watching.client import WatchClient
+from thbridge.watching.sockets.client import WatchClient
 from ui.model.watching.address import address_in
 from ui.windows.researcher.feeds.feed import Feed
 from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed

@@ -23,8 +23,6 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.consent import ConsentStatus
 from thbridge.roles.keeper.disclosed.participants import (
@@ -61,6 +59,8 @@ from thbridge.roles.view import (
     View,
 )
 from thbridge.study.study_file import Study
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
 
 Stage = stage.Stage
 HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())

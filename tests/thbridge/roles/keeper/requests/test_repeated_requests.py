@@ -12,9 +12,6 @@ from tests.thbridge.roles.stage import Stage
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.worded import WordedPhrasing
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, encode_notice, parse_notice
 from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.notices import ParticipantReady
 from thbridge.roles.participant.tabui import encode_request_line
@@ -50,6 +47,9 @@ from thbridge.roles.view import (
     TellProperty,
     View,
 )
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import Notice, encode_notice, parse_notice
 
 robots, rooms = st.integers(0, 1), st.integers(1, 8)
 names = st.sampled_from(["Pink_can", "Blue_Bottle", "Yellow_can"])

@@ -1,1 +1,0 @@
-"""Protocol cores without sockets, clocks or threads: bytes and times in, values out."""

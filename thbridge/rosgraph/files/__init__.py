@@ -1,0 +1,1 @@
+"""Files of the graph: bags of sessions on real robots."""

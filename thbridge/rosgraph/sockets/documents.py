@@ -1,0 +1,38 @@
+"""XML-RPC documents read and written beside other work of the event loop, which also ticks the game.
+
+Short ones take less than some milliseconds and are done at once; long ones on a thread, one after the other.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue, written_size
+
+SHORT = 16 * 1024
+"""Bytes of a document that is read or written at once."""
+
+_Result = TypeVar("_Result")
+
+_thread = ThreadPoolExecutor(1, thread_name_prefix="xmlrpc")
+
+
+async def read_document(decode: Callable[[bytes], _Result], document: bytes) -> _Result:
+    """Decode a document."""
+    if len(document) <= SHORT:
+        return decode(document)
+    return await asyncio.get_running_loop().run_in_executor(_thread, decode, document)
+
+
+async def write_document(encode: Callable[[], bytes], value: XmlRpcValue) -> bytes:
+    """Encode a document with this value in it.
+
+    Raises:
+        ValueError: it cannot be written.
+    """
+    if written_size(value, SHORT) <= SHORT:
+        return encode()
+    return await asyncio.get_running_loop().run_in_executor(_thread, encode)

@@ -1,0 +1,300 @@
+"""Fleet of real robots on a ROS graph, used as a team: the sockets around `thbridge.ros.remote`."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Protocol, cast
+
+import numpy as np
+
+from sim.common.robot_numbers import robot_name
+from sim.inputs import (
+    TEAM_INPUTS,
+    DriveManually,
+    PlaceRobot,
+    SendGoal,
+    SetCharge,
+    SetPoseEstimate,
+    TeamInput,
+    WithdrawGoal,
+)
+from sim.parameters import RobotParameters, WorldParameters
+from sim.team import TeamSnapshot
+from thbridge.files.ros.definitions import ROS_SHARES, Definitions
+from thbridge.ros import names
+from thbridge.ros.clients import InvalidMessage
+from thbridge.ros.messages import types
+from thbridge.ros.messages.cursor import Cursor
+from thbridge.ros.reconfigure import DescribedParameter
+from thbridge.ros.remote.changes import RobotPart, SettledState, sentence_of_change
+from thbridge.ros.remote.clock import RosClock
+from thbridge.ros.remote.robot import RemoteRobot, missing_of, tick_of
+from thbridge.ros.topics import RosMessage
+from thbridge.rosgraph.sockets.fleet_parameters import FleetParameters
+from thbridge.rosgraph.sockets.joining import GraphAddress
+from thbridge.rosgraph.sockets.node import NodeStarted, RosNode
+from thbridge.rosgraph.sockets.publications import Publication
+from thbridge.rosgraph.wire import links
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.warn_once import WarnOnce
+
+CALLER = "/thbridge_fleet"
+"""Name of the node; a simulated session on the same graph has another."""
+TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
+"""Recorded topics that belong to no single robot."""
+PLACEMENT_TOLERANCE = 0.5
+"""Metres from its start pose within which a robot need not be moved."""
+
+_log = logging.getLogger(__name__)
+
+
+class TrafficRecorder(Protocol):
+    """Recorder of the messages from and to the robots; it must not raise."""
+
+    def received(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
+        """Record a received message, byte for byte, at this ROS time."""
+
+    def sent(self, message: RosMessage) -> None:
+        """Record a message that was sent to a robot."""
+
+
+class Fleet:
+    """Real robots; a `thbridge.roles.simr.team.Robots`.
+
+    Args:
+        graph: address of their ROS graph.
+        robots: state and messages of each robot.
+        recorder: records all messages.
+        offset: time by which odometry leads the scans; its default holds at the start.
+        wall: returns nanoseconds of the wall clock.
+    """
+
+    def __init__(
+        self,
+        graph: GraphAddress,
+        robots: Sequence[RemoteRobot],
+        recorder: TrafficRecorder,
+        offset: DescribedParameter,
+        wall: Callable[[], int] = time.time_ns,
+    ) -> None:
+        self._node = RosNode(
+            CALLER, graph.master_uri, graph.host, on_shutdown=self._asked_to_leave, admission=graph.admission
+        )
+        self._robots = tuple(robots)
+        self._recorder = recorder
+        self._wall = wall
+        self._clock: RosClock | None = None
+        self._definitions = Definitions(ROS_SHARES)
+        self._publications: dict[str, Publication] = {
+            topic.name: self._advertise(topic.name, topic.msgtype)
+            for robot in self._robots
+            for topic in robot.publications
+        }
+        self._parameters = FleetParameters(self._node, self._definitions, offset, self._correct_odometry)
+        self._correct_odometry(cast(float, offset.default))
+        self._headers: dict[tuple[str, str], links.TopicHeader] = {}
+        self._joining: asyncio.Task[None] | None = None
+        self._complaints = WarnOnce(_log)
+        self._last: TeamSnapshot | None = None
+        self._silent: tuple[SettledState[frozenset[RobotPart]], ...] = tuple(
+            SettledState(frozenset()) for _ in self._robots
+        )
+        self._resent = [0] * len(self._robots)
+        self._clock_stands = SettledState(False)
+
+    async def start(self) -> NodeStarted | CannotListen:
+        """Join the graph; neither master nor robots need be there yet."""
+        started = await self._node.start()
+        if isinstance(started, NodeStarted):
+            self._joining = asyncio.get_running_loop().create_task(self._join())
+        return started
+
+    async def stop(self) -> None:
+        """Stop the robots, and leave the graph."""
+        if self._joining is not None:
+            self._joining.cancel()
+            await asyncio.wait([self._joining])
+        if self._clock is not None and self._clock.runs:
+            now_ns = self._clock.now(self._wall())
+            for robot in self._robots:
+                robot.stop(now_ns)
+                self._speak(robot)
+        await self._node.stop()
+
+    def missing(self) -> list[str]:
+        """Return the reasons why the robots cannot be commanded yet; one sentence each."""
+        if self._clock is None:
+            return [f"there is no ROS master at {self._node.master_uri} yet"]
+        if not self._clock.runs:
+            return [f"{names.USE_SIM_TIME} is set, but there is no time on {names.CLOCK} yet"]
+        return missing_of(self._robots) or list(self._not_subscribed())
+
+    def _not_subscribed(self) -> Iterator[str]:
+        """Yield a sentence for each robot that does not subscribe to its goals yet."""
+        for robot, remote in enumerate(self._robots):
+            goal = remote.names.action("goal")
+            if all(connection.peer == CALLER for connection in self._publications[goal].connections()):
+                yield (
+                    f"{robot_name(robot)} does not listen to {goal} yet: its machine must be able to reach this one at "
+                    f"{self._node.host} (--ros-host)"
+                )
+
+    @property
+    def joined(self) -> bool:
+        """True since a master was found; that it is not there, or gone, is told by the node."""
+        return self._clock is not None
+
+    def tell_changes(self) -> None:
+        """Log odometry that cannot be true, and parts that have been silent, or back, for a second."""
+        if self._clock is None or not self._clock.runs:
+            return
+        wall_ns = self._wall()
+        now_ns = self._clock.now(wall_ns)
+        if self._clock_stands.take(self._clock.stands(wall_ns), wall_ns):
+            stands = self._clock_stands.settled
+            told = "silent, so time goes on by this machine's clock" if stands else "it is back"
+            _log.warning("%s: %s", names.CLOCK, told)
+        for robot, remote in enumerate(self._robots):
+            state = self._silent[robot]
+            before = state.settled
+            if state.take(remote.silent_parts(now_ns), now_ns):
+                _log.warning("%s", sentence_of_change(robot_name(robot), remote.names, before, state.settled))
+            for notice in remote.take_notices():
+                _log.warning("%s: %s", robot_name(robot), notice)
+            if remote.resent_goals != self._resent[robot]:
+                self._resent[robot] = remote.resent_goals
+                _log.warning("%s: its navigation did not know its goal, which is sent again", robot_name(robot))
+
+    def now(self) -> int | None:
+        """Return nanoseconds of ROS time; None while unknown."""
+        return None if self._clock is None or not self._clock.runs else self._clock.now(self._wall())
+
+    @property
+    def size(self) -> int:
+        """Number of robots."""
+        return len(self._robots)
+
+    @property
+    def parameters(self) -> tuple[RobotParameters, ...]:
+        """Empty: the robots run their own software."""
+        return ()
+
+    @property
+    def worlds(self) -> tuple[WorldParameters, ...]:
+        """Empty: the real world has no parameters."""
+        return ()
+
+    def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
+        """Carry out the inputs and return the present state of the robots; the tick is that of ROS time.
+
+        Raises:
+            ValueError: something is still missing.
+        """
+        now_ns = self.now()
+        if now_ns is None:
+            raise ValueError("the time is not known yet")
+        for item in inputs:
+            self._take(item, now_ns)
+        outputs = [robot.step(now_ns) for robot in self._robots]
+        self.tell_changes()
+        for robot in self._robots:
+            self._speak(robot)
+        if (config := self._parameters.take_unrecorded()) is not None:
+            self._recorder.sent(RosMessage(self._parameters.topic, now_ns, config))
+        known = tuple(output for output in outputs if output is not None)
+        if len(known) < len(outputs):
+            raise ValueError(f"not all robots are there yet: {'; '.join(self.missing())}")
+        commands = [output.navigation.command for output in known]
+        velocities = np.array([(command.linear, command.angular) for command in commands])
+        self._last = TeamSnapshot(tick_of(now_ns), None, known, velocities)
+        return self._last
+
+    def _correct_odometry(self, seconds: float) -> None:
+        for robot in self._robots:
+            robot.stamp_odometry_later(round(seconds * 1e9))
+
+    def _take(self, item: TeamInput, now_ns: int) -> None:
+        match item:
+            case SendGoal(robot) | WithdrawGoal(robot) | DriveManually(robot) | SetPoseEstimate(robot):
+                self._robots[robot].take(item, now_ns)
+            case SetCharge():
+                pass  # The keeper counts the game's energy; a real battery cannot be set.
+            case PlaceRobot(robot, pose):
+                if (
+                    self._last is None
+                    or self._last.robots[robot].estimate.base_in_map.distance(pose) > PLACEMENT_TOLERANCE
+                ):
+                    _log.warning(
+                        "%s belongs at (%.2f, %.2f): somebody must bring it", robot_name(robot), pose.x, pose.y
+                    )
+            case _:
+                name = next(name for name, input_class in TEAM_INPUTS.items() if input_class is type(item))
+                self._complaints.warn(f"real robots cannot be asked to {name}")
+
+    # The graph
+
+    async def _join(self) -> None:
+        """Wait for the master, choose wall or simulated time, and subscribe."""
+        await self._node.registered()
+        simulated = await self._node.get_param(names.USE_SIM_TIME) is True
+        clock = RosClock(simulated)
+        self._clock = clock
+        if simulated:
+            self._follow_time(clock)
+            while not clock.runs:
+                await asyncio.sleep(0.05)
+        wanted: dict[str, list[RemoteRobot]] = {topic: [] for topic in TEAM_TOPICS}
+        for robot in self._robots:
+            named = robot.names
+            for topic in (*named.recorded, named.action("feedback"), named.action("cancel"), named.initialpose):
+                wanted.setdefault(topic, [])
+            for topic in robot.subscriptions:
+                wanted.setdefault(topic, []).append(robot)
+        wanted.pop(names.CLOCK, None)  # Not recorded: the player of a bag publishes its own clock.
+        for topic, robots in wanted.items():
+            self._listen(topic, {robot: robot.subscriptions[topic] for robot in robots})
+
+    def _follow_time(self, clock: RosClock) -> None:
+        def on_message(data: bytes, publisher: str) -> None:
+            try:
+                clock.receive(Cursor(data).stamp(), self._wall())
+            except ValueError as error:
+                self._complaints.warn(f"{names.CLOCK}: what {publisher} says is of no use: {error}")
+
+        self._node.subscribe(names.CLOCK, types.CLOCK, self._definitions.of(types.CLOCK).md5, on_message)
+
+    def _listen(self, topic: str, robots: Mapping[RemoteRobot, str]) -> None:
+        wanted = {robot: self._definitions.of(kind).md5 for robot, kind in robots.items()}
+
+        def on_publisher(publisher: str, header: links.TopicHeader) -> None:
+            self._headers[topic, publisher] = header
+            if header.md5 not in wanted.values() and wanted:
+                kind = next(iter(robots.values()))
+                self._complaints.warn(f"{topic}: {publisher} says {header.type} there, but {kind} was expected")
+
+        def on_message(data: bytes, publisher: str) -> None:
+            if publisher == CALLER or self._clock is None:
+                return
+            now_ns = self._clock.now(self._wall())
+            header = self._headers[topic, publisher]
+            self._recorder.received(header, publisher, now_ns, data)
+            for robot, md5 in wanted.items():
+                if header.md5 == md5 and isinstance(refused := robot.receive(topic, data, now_ns), InvalidMessage):
+                    self._complaints.warn(f"{topic}: what {publisher} says is of no use: {refused.sentence}")
+
+        self._node.subscribe(topic, "*", "*", on_message, on_publisher=on_publisher)
+
+    def _advertise(self, topic: str, msgtype: str) -> Publication:
+        definition = self._definitions.of(msgtype)
+        return self._node.advertise(topic, msgtype, definition.md5, definition.text)
+
+    def _speak(self, robot: RemoteRobot) -> None:
+        messages, robot.outgoing = robot.outgoing, []
+        for message in messages:
+            self._publications[message.topic.name].publish(message.data)
+            self._recorder.sent(message)
+
+    def _asked_to_leave(self, reason: str) -> None:
+        _log.error("the robots are out of reach: this program must leave the ROS graph (%s)", reason)
+        self._node.leave()

@@ -1,0 +1,65 @@
+"""Master of a graph: found, or started here when there is none."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from enum import Enum
+from urllib.parse import urlsplit
+
+from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
+from thbridge.rosgraph.sockets.master_server import MasterServer
+from thbridge.sockets.addresses import ROS_MASTER_PORT, ROS_MASTER_URI
+from thbridge.sockets.admission import OWN_MACHINE, Admission
+from thbridge.sockets.errors import CannotListen
+
+_ANSWER_TIMEOUT = 2.0
+"""Seconds that a master has to answer the first call."""
+_OURS = frozenset({"127.0.0.1", "localhost", "::1"})
+
+
+@dataclass(frozen=True, slots=True)
+class GraphAddress:
+    """Address of a ROS graph.
+
+    Attributes:
+        master_uri: URI of the master, ``http://HOST:PORT``.
+        host: own address to listen on and to be called at. Anybody who can connect there can drive robots.
+        admission: of nodes and tools by their addresses.
+    """
+
+    master_uri: str = ROS_MASTER_URI
+    host: str = "127.0.0.1"
+    admission: Admission = OWN_MACHINE
+
+
+class MasterPresence(Enum):
+    """State of a graph's master."""
+
+    FOUND = "a master was there"
+    OURS = "there was none on this machine: this program is it"
+    AWAITED = "there is none yet"
+
+
+def is_master_uri(text: str) -> bool:
+    """Return True for a valid URI of a master."""
+    try:
+        parts = urlsplit(text)
+        return parts.scheme == "http" and bool(parts.hostname) and parts.port is not None
+    except ValueError:
+        return False
+
+
+@asynccontextmanager
+async def ensure_master(graph: GraphAddress) -> AsyncIterator[MasterPresence | CannotListen]:
+    """Run a master inside the context when there is none and the address is on this machine."""
+    client = XmlRpcClient()
+    answer = await client.call(graph.master_uri, "getPid", "/thbridge", timeout=_ANSWER_TIMEOUT)
+    await client.close()
+    parts = urlsplit(graph.master_uri)
+    if not isinstance(answer, CallFailed):
+        yield MasterPresence.FOUND
+    elif parts.hostname not in _OURS | {graph.host}:
+        yield MasterPresence.AWAITED
+    else:
+        async with MasterServer(graph.host, parts.port or ROS_MASTER_PORT, admission=graph.admission) as own:
+            yield own if isinstance(own, CannotListen) else MasterPresence.OURS

@@ -1,0 +1,141 @@
+"""Topics that a node publishes, and the queue of messages for each subscriber."""
+
+from __future__ import annotations
+
+import logging
+from asyncio import Transport
+from collections import deque
+from collections.abc import Iterable
+
+from thbridge.rosgraph.sockets.connections import endpoints
+from thbridge.rosgraph.wire.links import TopicHeader
+from thbridge.rosgraph.wire.slave import BusConnection
+from thbridge.rosgraph.wire.tcpros import frame
+
+_log = logging.getLogger(__name__)
+
+WAITING_LIMIT = 1 << 20
+"""Bytes of messages in a subscriber's queue, beside the one that is being sent, above which newer ones are dropped.
+
+A single message may be longer.
+"""
+
+
+class SubscriberQueue:
+    """Queue of messages for one subscriber.
+
+    The transport reports when the socket is full (`pause`) and when it is writable again (`resume`). In between
+    messages wait here as references to the same bytes: they are not copied for slow subscribers.
+    """
+
+    def __init__(self, transport: Transport, topic: str, number: int, caller: str, address: str) -> None:
+        transport.set_write_buffer_limits(high=0)
+        self._transport = transport
+        self._topic = topic
+        self._number = number
+        self._caller = caller
+        self.address = address
+        self._bytes = 0
+        self._messages = 0
+        self._too_slow = False
+        self._waiting: deque[bytes] = deque()
+        self._waiting_bytes = 0
+        self._paused = transport.get_write_buffer_size() > 0
+
+    def write(self, message: bytes) -> bool:
+        """Send or queue a framed message; return False when it was dropped."""
+        if not self._paused:
+            self._hand_over(message)
+            return True
+        if self._waiting and self._waiting_bytes + len(message) > WAITING_LIMIT:
+            if not self._too_slow:
+                self._too_slow = True
+                _log.warning("%s reads %s too slowly, and does not get all of it", self._caller, self._topic)
+            return False
+        self._waiting.append(message)
+        self._waiting_bytes += len(message)
+        return True
+
+    def pause(self) -> None:
+        """Note that the socket is full."""
+        self._paused = True
+
+    def resume(self) -> None:
+        """Note that the socket is writable again, and send queued messages."""
+        self._paused = False
+        while self._waiting and not self._paused:  # the transport may pause us again at each
+            message = self._waiting.popleft()
+            self._waiting_bytes -= len(message)
+            self._hand_over(message)
+
+    def close(self) -> None:
+        """Close the connection once all queued messages are sent."""
+        for message in self._waiting:
+            self._hand_over(message)
+        self._waiting.clear()
+        self._transport.close()
+
+    def connection(self) -> BusConnection:
+        """Return this connection for bus info."""
+        ends = endpoints(self._transport)
+        return BusConnection(self._number, self._caller, True, self._topic, ends, self._bytes, self._messages)
+
+    @property
+    def open(self) -> bool:
+        """True while the connection is open."""
+        return not self._transport.is_closing()
+
+    def _hand_over(self, message: bytes) -> None:
+        if self.open:
+            self._transport.write(message)
+            self._bytes += len(message)
+            self._messages += 1
+
+
+class Publication:
+    """Topic that this node publishes; made by `RosNode.advertise`.
+
+    Attributes:
+        topic: description of the topic.
+        dropped: messages dropped because of a full queue; each counts once per such subscriber.
+    """
+
+    def __init__(self, topic: TopicHeader) -> None:
+        self.topic = topic
+        self.dropped = 0
+        self._outlets: list[SubscriberQueue] = []
+        self._last: bytes | None = None
+
+    @property
+    def subscribers(self) -> int:
+        """Number of connected subscribers."""
+        return len(self._outlets)
+
+    def subscribers_at(self, address: str) -> int:
+        """Return the number of subscribers that are connected from an address."""
+        return sum(outlet.address == address for outlet in self._outlets)
+
+    def publish(self, data: bytes) -> None:
+        """Send a serialised message to every subscriber; it never waits or fails."""
+        if not self._outlets and not self.topic.latched:
+            return
+        message = frame(data)
+        if self.topic.latched:
+            self._last = message
+        for outlet in self._outlets:
+            if not outlet.write(message):
+                self.dropped += 1
+
+    def add(self, outlet: SubscriberQueue) -> None:
+        """Add a subscriber; it gets the last message at once if the topic is latched."""
+        self._outlets.append(outlet)
+        if self._last is not None:
+            outlet.write(self._last)
+
+    def remove(self, outlet: SubscriberQueue) -> None:
+        """Remove a subscriber."""
+        self._outlets.remove(outlet)
+
+    def connections(self) -> Iterable[BusConnection]:
+        """Return the subscribers' connections for bus info."""
+        return [outlet.connection() for outlet in self._outlets if outlet.open]

@@ -1,0 +1,251 @@
+"""Registration of a node with the master, repeated whenever the master was restarted."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import Enum
+
+from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
+from thbridge.rosgraph.sockets.replies import value_of
+from thbridge.rosgraph.wire.xmlrpc import Fault, MethodResponse, XmlRpcValue
+from thbridge.sockets.warn_once import WarnOnce
+
+_HEARTBEAT = 1.0
+"""Seconds between two checks of the master."""
+
+_FIRST_PAUSE = 0.1
+"""Seconds before a missing master is called again; each failure doubles them."""
+
+_LAST_PAUSE = 2.0
+
+_TOLD_MISSES = 2
+"""Calls in a row without an answer of the master after which people are told: one may get lost, or come too early."""
+
+_FAREWELL_SECONDS = 3.0
+"""Most seconds for all calls that unregister the node."""
+
+_log = logging.getLogger(__name__)
+
+
+class RegistrationKind(Enum):
+    """Kind of a registration, as in the names of the master's methods."""
+
+    PUBLISHER = "Publisher"
+    SUBSCRIBER = "Subscriber"
+    SERVICE = "Service"
+    PARAMETER = "Param"
+
+
+@dataclass(frozen=True, slots=True)
+class NodeAddresses:
+    """URIs of a node.
+
+    Attributes:
+        slave: ``http://host:port/``.
+        services: ``rosrpc://host:port``.
+    """
+
+    slave: str
+    services: str
+
+
+@dataclass(frozen=True, slots=True)
+class Registration:
+    """Registration with the master.
+
+    Attributes:
+        kind: its kind.
+        name: name of the topic, service or parameter.
+        type: type of the topic, else empty.
+    """
+
+    kind: RegistrationKind
+    name: str
+    type: str = ""
+
+    def register_call(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
+        """Return the master's method that registers this, and its arguments after the caller's name."""
+        match self.kind:
+            case RegistrationKind.SERVICE:
+                return "registerService", (self.name, at.services, at.slave)
+            case RegistrationKind.PARAMETER:
+                return "subscribeParam", (at.slave, self.name)
+            case _:
+                return f"register{self.kind.value}", (self.name, self.type, at.slave)
+
+    def unregister_call(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
+        """Return the master's method that unregisters this, and its arguments after the caller's name."""
+        match self.kind:
+            case RegistrationKind.SERVICE:
+                return "unregisterService", (self.name, at.services)
+            case RegistrationKind.PARAMETER:
+                return "unsubscribeParam", (at.slave, self.name)
+            case _:
+                return f"unregister{self.kind.value}", (self.name, at.slave)
+
+
+@dataclass(frozen=True, slots=True)
+class MasterCallbacks:
+    """Callbacks of the registrar.
+
+    Attributes:
+        lost: called when the master does not answer any more.
+        found: called when all registrations with a new master, also the first one, are complete.
+        replaced: called when another node has our name; the registrar has stopped.
+    """
+
+    lost: Callable[[], None]
+    found: Callable[[], None]
+    replaced: Callable[[], None]
+
+
+class Registrar:
+    """Registers a node, and again with a restarted master.
+
+    Each check looks up our own name. The answer shows a master that is gone, one that was restarted, however quickly,
+    and one that has given our name to another node.
+
+    Args:
+        client: for calls to the master.
+        master_uri: ``http://host:port``.
+        caller: the node's name.
+        callbacks: called on changes.
+    """
+
+    def __init__(self, client: XmlRpcClient, master_uri: str, caller: str, callbacks: MasterCallbacks) -> None:
+        self._client = client
+        self._master_uri = master_uri
+        self._caller = caller
+        self._callbacks = callbacks
+        self._wanted: dict[Registration, Callable[[XmlRpcValue], None]] = {}
+        self._registered: set[Registration] = set()
+        self._parameters: dict[str, XmlRpcValue] = {}
+        self._unset: dict[str, None] = {}
+        self._reached = False
+        self._misses = 0
+        self._woken = asyncio.Event()
+        self._settled = asyncio.Event()
+        self._complaints = WarnOnce(_log)
+
+    def add(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
+        """Register something, now and with every later master; `registered` is called with each master's answer."""
+        self._wanted[registration] = registered
+        self._settled.clear()
+        self._woken.set()
+
+    def declare(self, key: str, value: XmlRpcValue) -> None:
+        """Set a parameter, now and with every later master; it is deleted when we leave."""
+        self._parameters[key] = value
+        self._unset[key] = None
+        self._settled.clear()
+        self._woken.set()
+
+    async def settled(self) -> None:
+        """Wait until everything is registered."""
+        await self._settled.wait()
+
+    async def run(self, addresses: NodeAddresses) -> None:
+        """Keep everything registered until another node has our name."""
+        pause = _FIRST_PAUSE
+        while True:
+            self._woken.clear()
+            where = await self._call("lookupNode", self._caller)
+            match where:
+                case CallFailed():
+                    self._miss(where)
+                    pause = min(2 * pause, _LAST_PAUSE)
+                case MethodResponse([1, _, str(uri)]) if uri != addresses.slave and self._registered:
+                    self._callbacks.replaced()
+                    return
+                case MethodResponse([1, _, str(uri)]) if uri == addresses.slave and self._reached:
+                    await self._register(addresses)
+                    pause = _HEARTBEAT
+                case MethodResponse([1, _, str(uri)]) if uri == addresses.slave:
+                    await self._register_afresh(addresses, forgotten=False)
+                    pause = _HEARTBEAT
+                case _:
+                    await self._register_afresh(addresses, forgotten=bool(self._registered))
+                    pause = _HEARTBEAT
+            with suppress(TimeoutError):
+                async with asyncio.timeout(pause):
+                    await self._woken.wait()
+
+    async def leave(self, addresses: NodeAddresses) -> None:
+        """Unregister everything, as far as the master answers."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_FAREWELL_SECONDS):
+                match await self._call("lookupNode", self._caller):
+                    case MethodResponse([1, _, str(uri)]) if uri != addresses.slave:
+                        ours: Iterable[str] = ()  # another node with our name may have set them anew
+                    case _:
+                        ours = self._parameters.keys() - self._unset.keys()
+                for key in ours:
+                    if isinstance(await self._call("deleteParam", key), CallFailed):
+                        return
+                for registration in self._registered:
+                    method, params = registration.unregister_call(addresses)
+                    if isinstance(await self._call(method, *params), CallFailed):
+                        return
+
+    async def _register_afresh(self, addresses: NodeAddresses, *, forgotten: bool) -> None:
+        """Register everything; `forgotten`: the master knew us once, and does not any more, as it was restarted."""
+        news = not self._reached or bool(self._registered)
+        self._registered.clear()
+        self._unset = dict.fromkeys(self._parameters)
+        self._reached = await self._register(addresses)
+        if news and self._reached:
+            told = logging.WARNING if forgotten or self._misses >= _TOLD_MISSES else logging.INFO
+            _log.log(told, "%s is registered with the ROS master at %s", self._caller, self._master_uri)
+            self._callbacks.found()
+        if self._reached:
+            self._misses = 0
+
+    async def _register(self, addresses: NodeAddresses) -> bool:
+        """Register what is not registered yet; return True when the master answered every call.
+
+        Parameters come first: a node that finds ours, and then looks for `/use_sim_time`, must find it.
+        """
+        complete = True
+        for key in list(self._unset):
+            value = self._parameters[key]
+            reply = await self._call("setParam", key, value)
+            if isinstance(reply, CallFailed):
+                self._miss(reply)
+                return False
+            outcome = value_of(self._master_uri, reply)
+            if isinstance(outcome, CallFailed):
+                self._complaints.warn(f"the master does not take {key}: {outcome.reason}")
+            if self._parameters[key] is value:  # Else it was declared anew meanwhile.
+                del self._unset[key]
+        for registration in [each for each in self._wanted if each not in self._registered]:
+            method, params = registration.register_call(addresses)
+            reply = await self._call(method, *params)
+            if isinstance(reply, CallFailed):
+                self._miss(reply)
+                return False
+            answer = value_of(self._master_uri, reply)
+            if isinstance(answer, CallFailed):
+                self._complaints.warn(f"the master does not accept {registration.name}: {answer.reason}")
+                complete = False
+            else:
+                self._registered.add(registration)
+                self._wanted[registration](answer)
+        if complete and not self._unset and self._registered >= self._wanted.keys():
+            self._settled.set()
+        return True
+
+    def _miss(self, failed: CallFailed) -> None:
+        if self._reached:
+            self._reached = False
+            self._callbacks.lost()
+        self._misses += 1
+        if self._misses == _TOLD_MISSES:
+            since = "any more" if self._registered else "yet"
+            _log.warning("there is no ROS master %s: %s; it is waited for", since, failed)
+
+    async def _call(self, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
+        return await self._client.call(self._master_uri, method, self._caller, *params)

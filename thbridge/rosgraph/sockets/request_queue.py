@@ -1,0 +1,23 @@
+"""Queue for services whose answers take milliseconds: one at a time, with other work of the event loop in between."""
+
+import asyncio
+from collections.abc import Callable
+
+from thbridge.rosgraph.sockets.tcpros_server import ServiceAnswer, ServiceHandler
+
+
+class RequestQueue:
+    """Queue of requests of several services."""
+
+    def __init__(self) -> None:
+        self._lock = asyncio.Lock()
+
+    def wrap(self, handler: Callable[[bytes], ServiceAnswer]) -> ServiceHandler:
+        """Wrap a handler so that it is called in turn."""
+
+        async def in_turn(request: bytes) -> ServiceAnswer:
+            async with self._lock:
+                await asyncio.sleep(0)
+            return handler(request)
+
+        return in_turn

@@ -1,0 +1,271 @@
+"""Subscriptions of a node: connections to the publishers of a topic, renewed when they break."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import logging
+from asyncio import Transport
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from thbridge.files.errors import reason_of
+from thbridge.rosgraph.sockets.connections import HANDSHAKE_SECONDS, endpoints, keep_alive
+from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
+from thbridge.rosgraph.sockets.replies import value_of
+from thbridge.rosgraph.wire.links import LinkEnded, LinkRefused, MessageReceived, PublisherAccepted, TopicHeader
+from thbridge.rosgraph.wire.outbound import SubscriberLink
+from thbridge.rosgraph.wire.slave import TRANSPORT, BusConnection
+from thbridge.rosgraph.wire.tcpros import LENGTH_BYTES
+from thbridge.sockets.listening import check_room
+from thbridge.sockets.warn_once import WarnOnce
+
+PUBLISHER_LIMIT = 256
+"""Most publishers of one topic that are connected to; a hostile peer could report any number."""
+
+_CONNECTING_LIMIT = 32
+"""Most publishers that are asked, or connected to, at a time."""
+
+_SEGMENT = 16 * 1024
+"""Most bytes whose messages are handled in one round of the loop: the smallest have four."""
+
+_FIRST_PAUSE = 0.25
+"""Seconds before the first reconnection; each connection that does not last doubles them."""
+
+_LAST_PAUSE = 8.0
+
+MessageCallback: TypeAlias = Callable[[bytes, str], None]
+"""Callback with a serialised message and the name of the node that published it."""
+
+PublisherCallback: TypeAlias = Callable[[str, TopicHeader], None]
+"""Callback with the name of a publisher and its header of the topic, before its first message."""
+
+
+def ignore_publisher(publisher: str, topic: TopicHeader) -> None:
+    """Do nothing."""
+
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class SubscriptionRequest:
+    """Request of a subscription.
+
+    Attributes:
+        topic: global name.
+        kind: its type, or ``*``.
+        md5: the type's md5 sum, or ``*``.
+        tcp_nodelay: True to ask publishers to send small messages at once.
+    """
+
+    topic: str
+    kind: str
+    md5: str
+    tcp_nodelay: bool
+
+
+class Subscription:
+    """Subscription of one topic, with its publishers.
+
+    A publisher that the master no longer lists is not reconnected, but an open connection to it stays: after a restart
+    of the master its list begins empty, while messages may still flow.
+
+    Args:
+        caller: this node's name.
+        request: topic and type.
+        on_message: called with each message; it must not raise.
+        client: for calls to publishers.
+        numbers: numbers of connections, unique within the node.
+        on_publisher: called with each publisher that accepts; it must not raise.
+    """
+
+    def __init__(
+        self,
+        caller: str,
+        request: SubscriptionRequest,
+        on_message: MessageCallback,
+        client: XmlRpcClient,
+        numbers: Iterator[int],
+        on_publisher: PublisherCallback = ignore_publisher,
+    ) -> None:
+        self.request = request
+        self._caller = caller
+        self._on_message = on_message
+        self._on_publisher = on_publisher
+        self._client = client
+        self._numbers = numbers
+        self._named: dict[str, None] = {}
+        self._followed: dict[str, asyncio.Task[None]] = {}
+        self._listening: dict[str, _Listener] = {}
+        self._connecting = asyncio.Semaphore(_CONNECTING_LIMIT)
+        self._complaints = WarnOnce(_log)
+
+    def set_publishers(self, uris: Sequence[str]) -> None:
+        """Set the present publishers of the topic."""
+        if len(uris) > PUBLISHER_LIMIT:
+            self._complaints.warn(f"{self.request.topic} has more than {PUBLISHER_LIMIT} publishers; not all are heard")
+        self._named = dict.fromkeys(uris[:PUBLISHER_LIMIT])
+        for uri in self._followed.keys() - self._named.keys() - self._listening.keys():
+            self._followed[uri].cancel()
+        self._follow_named()
+
+    def _follow_named(self) -> None:
+        """Follow publishers that are named, as many as there may be; those that end make room for others."""
+        for uri in self._named:
+            if len(self._followed) >= PUBLISHER_LIMIT:
+                break
+            if uri in self._followed:
+                continue
+            self._followed[uri] = task = asyncio.ensure_future(self._follow(uri))
+            task.add_done_callback(functools.partial(self._followed_no_more, uri))
+
+    def _followed_no_more(self, uri: str, task: asyncio.Task[None]) -> None:
+        del self._followed[uri]
+        self._follow_named()
+
+    def connections(self) -> Iterable[BusConnection]:
+        """Return the open connections for bus info."""
+        return [each.connection(uri, self.request.topic) for uri, each in self._listening.items() if each.open]
+
+    async def stop(self) -> None:
+        """Cut off every connection."""
+        self._named = {}
+        tasks = [*self._followed.values()]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _follow(self, uri: str) -> None:
+        pause = _FIRST_PAUSE
+        while uri in self._named:
+            listener = _Listener(self._link(), self._on_message, self._on_publisher, next(self._numbers))
+            began = asyncio.get_running_loop().time()
+            try:
+                end = await self._listen(uri, listener)
+            finally:
+                self._listening.pop(uri, None)
+                listener.cut_off()
+            if isinstance(end, LinkRefused):
+                self._complaints.warn(f"{uri} does not let us hear {self.request.topic}: {end.reason}")
+            else:
+                _log.debug("%s is not heard from %s: %s", self.request.topic, uri, end.reason)
+            await asyncio.sleep(pause)
+            lasted = asyncio.get_running_loop().time() - began
+            pause = _FIRST_PAUSE if lasted > 2 * _LAST_PAUSE else min(2 * pause, _LAST_PAUSE)
+
+    def _link(self) -> SubscriberLink:
+        request = self.request
+        return SubscriberLink(self._caller, request.topic, request.kind, request.md5, request.tcp_nodelay)
+
+    async def _listen(self, uri: str, listener: _Listener) -> LinkRefused | LinkEnded:
+        """Receive messages of a publisher until the connection ends."""
+        async with self._connecting:
+            failed = await self._connect(uri, listener)
+        if failed is not None:
+            return failed
+        self._listening[uri] = listener
+        return await listener.ended
+
+    async def _connect(self, uri: str, listener: _Listener) -> LinkEnded | None:
+        """Connect to a publisher and wait for its header; return the reason of a failure."""
+        reply = await self._client.call(uri, "requestTopic", self._caller, self.request.topic, [[TRANSPORT]])
+        offered = value_of(uri, reply)
+        match offered:
+            case [str(transport), str(host), int(port)] if transport == TRANSPORT:
+                pass
+            case CallFailed():
+                return LinkEnded(offered.reason)
+            case _:
+                return LinkEnded(f"it does not offer {TRANSPORT}")
+        try:
+            async with asyncio.timeout(HANDSHAKE_SECONDS):
+                check_room()
+                await asyncio.get_running_loop().create_connection(lambda: listener, host, port)
+                await asyncio.wait((listener.accepted, listener.ended), return_when=asyncio.FIRST_COMPLETED)
+        except TimeoutError:
+            return LinkEnded("it does not answer in time")
+        except (OSError, OverflowError, UnicodeError) as error:  # the last two: no port, no host's name
+            return LinkEnded(reason_of(error) if isinstance(error, OSError) else str(error))
+        return None
+
+
+class _Listener(asyncio.Protocol):
+    """Connection to one publisher; carries out the events of its link."""
+
+    def __init__(
+        self, link: SubscriberLink, on_message: MessageCallback, on_publisher: PublisherCallback, number: int
+    ) -> None:
+        loop = asyncio.get_running_loop()
+        self.accepted: asyncio.Future[None] = loop.create_future()
+        self.ended: asyncio.Future[LinkRefused | LinkEnded] = loop.create_future()
+        self._link = link
+        self._on_message = on_message
+        self._on_publisher = on_publisher
+        self._number = number
+        self._transport: Transport | None = None
+        self._publisher = ""
+        self._bytes = 0
+        self._messages = 0
+        self._received: deque[bytes] = deque()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if isinstance(transport, Transport):
+            self._transport = transport
+            keep_alive(transport)
+            transport.write(self._link.opening())
+
+    def data_received(self, data: bytes) -> None:
+        self._received.extend(data[at : at + _SEGMENT] for at in range(0, len(data), _SEGMENT))
+        self._handle_some()
+
+    def _handle_some(self) -> None:
+        """Handle a part of what was received, so that a flood of messages leaves time for other work."""
+        transport = self._transport
+        if transport is None or transport.is_closing() or not self._received:
+            return
+        self._handle(self._received.popleft())
+        if not self._received:
+            transport.resume_reading()
+            return
+        transport.pause_reading()
+        asyncio.get_running_loop().call_soon(self._handle_some)
+
+    def _handle(self, data: bytes) -> None:
+        for event in self._link.receive(data):
+            match event:
+                case MessageReceived(message):
+                    self._bytes += LENGTH_BYTES + len(message)
+                    self._messages += 1
+                    self._on_message(message, self._publisher)
+                case PublisherAccepted(publisher, topic):
+                    self._publisher = publisher
+                    self._on_publisher(publisher, topic)
+                    self.accepted.set_result(None)
+                case LinkRefused() | LinkEnded():
+                    self._end(event)
+                    self.cut_off()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._end(LinkEnded("the connection is closed"))
+
+    @property
+    def open(self) -> bool:
+        """True while the connection is open."""
+        return self._transport is not None and not self._transport.is_closing()
+
+    def cut_off(self) -> None:
+        """End the connection at once."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    def connection(self, uri: str, topic: str) -> BusConnection:
+        """Return this connection, while it is open, for bus info."""
+        ends = endpoints(self._transport) if self._transport is not None else (0, "", 0, 0)
+        return BusConnection(self._number, uri, False, topic, ends, self._bytes, self._messages)
+
+    def _end(self, end: LinkRefused | LinkEnded) -> None:
+        if not self.ended.done():
+            self.ended.set_result(end)

@@ -1,1 +1,0 @@
-"""ROS 1 graph over TCP: the sockets of `thbridge.protocols.rosgraph`."""

@@ -1,0 +1,145 @@
+"""Text client's socket, which keeps one of our own programs connected to a server."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import TypeAlias
+
+from thbridge.credentials import key_line, parse_answer
+from thbridge.files.keys.key_file import ClientKey
+from thbridge.text_protocol.sockets.reconnecting import Backoff, ConnectionLost, LossReason, ReconnectingClient
+from thbridge.text_protocol.wire.client import (
+    ClientSession,
+    ClosedByServer,
+    NameRegistered,
+    SendToServer,
+)
+from thbridge.text_protocol.wire.lines import OverlongLine, TextMessage, encode_line
+
+_log = logging.getLogger(__name__)
+
+_EVENTS = 1024
+"""Most queued events for the program; beyond that nothing is read, and the server disconnects us in the end."""
+
+_BACKLOG = 1024 * 1024
+"""Bytes that may wait to be sent before the connection counts as dead."""
+
+_SEGMENT = 16 * 1024
+
+_LAST_WORDS = 0.1
+"""Seconds for the last messages to be sent."""
+
+
+TextClientEvent: TypeAlias = NameRegistered | TextMessage | ConnectionLost
+
+
+class TextClient(ReconnectingClient):
+    """Connects the program called `name` to a server, again and again until `run` is cancelled.
+
+    `NameRegistered` comes at the first connection and after every loss: the moment to introduce oneself anew.
+
+    Args:
+        name: name of the program on the server.
+        token: one word that marks this run of the program, e.g. some random digits; see `ClientSession`.
+        key: key that is shown to the server, encrypted; None for servers of this machine.
+
+    Attributes:
+        name: of the program.
+        address: of the server, `HOST:PORT`.
+
+    Raises:
+        ValueError: name or token is not one word.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        token: str,
+        host: str,
+        port: int,
+        backoff: Backoff | None = None,
+        key: ClientKey | None = None,
+    ) -> None:
+        ClientSession(name, token)  # refuses a bad name here, not in the midst of a run
+        super().__init__(host, port, backoff or Backoff(), _SEGMENT, key)
+        self.name = name
+        self.address = f"{host}:{port}"
+        self._token = token
+        self._events: asyncio.Queue[TextClientEvent] = asyncio.Queue(_EVENTS)
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        """Keep connected inside the `async with`; messages sent inside it are still delivered."""
+        running = asyncio.create_task(self.run())
+        try:
+            yield
+            await asyncio.sleep(_LAST_WORDS)
+        finally:
+            running.cancel()
+
+    def send(self, message: TextMessage) -> bool:
+        """Send a message; return False when we are not registered with a server, and the message is lost."""
+        if self._writer is None:
+            return False
+        self._write(self._writer, encode_line(message.line()))
+        return True
+
+    async def next_event(self) -> TextClientEvent:
+        """Wait for the next event."""
+        return await self._events.get()
+
+    def take(self) -> list[TextClientEvent]:
+        """Take the events that have come, oldest first, without waiting."""
+        return [self._events.get_nowait() for _ in range(self._events.qsize())]
+
+    async def _lost(self, loss: ConnectionLost) -> None:
+        await self._events.put(loss)
+
+    async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
+        if self._key is not None:
+            writer.write(key_line(self._key.secret))
+            refused = await self._answer(reader)
+            if refused is not None:
+                return refused
+        session = ClientSession(self.name, self._token)
+        self._write(writer, session.hello)
+        while True:
+            try:
+                async with asyncio.timeout(self._backoff.timeout):
+                    data = await reader.read(_SEGMENT)
+            except TimeoutError:
+                return ConnectionLost(LossReason.BROKEN, f"nothing was heard for {self._backoff.timeout} s")
+            if not data:
+                return ConnectionLost(LossReason.BROKEN, "the server closed the connection")
+            for event in session.receive_data(data):
+                match event:
+                    case SendToServer(line):
+                        self._write(writer, line)
+                    case NameRegistered():
+                        self._accepted(writer)
+                        await self._events.put(event)
+                    case TextMessage():
+                        await self._events.put(event)
+                    case ClosedByServer(reason, detail):
+                        return ConnectionLost(LossReason(reason.value), detail)
+                    case OverlongLine(length):
+                        _log.warning("the server sent a line of %d bytes, which is too long; skipped", length)
+
+    async def _answer(self, reader: asyncio.StreamReader) -> ConnectionLost | None:
+        """Wait for the answer to the key; return the reason why there is no connection, None where there is."""
+        try:
+            async with asyncio.timeout(self._backoff.timeout):
+                answer = parse_answer(await reader.readline())
+        except (TimeoutError, ValueError):
+            answer = None
+        if answer is None:
+            return ConnectionLost(LossReason.BROKEN, "the server did not answer to the key")
+        return ConnectionLost(LossReason.REFUSED, answer.refused) if answer.refused else None
+
+    def _write(self, writer: asyncio.StreamWriter, data: bytes) -> None:
+        writer.write(data)
+        if writer.transport.get_write_buffer_size() > _BACKLOG:
+            writer.transport.abort()

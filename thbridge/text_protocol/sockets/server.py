@@ -1,0 +1,451 @@
+"""Text server's sockets: carries out the router's decisions over TCP.
+
+Everything runs on the thread of one event loop, the router included. A session that runs programs inside this process
+steps them on the same loop, and wraps the router, so it sees all input.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from asyncio import BufferedProtocol, Transport
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from typing import Protocol
+
+from thbridge.credentials import LOCAL, PLAIN, Credentials, KeyAnswer, Right, secret_of
+from thbridge.sockets.addresses import DEBIAN_HOST, LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
+from thbridge.sockets.admission import OWN_MACHINE, Admission, peer_of
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.http_refusal import begins_http
+from thbridge.sockets.keys import RingKeys
+from thbridge.sockets.listening import ServerDoor
+from thbridge.sockets.tls import is_encrypted
+from thbridge.sockets.warn_once import WarnOnce
+from thbridge.text_protocol.wire.router import (
+    SHUTDOWN_LINE,
+    ClientJoined,
+    ClientLeft,
+    CloseConnection,
+    CloseReason,
+    ConnectionId,
+    Forwarded,
+    LineSkipped,
+    RouterLimits,
+    RouterOutput,
+    SendToClient,
+    TurnedAway,
+    farewell,
+    right_of,
+)
+
+_log = logging.getLogger(__name__)
+
+_SEGMENT = 16 * 1024
+"""Bytes handled at a time, so that a client that floods the server leaves time for the others."""
+
+_LINGER = 1.0
+"""Seconds that a client has to read its last line before the connection is cut off."""
+
+_MOST_LINGERING = 64
+"""Connections that may be read their last line at a time."""
+
+_CHECK_INTERVAL = 1.0
+"""Seconds between two checks for idle clients, and for keys that are good for nothing any more."""
+
+_KEY_SECONDS = 10.0
+"""Seconds that an encrypted connection has to show its key."""
+
+_WRONG_KEY_SECONDS = 1.0
+"""Seconds until a client is told that its key is wrong, and may try again."""
+
+_LONGEST_KEY_LINE = 4096
+
+_MOST_WITHOUT_KEY = 64
+"""Encrypted connections that have shown no key, or a wrong one; one more takes the place of the oldest."""
+
+
+class RouterInterface(Protocol):
+    """Decisions for a server: a `MessageRouter`, which describes the methods, or a wrapper of one."""
+
+    def make_room(self, now: float) -> Sequence[RouterOutput]:
+        """Make room for a connection, where the server is full."""
+
+    def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
+        """Accept a connection."""
+
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
+        """Handle received bytes."""
+
+    def admits(self, connection: ConnectionId) -> bool:
+        """Return True when a connection may say another line before the next `TextServer.perform`."""
+
+    def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
+        """Remove a connection that has ended."""
+
+    def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
+        """Note the bytes that wait for a connection."""
+
+    def advance(self, now: float) -> Sequence[RouterOutput]:
+        """Ping idle connections."""
+
+    def stop(self) -> Sequence[RouterOutput]:
+        """Close all connections."""
+
+
+def _ignore(forwarded: Forwarded) -> None:
+    """Do nothing."""
+
+
+class TextServer:
+    """TCP server of one router, plain, and with keys in TLS, too.
+
+    Args:
+        router: makes the decisions; it may have local endpoints without a socket.
+        tap: called with every message passed on, delivered or not, in order. It must not raise.
+        clock: returns seconds; must not run backwards.
+        admission: of clients that speak plain, by their addresses.
+        keys: by which clients are admitted from everywhere, in TLS; None: there are none.
+    """
+
+    def __init__(
+        self,
+        router: RouterInterface,
+        tap: Callable[[Forwarded], None] = _ignore,
+        clock: Callable[[], float] = time.monotonic,
+        admission: Admission = OWN_MACHINE,
+        keys: RingKeys | None = None,
+    ) -> None:
+        self._admission = admission
+        self._keys = keys
+        self._with_key: dict[ConnectionId, Credentials] = {}
+        self._without_key: dict[_Connection, None] = {}
+        self._game: str | None = None
+        self._over = False
+        self._router = router
+        self._tap = tap
+        self._clock = clock
+        self._transports: dict[ConnectionId, Transport] = {}
+        self._open: set[Transport] = set()
+        self._held: dict[ConnectionId, _Connection] = {}
+        self.complaints = WarnOnce(_log)
+        """What clients do wrong."""
+        self._all_closed = asyncio.Event()
+        # Those turned away linger beside the router's.
+        self._door = ServerDoor(RouterLimits().clients + _MOST_LINGERING + _MOST_WITHOUT_KEY)
+        self._names: dict[ConnectionId, str] = {}
+        self._watch: asyncio.Task[None] | None = None
+
+    async def start(self, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT) -> ListeningAddress | CannotListen:
+        """Begin to serve; port 0 takes any that is free.
+
+        Whoever asks for `LOCALHOST` gets `DEBIAN_HOST`, too, where the machine has it and nobody else serves there.
+        """
+        if not 0 <= port <= 65535:
+            return CannotListen(host, port, "a port is a number from 0 to 65535")
+        tls = None if self._keys is None else self._keys.tls
+        try:
+            address = await self._door.listen(lambda: _Connection(self), host, port, tls)
+        except (OSError, UnicodeError) as error:
+            return CannotListen.because(error, host, port)
+        self._watch = asyncio.get_running_loop().create_task(self._check_idle())
+        if host == LOCALHOST:
+            try:
+                await self._door.listen(lambda: _Connection(self), DEBIAN_HOST, address.port, tls)
+            except OSError as error:
+                _log.info("programs that expect the server at %s do not find it: %s", DEBIAN_HOST, error)
+        return address
+
+    async def stop(self) -> None:
+        """Send the shutdown line to every client, wait a moment for them to close, and close the port."""
+        if self._watch is None:
+            return
+        self._door.close()
+        self._watch.cancel()
+        for connection in tuple(self._without_key):
+            connection.abort()
+        self._perform(self._router.stop())
+        while self._open:
+            self._all_closed.clear()
+            await self._all_closed.wait()
+        await self._door.wait_closed()
+
+    def perform(self, outputs: Iterable[RouterOutput]) -> None:
+        """Carry out outputs of the router, and hear on whoever has said too much before."""
+        self._perform(outputs)
+        held, self._held = self._held, {}
+        for connection in held.values():
+            connection.go_on()
+
+    def hold(self, connection: ConnectionId, held: _Connection) -> None:
+        """Hear no more of a connection until the next `perform`."""
+        self._held[connection] = held
+
+    def admits(self, connection: ConnectionId) -> bool:
+        """Return True when a connection may say another line now."""
+        return self._router.admits(connection)
+
+    def _perform(self, outputs: Iterable[RouterOutput]) -> None:
+        """Carry out outputs of the router, and those that follow from them."""
+        waiting = deque(outputs)
+        while waiting:
+            output = waiting.popleft()
+            match output:
+                case SendToClient(connection, data):
+                    transport = self._transports.get(connection)
+                    if transport is not None:
+                        transport.write(data)
+                        waiting += self._router.report_backlog(connection, transport.get_write_buffer_size())
+                case CloseConnection(connection, reason):
+                    _log.info("client %d is closed: %s", connection, reason.value)
+                    transport = self._transports.pop(connection, None)
+                    if transport is not None:
+                        _close(transport, reason.flush)
+                case LineSkipped(connection, length):
+                    self.complaints.warn(f"client {connection} sent a line that is too long; skipped")
+                    _log.info("client %d sent a line of %d bytes", connection, length)
+                case ClientJoined(connection, name):
+                    _log.info("client %d is %s", connection, name)
+                    self._names[connection] = name
+                    self._enter_game(connection)
+                case ClientLeft(connection, name):
+                    _log.info("client %d is %s no more", connection, name)
+                    self._names.pop(connection, None)
+                case Forwarded():
+                    self._tap(output)
+
+    def note_game(self, name: str, over: bool) -> None:
+        """Note the game that is played or comes next, by a name unlike all others; or that it is over.
+
+        Participants who show a key enter it, and their keys are good for no other. One that is over is entered by
+        nobody new.
+        """
+        if (name, over) != (self._game, self._over):
+            self._game, self._over = name, over
+            for connection in tuple(self._with_key):
+                self._enter_game(connection)
+
+    # Connections
+
+    def arrived(self, connection: _Connection, transport: Transport) -> bool:
+        """Give a new connection a place; return False where there is none, or its machine is not admitted."""
+        encrypted = is_encrypted(transport)
+        stranger = None if encrypted else self._admission.refused(transport)
+        if stranger is not None:
+            self.complaints.warn(f"{stranger} is in none of the networks of open_to, and is cut off")
+            transport.abort()
+            return False
+        if len(self._open) >= self._door.most:
+            # Descriptors are short: the oldest who has shown no key, or has not said a name, goes.
+            self.complaints.warn(f"more than {self._door.most} connections are more than there are descriptors for")
+            nameless = next((each for each in self._transports if each not in self._names), None)
+            if nameless is None:
+                transport.abort()
+                return False
+            self._transports[nameless].abort()
+            self.ended(nameless)
+        self._open.add(transport)
+        if encrypted:
+            if len(self._without_key) >= _MOST_WITHOUT_KEY:
+                oldest = next(iter(self._without_key))
+                del self._without_key[oldest]
+                oldest.abort()
+            self._without_key[connection] = None
+        return True
+
+    def identify(self, line: bytes) -> Credentials | str:
+        """Return the credentials of a connection that has shown a key; or why it is good for nothing, as a clause."""
+        secret = secret_of(line)
+        if secret is None or self._keys is None:
+            return "a key is wanted"
+        return self._keys.identify(secret)
+
+    def connected(
+        self, connection: _Connection, transport: Transport, shown: Credentials | None
+    ) -> ConnectionId | None:
+        """Accept a connection, with the credentials that it has shown, if any; or turn it away."""
+        self._without_key.pop(connection, None)
+        now = self._clock()
+        self._perform(self._router.make_room(now))
+        accepted = self._router.connect(now, shown or (LOCAL if peer_of(transport) is None else PLAIN))
+        if isinstance(accepted, TurnedAway):
+            self.complaints.warn("a client is turned away: the server is full")
+            transport.write(accepted.farewell)
+            # Of those turned away few may linger: file descriptors are needed for what is recorded.
+            _close(transport, flush=len(self._open) - len(self._transports) <= _MOST_LINGERING)
+            return None
+        self._transports[accepted] = transport
+        if shown is not None:
+            self._with_key[accepted] = shown
+        return accepted
+
+    def received(self, connection: ConnectionId, data: bytes) -> None:
+        """Handle received bytes of a connection."""
+        self._perform(self._router.receive_data(connection, data, self._clock()))
+
+    def ended(self, connection: ConnectionId) -> None:
+        """Handle the end of a client's bytes."""
+        self._with_key.pop(connection, None)
+        self._perform(self._router.eof(connection))
+        self._transports.pop(connection, None)
+
+    def lost(self, connection: _Connection, transport: Transport) -> None:
+        """Remove a connection that is closed on both sides."""
+        self._without_key.pop(connection, None)
+        self._open.discard(transport)
+        self._all_closed.set()
+
+    async def _check_idle(self) -> None:
+        while True:
+            await asyncio.sleep(_CHECK_INTERVAL)
+            self._perform(self._router.advance(self._clock()))
+            if self._keys is not None:
+                for connection, credentials in tuple(self._with_key.items()):
+                    self._turn_out(connection, self._keys.why_not(credentials))
+
+    def _enter_game(self, connection: ConnectionId) -> None:
+        """Have a participant with a key enter the game that is being played; else end the connection."""
+        credentials, name = self._with_key.get(connection), self._names.get(connection)
+        if self._keys is None or self._game is None or credentials is None or name is None:
+            return
+        if credentials.one_game and right_of(name) is Right.PARTICIPANT:
+            self._turn_out(connection, self._keys.enter(credentials.key, self._game, over=self._over))
+
+    def _turn_out(self, connection: ConnectionId, reason: str | None) -> None:
+        """End a connection whose key is good for nothing any more; None: it is good."""
+        if reason is None:
+            return
+        name = self._names.get(connection)
+        told = SendToClient(connection, SHUTDOWN_LINE if name is None else farewell(name, reason))
+        self._with_key.pop(connection, None)
+        self._perform([told])
+        self._perform([*self._router.eof(connection), CloseConnection(connection, CloseReason.NOT_ENTITLED)])
+
+
+class _Connection(BufferedProtocol):
+    """One TCP connection. Bytes that come after its end are read and ignored.
+
+    If they were left unread, closing the socket would reset the connection and could destroy the shutdown line on its
+    way.
+
+    asyncio sends each write at once (TCP_NODELAY), which matters: the C++ client of 2016 takes one segment for one
+    line, and would overlook a ``%%goto`` that shares one with an ack.
+    """
+
+    def __init__(self, server: TextServer) -> None:
+        self._server = server
+        self._buffer = bytearray(_SEGMENT)
+        self._id: ConnectionId | None = None
+        self._transport: Transport | None = None
+        self._begun = False
+        self._waiting = b""
+        self._awaits_key = False
+        self._timer: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if not isinstance(transport, Transport) or not self._server.arrived(self, transport):
+            return
+        self._transport = transport
+        if is_encrypted(transport):
+            self._awaits_key = True
+            self._timer = asyncio.get_running_loop().call_later(_KEY_SECONDS, self._refuse, "a key is wanted")
+        else:
+            self._id = self._server.connected(self, transport, None)
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        # asyncio reads further records of TLS into slices of it, which of a bytearray would be copies.
+        return memoryview(self._buffer)
+
+    def buffer_updated(self, nbytes: int) -> None:
+        data = self._waiting + self._buffer[:nbytes]
+        if self._awaits_key:
+            self._take_key(data)
+            return
+        begun, self._begun = self._begun, True
+        if not begun and self._transport is not None and begins_http(data):
+            self._server.complaints.warn("a client speaks HTTP, as a page in a browser does, and is cut off")
+            self._transport.abort()
+            return
+        self._hear(data)
+
+    def abort(self) -> None:
+        """Cut the connection off."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    def _take_key(self, data: bytes) -> None:
+        """Wait for the first line, which has the key, and answer to it."""
+        line, newline, rest = data.partition(b"\n")
+        if self._transport is None or self._timer is None:
+            return
+        if not newline and len(line) <= _LONGEST_KEY_LINE:
+            self._waiting = data
+            return
+        self._timer.cancel()
+        found = self._server.identify(line)
+        if isinstance(found, str):
+            self._transport.pause_reading()
+            self._timer = asyncio.get_running_loop().call_later(_WRONG_KEY_SECONDS, self._refuse, found)
+            return
+        self._awaits_key, self._begun = False, True
+        self._transport.write(KeyAnswer(admitted=found.key).line())
+        self._id = self._server.connected(self, self._transport, found)
+        self._hear(rest)
+
+    def _refuse(self, reason: str) -> None:
+        """Tell a client why its key is good for nothing, and close the connection."""
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.write(KeyAnswer(refused=reason).line())
+            _close(self._transport, flush=True)
+
+    def go_on(self) -> None:
+        """Hear what waits, and what comes."""
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.resume_reading()
+            self._hear(self._waiting)
+
+    def _hear(self, data: bytes) -> None:
+        """Pass on line by line as much as is admitted; the rest waits, here and in the other side's socket."""
+        begin, self._waiting = 0, b""
+        while begin < len(data) and self._transport is not None and self._id is not None:
+            if self._transport.is_closing():
+                return
+            if not self._server.admits(self._id):
+                self._waiting = data[begin:]
+                self._transport.pause_reading()
+                self._server.hold(self._id, self)
+                return
+            end = data.find(b"\n", begin) + 1 or len(data)
+            self._server.received(self._id, data[begin:end])
+            begin = end
+
+    def eof_received(self) -> None:
+        if self._id is not None:
+            self._server.ended(self._id)
+        if self._transport is not None:
+            _close(self._transport, flush=True)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        if self._id is not None:
+            self._server.ended(self._id)
+        if self._timer is not None:
+            self._timer.cancel()
+        if self._transport is not None:
+            self._server.lost(self, self._transport)
+            self._transport = None  # In TLS it holds much memory, and holds this.
+
+
+def _close(transport: Transport, flush: bool) -> None:
+    """Close a connection: at once, or after the other side has had a moment to read what it was sent."""
+    if flush and transport.can_write_eof():
+        try:
+            transport.write_eof()
+        except OSError:  # the other side is gone already, though asyncio has not heard of it yet
+            flush = False
+    elif flush:
+        transport.close()  # TLS ends both directions at once, after what was written.
+    if flush:
+        asyncio.get_running_loop().call_later(_LINGER, transport.abort)
+    else:
+        transport.abort()

@@ -1,0 +1,189 @@
+"""Canonical content of the commands to SimR and of its answer, as HRTeam defined them in 2015.
+
+Positions are metres in the map frame. Headings are radians here, degrees on the wire (0 is East, anti-clockwise);
+numbers travel with three decimals.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum, StrEnum
+from typing import TypeAlias
+
+from sim.numerics.elementary import wrap_angle
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText
+
+
+class Dialect(StrEnum):
+    """The reading of ``%%goto`` that is tried first."""
+
+    LEGACY_2016 = "legacy-2016"
+    CANONICAL = "canonical"
+
+
+class MoveDirection(Enum):
+    """Direction of driving by hand, by its letter on the wire."""
+
+    FORWARD = "F"
+    BACKWARD = "B"
+    WIDE_CLOCKWISE = "C"
+    WIDE_ANTICLOCKWISE = "A"
+    TURN_CLOCKWISE = "c"
+    TURN_ANTICLOCKWISE = "a"
+
+
+@dataclass(frozen=True, slots=True)
+class PoseReport:
+    """Pose of a robot."""
+
+    robot: int
+    x: float
+    y: float
+    heading: float
+
+
+@dataclass(frozen=True, slots=True)
+class PoseQuery:
+    """Question for a robot's pose."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class GotoPoint:
+    """Order to drive to a point; `heading` is None when any heading will do."""
+
+    robot: int
+    x: float
+    y: float
+    heading: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class MoveByHand:
+    """Order to drive by hand.
+
+    Raises:
+        ValueError: the intensity is not 1 to 5.
+    """
+
+    robot: int
+    drive: MoveDirection
+    intensity: int
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.intensity <= 5:
+            raise ValueError(f"the intensity is 1 to 5, not {self.intensity}")
+
+
+CanonicalValue: TypeAlias = PoseReport | PoseQuery | GotoPoint | MoveByHand
+
+
+def encode(value: CanonicalValue, sender: str, receiver: str) -> TextMessage:
+    """Return the message that carries a value.
+
+    Raises:
+        ValueError: a number is not finite.
+    """
+    command, parts = _content(value)
+    return TextMessage(command, sender, receiver, tuple(parts))
+
+
+def decode(message: TextMessage) -> CanonicalValue | UnreadableText:
+    """Return the value that a message carries."""
+    try:
+        value = _value(message)
+    except ValueError as error:
+        return UnreadableText(message.line(), str(error))
+    if value is None:
+        return UnreadableText(message.line(), f"that is not what follows {message.command}")
+    return value
+
+
+def decode_goto(message: TextMessage, dialect: Dialect, rooms: int) -> legacy.GotoRoom | GotoPoint | UnreadableText:
+    """Return the room or point that a ``%%goto`` sends a robot to.
+
+    In the legacy dialect it is a room if x and y are the same whole number below `rooms` and the heading is 45; in
+    every other case it is a point.
+    """
+    if dialect is Dialect.LEGACY_2016:
+        value = legacy.decode(message)
+        if isinstance(value, legacy.GotoRoom) and value.room < rooms:
+            return value
+    point = decode(message)
+    if isinstance(point, GotoPoint | UnreadableText):
+        return point
+    return UnreadableText(message.line(), f"it is not a {TextCommand.GOTO}")
+
+
+def _content(value: CanonicalValue) -> tuple[TextCommand, list[str]]:
+    match value:
+        case PoseReport(robot, x, y, heading):
+            return TextCommand.POSE, [str(robot), _number(x), _number(y), _degrees(heading)]
+        case PoseQuery(robot):
+            return TextCommand.WHERE, [str(robot)]
+        case GotoPoint(robot, x, y, heading):
+            return TextCommand.GOTO, [
+                str(robot),
+                _number(x),
+                _number(y),
+                *([] if heading is None else [_degrees(heading)]),
+            ]
+        case MoveByHand(robot, drive, intensity):
+            return TextCommand.MOVE, [str(robot), drive.value, str(intensity)]
+
+
+def _value(message: TextMessage) -> CanonicalValue | None:
+    match message.command, message.content:
+        case TextCommand.POSE, (robot, x, y, heading):
+            return PoseReport(_robot(robot), _real(x), _real(y), _radians(heading))
+        case TextCommand.WHERE, (robot,):
+            return PoseQuery(_robot(robot))
+        case TextCommand.GOTO, (robot, x, y):
+            return GotoPoint(_robot(robot), _real(x), _real(y))
+        case TextCommand.GOTO, (robot, x, y, heading):
+            return GotoPoint(_robot(robot), _real(x), _real(y), _radians(heading))
+        case TextCommand.MOVE, (robot, letter, intensity):
+            return MoveByHand(_robot(robot), MoveDirection(letter), _whole(intensity))
+        case _:
+            return None
+
+
+def _number(value: float) -> str:
+    if not math.isfinite(value):
+        raise ValueError(f"{value} is not a number that can be sent")
+    # Adding 0.0 turns the -0.0 that rounding leaves into 0.0.
+    return f"{round(value, 3) + 0.0:.3f}"
+
+
+def _degrees(heading: float) -> str:
+    return _number(math.degrees(heading))
+
+
+def _whole(text: str) -> int:
+    if not (text.isascii() and text.removeprefix("-").isdigit() and len(text) <= 10):
+        raise ValueError(f"{text!r} is not a whole number")
+    return int(text)
+
+
+def _robot(text: str) -> int:
+    number = _whole(text)
+    if number < 0:
+        raise ValueError(f"{text!r} is not a robot's number")
+    return number
+
+
+def _real(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"{text!r} is not a number")
+    return value
+
+
+def _radians(text: str) -> float:
+    return wrap_angle(math.radians(_real(text)))

@@ -1,0 +1,190 @@
+"""Dialect ``legacy-2016``: how the programs of the 2016 treasure hunt adapted the protocol to their game.
+
+Robots and rooms are numbered from 0 on the wire: robot 0 is the first robot, room 0 the first room (the corridor has no
+number here). Every value is encoded by its method `message`. `decode` relies on the command and the shape of the
+content only, whoever the sender is.
+
+The programs of 2016 recognise a line by looking for ``ping``, ``error``, ``found``, ``score``, ``image`` and ``snap``,
+in about that order, anywhere in it. Treasures and pictures should not have these words in their names.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText, tokens
+
+SIMR = "SimR"
+"""The program that drives the robots."""
+
+TABUI = "TabUI"
+"""The participant's program."""
+
+HIDER = "Hider"
+"""The program that knows the treasures."""
+
+_HEADING = "45"  # what the programs of 2016 always sent; nothing was ever turned by it
+_MAX_DIGITS = 9  # an int for Java too
+
+
+@dataclass(frozen=True, slots=True)
+class GotoRoom:
+    """Order of TabUI that a robot go to a room."""
+
+    robot: int
+    room: int
+
+    def message(self) -> TextMessage:
+        """``%%goto TabUI SimR ROBOT ROOM ROOM 45``: the room's number stands in for x and y."""
+        return TextMessage.of(TextCommand.GOTO, TABUI, SIMR, f"{self.robot} {self.room} {self.room} {_HEADING}")
+
+
+@dataclass(frozen=True, slots=True)
+class RoomReached:
+    """Report of SimR that a robot has reached its room."""
+
+    robot: int
+    room: int
+
+    def message(self) -> TextMessage:
+        """``%%error SimR TabUI "ROBOT;ROOM"``."""
+        return TextMessage.of(TextCommand.ERROR, SIMR, TABUI, f'"{self.robot};{self.room}"')
+
+
+@dataclass(frozen=True, slots=True)
+class AskTreasure:
+    """Question of TabUI: which treasure is in a room."""
+
+    room: int
+
+    def message(self) -> TextMessage:
+        """``%%error TabUI Hider "ROOM"``."""
+        return TextMessage.of(TextCommand.ERROR, TABUI, HIDER, f'"{self.room}"')
+
+
+@dataclass(frozen=True, slots=True)
+class FoundTreasure:
+    """Answer of Hider: what the robot senses in a room; several blanks in a row become one on the wire.
+
+    Attributes:
+        room: the room's number.
+        senses: label and value of each property; in 2016 `Colour` and `Footprint`.
+    """
+
+    room: int
+    senses: tuple[tuple[str, str], ...]
+
+    def message(self) -> TextMessage:
+        """``%%found Hider TabUI ROOM ROOM "(Colour: C) (Footprint: F)"``."""
+        senses = " ".join(f"({label}: {value})" for label, value in self.senses)
+        return TextMessage.of(TextCommand.FOUND, HIDER, TABUI, f'{self.room} {self.room} "{senses}"')
+
+
+@dataclass(frozen=True, slots=True)
+class SnapTreasure:
+    """Request of TabUI for a picture of the treasure in a room."""
+
+    room: int
+
+    def message(self) -> TextMessage:
+        """``%%snap TabUI Hider ROOM``."""
+        return TextMessage.of(TextCommand.SNAP, TABUI, HIDER, f"{self.room}")
+
+
+@dataclass(frozen=True, slots=True)
+class TreasureImage:
+    """Answer of Hider: the file name of the picture of the treasure in a room.
+
+    Attributes:
+        room: the room's number.
+        filename: the picture's file name, without a directory.
+
+    Raises:
+        ValueError: the file name has white space in it (TabUI takes the last token for it) or names a directory.
+    """
+
+    room: int
+    filename: str
+
+    def __post_init__(self) -> None:
+        if tokens(self.filename) != [self.filename]:
+            raise ValueError(f"a picture's file name must be one word on the wire: {self.filename!r}")
+        if re.search(r"[/\\]|^\.\.?$", self.filename):
+            raise ValueError(f"a picture's file name must not name a directory: {self.filename!r}")
+
+    def message(self) -> TextMessage:
+        """``%%image Hider TabUI ROOM FILENAME``."""
+        return TextMessage.of(TextCommand.IMAGE, HIDER, TABUI, f"{self.room} {self.filename}")
+
+
+@dataclass(frozen=True, slots=True)
+class NameTreasure:
+    """Message of TabUI: the participant's name for a treasure; several blanks in a row become one on the wire."""
+
+    room: int
+    name: str
+
+    def message(self) -> TextMessage:
+        """``%%found TabUI Hider "ROOM,NAME``: the quotation mark is never closed."""
+        return TextMessage.of(TextCommand.FOUND, TABUI, HIDER, f'"{self.room},{self.name}')
+
+
+@dataclass(frozen=True, slots=True)
+class PointsAwarded:
+    """Message of Hider: the points for an identification, negative for a wrong one."""
+
+    points: int
+
+    def message(self) -> TextMessage:
+        """``%%score Hider TabUI ,POINTS``."""
+        return TextMessage.of(TextCommand.SCORE, HIDER, TABUI, f",{self.points}")
+
+
+LegacyValue: TypeAlias = (
+    GotoRoom | RoomReached | AskTreasure | FoundTreasure | SnapTreasure | TreasureImage | NameTreasure | PointsAwarded
+)
+
+_NUMBER = rf"([0-9]{{1,{_MAX_DIGITS}}})"
+_GOTO = re.compile(rf"{_NUMBER} {_NUMBER} \2 {_HEADING}")
+_ARRIVED = re.compile(rf'"{_NUMBER};{_NUMBER}"')
+_ASK = re.compile(rf'"{_NUMBER}"')
+_FOUND = re.compile(rf'{_NUMBER} \1 "((?:\([^():]+: ?.*\))?)"')
+_SENSE = re.compile(r"\(([^():]+): ?(.*?)\)(?= \([^():]+:|$)")
+_SNAP = re.compile(_NUMBER)
+_IMAGE = re.compile(rf"{_NUMBER} (\S+)")
+_IDENTIFY = re.compile(rf'"{_NUMBER}, ?(.*?)"?')
+_SCORE = re.compile(rf",(-?[0-9]{{1,{_MAX_DIGITS}}})")
+
+
+def decode(message: TextMessage) -> LegacyValue | UnreadableText:
+    """Return the value that a message of this dialect carries."""
+    text = message.text
+    match message.command:
+        case TextCommand.GOTO:
+            if found := _GOTO.fullmatch(text):
+                return GotoRoom(int(found[1]), int(found[2]))
+        case TextCommand.ERROR:
+            if found := _ARRIVED.fullmatch(text):
+                return RoomReached(int(found[1]), int(found[2]))
+            if found := _ASK.fullmatch(text):
+                return AskTreasure(int(found[1]))
+        case TextCommand.FOUND:
+            if found := _FOUND.fullmatch(text):
+                return FoundTreasure(int(found[1]), tuple(_SENSE.findall(found[2])))
+            if found := _IDENTIFY.fullmatch(text):
+                return NameTreasure(int(found[1]), found[2])
+        case TextCommand.SNAP:
+            if found := _SNAP.fullmatch(text):
+                return SnapTreasure(int(found[1]))
+        case TextCommand.IMAGE:
+            if found := _IMAGE.fullmatch(text):
+                try:
+                    return TreasureImage(int(found[1]), found[2])
+                except ValueError as error:
+                    return UnreadableText(message.line(), str(error))
+        case TextCommand.SCORE:
+            if found := _SCORE.fullmatch(text):
+                return PointsAwarded(int(found[1]))
+    return UnreadableText(message.line(), "it is not a line of the legacy-2016 dialect")

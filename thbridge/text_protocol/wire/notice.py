@@ -1,0 +1,149 @@
+r"""Notices: messages between our own programs beyond the protocol of 2016.
+
+A notice travels as ``%%error FROM TO thbridge {json}``. The JSON is compact ASCII without a single blank (blanks in
+strings are written ``\u0020``), so it is one token and any server of the protocol passes it on unchanged.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NoReturn, TypeAlias, TypeVar
+
+import msgspec
+
+from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText
+
+JsonValue: TypeAlias = bool | int | float | str | Sequence["JsonValue"] | Mapping[str, "JsonValue"] | None
+"""Any value that JSON can hold; `parse_notice` gives lists and dictionaries."""
+
+SERVER = "Server"
+"""Sender name in the server's own notices."""
+
+UNDELIVERED = "undelivered"
+"""The server's notice of a failed delivery: `command`, `receiver`, `content` (its beginning) and `reason`."""
+
+REFUSED = "refused"
+"""The server's notice before it closes a connection whose key is not good for what it wants: `reason`, a clause."""
+
+COUNTED = range(1, 1 << 32)
+"""Numbers that games and dialogues can have; random numbers are drawn by them. Others come from faulty senders."""
+
+_MARK = "thbridge"
+_REQUEST = "request"
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """Notice as its receiver reads it.
+
+    Attributes:
+        sender: name of the program that sends it.
+        receiver: name of the program it is for.
+        kind: name of its subject; decides which fields to expect.
+        fields: everything else.
+    """
+
+    sender: str
+    receiver: str
+    kind: str
+    fields: Mapping[str, JsonValue]
+
+    @property
+    def request(self) -> int | None:
+        """Number that the sender gave this request, the same in each repetition; None if it gave none."""
+        number = self.fields.get(_REQUEST)
+        return number if type(number) is int and number in COUNTED else None
+
+
+class NoticeValue(msgspec.Struct, frozen=True, tag_field="kind"):
+    """Base of values that notices carry; the tag of each is its kind on the wire, which all releases know."""
+
+
+N = TypeVar("N", bound=NoticeValue)
+
+
+def kind_of(value_class: type[NoticeValue]) -> str:
+    """Return the kind that notices with values of a class have on the wire."""
+    return str(value_class.__struct_config__.tag)
+
+
+def encode_notice(sender: str, receiver: str, value: NoticeValue, request: int | None = None) -> TextMessage:
+    """Return the message that carries a value. Raises ValueError as `notice` does.
+
+    Args:
+        sender: name of the program that sends it.
+        receiver: name of the program it is for.
+        value: the value.
+        request: see `Notice.request`.
+    """
+    fields = msgspec.to_builtins(value)
+    return _message(sender, receiver, fields if request is None else {**fields, _REQUEST: request})
+
+
+def decode_notice(notice: Notice, value_class: type[N]) -> N | None:
+    """Return the value of a notice if it is of this class and well formed, else None."""
+    if notice.kind != kind_of(value_class):
+        return None
+    try:
+        return msgspec.convert(notice.fields, value_class)
+    except msgspec.ValidationError:
+        return None
+
+
+def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> TextMessage:
+    """Return the message that carries a notice; fields keep their order.
+
+    Raises:
+        ValueError: a number is not finite, a field is called ``kind``, or a name is not one token.
+    """
+    if "kind" in fields:
+        raise ValueError("a notice has its kind already")
+    return _message(sender, receiver, {"kind": kind, **fields})
+
+
+def _message(sender: str, receiver: str, fields: Mapping[str, JsonValue]) -> TextMessage:
+    text = json.dumps(fields, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return TextMessage(TextCommand.ERROR, sender, receiver, (_MARK, text.replace(" ", r"\u0020")))
+
+
+def is_notice(message: TextMessage) -> bool:
+    """Return True when a message has the outward form of a notice; its JSON may still be broken."""
+    return message.command == TextCommand.ERROR and message.content[:1] == (_MARK,)
+
+
+def parse_notice(message: TextMessage) -> Notice | UnreadableText:
+    """Return the notice that a message carries."""
+    if not is_notice(message):
+        return UnreadableText(message.line(), "it is not a notice")
+    text = " ".join(message.content[1:])
+    try:
+        value: JsonValue = json.loads(text, parse_constant=_refuse_constant)
+    # Nesting as deep as a line is long exhausts the parser's stack.
+    except (ValueError, RecursionError) as error:
+        return UnreadableText(message.line(), f"its JSON is broken: {error}")
+    if not isinstance(value, dict):
+        return UnreadableText(message.line(), "its JSON is not an object")
+    if _has_half_a_character(text):
+        return UnreadableText(message.line(), "its JSON has half of a surrogate pair, which no text can hold")
+    kind = value.pop("kind", None)
+    if not isinstance(kind, str):
+        return UnreadableText(message.line(), "it has no kind")
+    return Notice(message.sender, message.receiver, kind, value)
+
+
+def _has_half_a_character(text: str) -> bool:
+    """Return True where an escape is one half of a surrogate pair without the other, which JSON's grammar allows."""
+    if r"\u" not in text:
+        return False
+    try:
+        # Pairs become one character on the way, halves stay, and cannot be encoded.
+        json.dumps(json.loads(text), ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        return True
+    return False
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not a JSON number")

@@ -1,0 +1,548 @@
+"""Text server without its sockets: it knows the holder of each name and passes messages on.
+
+`Router` takes bytes, times and messages and answers with outputs for its owner to carry out. It serves two kinds of
+party under one set of names and rules:
+
+* connections, which bring bytes (`connect`, `receive_data`, `eof`, `report_backlog`) and are pinged (`advance`);
+* local endpoints, the programs of this very process, which exchange `TextMessage` values (`attach`, `submit`, `take`).
+  Messages from them and to them wait for `exchange`: everything sent during one tick is received in the next,
+  whatever the order in which the programs are stepped.
+
+Effect of a connection's line (T is one of the routed commands):
+
+==========================================  ==========================================================
+line                                        outputs, in this order
+==========================================  ==========================================================
+``%%setid NAME``, free or held by itself    ack
+``%%setid NAME``, held                      shutdown line to the newcomer, close; no ack
+``%%getid``                                 ``%%setid N``, ack
+``%%ping``                                  ``%%pong i am here``, ack
+``%%sshhuuttddoowwnn``                      close; no ack
+``%%send F T C FROM TO ...``, ``T FROM TO`` forwarded line to the holder of TO if there is one, ack
+anything else, blank, binary or overlong    ack
+==========================================  ==========================================================
+
+Extended clients register with ``%%setid NAME extended [TOKEN]``. They alone
+
+* get a notice of kind ``undelivered`` about a failed delivery, before the ack (notices themselves are exempt: a
+  stream that nobody receives must not echo);
+* receive the notices of other extended parties (one for a client of 2016 is withheld: it would misread it);
+* replace a dead holder of their name with the same key, or none: one that has not answered a ping yet, or one that
+  registered with the same TOKEN, which is then this program's own connection from before a network failure.
+
+A connection from another machine has credentials. One with a key holds the names that the key's rights are for, and
+speaks in its own name alone; one without a key is never extended. Whoever may not is told why, and closed.
+
+For all other clients there is no difference from the server of 2016.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+from typing import NewType, TypeAlias
+
+from thbridge.credentials import LOCAL, Credentials, Right
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import (
+    EXTENDED,
+    LINE_LIMIT,
+    LineSplitter,
+    OverlongLine,
+    TextCommand,
+    TextMessage,
+    UnreadableText,
+    encode_line,
+    parse_tokens,
+    tokens,
+)
+from thbridge.text_protocol.wire.notice import REFUSED, SERVER, UNDELIVERED, Notice, is_notice, notice, parse_notice
+
+ConnectionId = NewType("ConnectionId", int)
+
+# The exact bytes matter: the old clients look for words anywhere in a line, and count characters from its end.
+ACK_LINE = encode_line(f"{TextCommand.ACK} ")
+PING_LINE = encode_line(f"{TextCommand.PING} ")
+PONG_LINE = encode_line(f"{TextCommand.PONG} i am here")
+SHUTDOWN_LINE = encode_line(f"{TextCommand.SHUTDOWN} ")
+
+_QUOTED = 200
+"""Characters of an undelivered message's content that the notice repeats."""
+
+
+@dataclass(frozen=True, slots=True)
+class RouterLimits:
+    """Limits of one server.
+
+    Attributes:
+        clients: connections at a time; one more is turned away.
+        line: longest line that is read, bytes.
+        backlog: bytes (characters for a local endpoint) that may wait for one reader.
+        ping_after: seconds without a line after which a client is pinged.
+        drop_after: seconds after an unanswered ping at which a client is dropped.
+        idle: seconds without a line after which a client without a name makes room for another.
+    """
+
+    clients: int = 256
+    line: int = LINE_LIMIT
+    backlog: int = 1024 * 1024
+    ping_after: float = 15.0
+    drop_after: float = 15.0
+    idle: float = 2.0
+
+
+class CloseReason(Enum):
+    """Reason why the server ends a connection."""
+
+    NAME_TAKEN = "its name is already held"
+    ASKED = "it asked to be closed"
+    STOPPED = "the server stops"
+    PING_UNANSWERED = "it did not answer a ping"
+    SLOW = "it does not read what it is sent"
+    REPLACED = "its program has connected anew"
+    IDLE = "it has no name and says nothing, and its place is needed"
+    NOT_ENTITLED = "its key is not good for that"
+
+    @property
+    def flush(self) -> bool:
+        """True when pending bytes shall still arrive; otherwise the other side does not read any more."""
+        return self in (CloseReason.NAME_TAKEN, CloseReason.ASKED, CloseReason.STOPPED, CloseReason.NOT_ENTITLED)
+
+
+@dataclass(frozen=True, slots=True)
+class SendToClient:
+    """Bytes to be written to a connection."""
+
+    connection: ConnectionId
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class CloseConnection:
+    """Connection to be closed; the router has forgotten it already and its name is free."""
+
+    connection: ConnectionId
+    reason: CloseReason
+
+
+@dataclass(frozen=True)
+class Forwarded:
+    """Message that was passed on, or could not be: for taps and recorders.
+
+    Attributes:
+        message: the message.
+        delivered: True when the holder of the receiver's name got it.
+        sender_extended: True when it came from an extended client or a local endpoint.
+    """
+
+    message: TextMessage
+    delivered: bool
+    sender_extended: bool
+
+    @cached_property
+    def legacy_value(self) -> legacy.LegacyValue | UnreadableText:
+        """The message's value in the dialect of 2016; decoded once for all taps and recorders."""
+        return legacy.decode(self.message)
+
+
+@dataclass(frozen=True, slots=True)
+class LineSkipped:
+    """Line longer than the limit; it was thrown away and acknowledged like an unknown one."""
+
+    connection: ConnectionId
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class ClientJoined:
+    """A connection holds a name from now on: for logs, and for recorders that note which names can be reached."""
+
+    connection: ConnectionId
+    name: str
+    extended: bool
+    credentials: Credentials = LOCAL
+
+
+@dataclass(frozen=True, slots=True)
+class ClientLeft:
+    """A connection does not hold its name any more."""
+
+    connection: ConnectionId
+    name: str
+
+
+RouterOutput: TypeAlias = SendToClient | CloseConnection | Forwarded | LineSkipped | ClientJoined | ClientLeft
+
+
+@dataclass(frozen=True, slots=True)
+class TurnedAway:
+    """No connection can be accepted now: write `farewell` to it and close it."""
+
+    farewell: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class NameTaken:
+    """A local endpoint cannot have this name: another party holds it."""
+
+    name: str
+
+
+@dataclass(slots=True)
+class _Connection:
+    """TCP client. `pinged` is the time of a ping that no line has followed yet."""
+
+    id: ConnectionId
+    lines: LineSplitter
+    last_line: float
+    credentials: Credentials
+    pinged: float | None = None
+    name: str | None = None
+    extended: bool = False
+    token: str | None = None
+
+
+@dataclass(slots=True)
+class _Endpoint:
+    """Program of this process. `arriving` becomes `inbox` at the next exchange; `waiting` counts both."""
+
+    name: str
+    arriving: list[TextMessage] = field(default_factory=list)
+    inbox: list[TextMessage] = field(default_factory=list)
+    waiting: int = 0
+
+
+class MessageRouter:
+    """State of the text server; the module's description says what it does.
+
+    Times are seconds on any clock that does not run backwards. Not safe for use by several threads at once.
+    """
+
+    def __init__(self, limits: RouterLimits | None = None) -> None:
+        self.limits = limits or RouterLimits()
+        self._connections: dict[ConnectionId, _Connection] = {}
+        self._endpoints: dict[str, _Endpoint] = {}
+        self._holders: dict[str, _Connection | _Endpoint] = {}
+        self._submitted: list[tuple[_Endpoint, TextMessage]] = []
+        self._connection_count = 0
+        self._number = 0
+        self._stopped = False
+
+    # Connections
+
+    def make_room(self, now: float) -> list[RouterOutput]:
+        """Close a connection, where the server is full, for the next one: of those without a name the longest silent.
+
+        Whoever has not said a word for `RouterLimits.idle` seconds has no claim to a place that others need.
+        """
+        if self._stopped or len(self._connections) < self.limits.clients:
+            return []
+        nameless = [client for client in self._connections.values() if client.name is None]
+        idle = [client for client in nameless if now - client.last_line >= self.limits.idle]
+        if not idle:
+            return []
+        return self._close(min(idle, key=lambda client: client.last_line), CloseReason.IDLE)
+
+    def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
+        """Accept a connection, nameless at first; turned away when the server is full or has stopped."""
+        if self._stopped or len(self._connections) >= self.limits.clients:
+            return TurnedAway(SHUTDOWN_LINE)
+        self._connection_count += 1
+        connection = ConnectionId(self._connection_count)
+        self._connections[connection] = _Connection(connection, LineSplitter(self.limits.line), now, credentials)
+        return connection
+
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
+        """Handle bytes from a connection; bytes from a closed one are ignored."""
+        client = self._connections.get(connection)
+        if client is None:
+            return []
+        outputs: list[RouterOutput] = []
+        for line in client.lines.feed(data):
+            client.last_line, client.pinged = now, None
+            if isinstance(line, OverlongLine):
+                outputs += [LineSkipped(connection, line.length), SendToClient(connection, ACK_LINE)]
+            else:
+                outputs += self._handle(client, tokens(line))
+            if connection not in self._connections:
+                break
+        return outputs
+
+    def admits(self, connection: ConnectionId) -> bool:
+        """Return True: a router does not mind how much is said."""
+        return True
+
+    def eof(self, connection: ConnectionId) -> list[RouterOutput]:
+        """Remove a connection that has ended or is lost: its name is free. A line it had begun is dropped."""
+        client = self._connections.pop(connection, None)
+        return [] if client is None else self._release(client)
+
+    def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
+        """Note how many bytes wait in a connection's outgoing buffer; one that does not read is closed."""
+        client = self._connections.get(connection)
+        if client is None or size <= self.limits.backlog:
+            return []
+        return self._close(client, CloseReason.SLOW)
+
+    def advance(self, now: float) -> list[RouterOutput]:
+        """Ping connections that have sent nothing for long, drop those that did not answer. Call it once a second."""
+        outputs: list[RouterOutput] = []
+        for client in list(self._connections.values()):
+            if client.pinged is not None:
+                if now - client.pinged >= self.limits.drop_after:
+                    outputs += self._close(client, CloseReason.PING_UNANSWERED)
+            elif now - client.last_line >= self.limits.ping_after:
+                client.pinged = now
+                outputs.append(SendToClient(client.id, PING_LINE))
+        return outputs
+
+    def stop(self) -> list[RouterOutput]:
+        """Send the shutdown line to every connection, close it, and accept no more."""
+        self._stopped = True
+        outputs: list[RouterOutput] = []
+        for client in list(self._connections.values()):
+            outputs.append(SendToClient(client.id, SHUTDOWN_LINE))
+            outputs += self._close(client, CloseReason.STOPPED)
+        return outputs
+
+    def display_name(self, connection: ConnectionId) -> str | None:
+        """Return a connection's name, or its number while it has none, for people; None when it is not open."""
+        client = self._connections.get(connection)
+        return None if client is None else client.name or f"connection {connection}"
+
+    def keyed_programs(self) -> list[ClientJoined]:
+        """Return the programs that have shown a key, each with its name, in the order of their connections."""
+        return [
+            ClientJoined(client.id, client.name, client.extended, client.credentials)
+            for client in self._connections.values()
+            if client.name is not None and client.credentials.key
+        ]
+
+    # Local endpoints
+
+    def attach(self, name: str) -> NameTaken | None:
+        """Hold a name for a program of this process; it counts as extended and is never pinged.
+
+        Raises:
+            ValueError: the name is not one token.
+        """
+        if tokens(name) != [name]:
+            raise ValueError(f"not one token: {name!r}")
+        if name in self._holders:
+            return NameTaken(name)
+        self._endpoints[name] = self._holders[name] = _Endpoint(name)
+        return None
+
+    def detach(self, name: str) -> None:
+        """Free the name of a local endpoint; messages it has submitted are still passed on.
+
+        Raises:
+            KeyError: no endpoint is attached under this name.
+        """
+        del self._endpoints[name]
+        del self._holders[name]
+
+    def submit(self, name: str, message: TextMessage) -> None:
+        """Send a message as a local endpoint; it is passed on at the next `exchange`.
+
+        Raises:
+            KeyError: no endpoint is attached under this name.
+        """
+        self._submitted.append((self._endpoints[name], message))
+
+    def exchange(self) -> list[RouterOutput]:
+        """Pass on all submitted messages, in order; local endpoints may `take` theirs from now on.
+
+        One call a tick is what makes a run of several local programs deterministic.
+        """
+        outputs: list[RouterOutput] = []
+        submitted, self._submitted = self._submitted, []
+        for endpoint, message in submitted:
+            outputs += self._forward(endpoint, message)
+        for endpoint in self._endpoints.values():
+            endpoint.inbox += endpoint.arriving
+            endpoint.arriving.clear()
+        return outputs
+
+    def take(self, name: str) -> list[TextMessage]:
+        """Take the messages to a local endpoint that came up to the last `exchange`, oldest first.
+
+        Raises:
+            KeyError: no endpoint is attached under this name.
+        """
+        endpoint = self._endpoints[name]
+        messages, endpoint.inbox = endpoint.inbox, []
+        endpoint.waiting = sum(_size(message) for message in endpoint.arriving)  # of integers
+        return messages
+
+    # What a line does
+
+    def _handle(self, client: _Connection, parts: list[str]) -> list[RouterOutput]:
+        outputs: list[RouterOutput] = []
+        match parts:
+            case [TextCommand.SETID, name, *extras]:
+                outputs += self._register(client, name, extras)
+            case [TextCommand.GETID, *_]:
+                name = self._fresh_number()
+                reason = _not_entitled(client.credentials, name, client.extended)
+                if reason is not None:
+                    return self._turn_out(client, name, reason)
+                outputs += self._rename(client, name, client.extended)
+                outputs.append(SendToClient(client.id, encode_line(f"{TextCommand.SETID} {name}")))
+            case [TextCommand.PING, *_]:
+                outputs.append(SendToClient(client.id, PONG_LINE))
+            case [TextCommand.SHUTDOWN, *_]:
+                outputs += self._close(client, CloseReason.ASKED)
+            case _:
+                message = parse_tokens(parts)
+                if isinstance(message, TextMessage):
+                    outputs += self._forward(client, message)
+        if client.id in self._connections:
+            outputs.append(SendToClient(client.id, ACK_LINE))
+        return outputs
+
+    def _register(self, client: _Connection, name: str, extras: Sequence[str]) -> list[RouterOutput]:
+        extended = extras[:1] == [EXTENDED]
+        token = extras[1] if extended and len(extras) > 1 else None
+        outputs: list[RouterOutput] = []
+        reason = _not_entitled(client.credentials, name, extended)
+        if reason is not None:
+            return self._turn_out(client, name, reason)
+        holder = self._holders.get(name)
+        if name == SERVER or (holder is not None and holder is not client):
+            if not (extended and isinstance(holder, _Connection) and _is_dead(holder, client, token)):
+                return [SendToClient(client.id, SHUTDOWN_LINE), *self._close(client, CloseReason.NAME_TAKEN)]
+            outputs += self._close(holder, CloseReason.REPLACED)
+        client.token = token
+        return outputs + self._rename(client, name, extended)
+
+    def _turn_out(self, client: _Connection, name: str, reason: str) -> list[RouterOutput]:
+        told = SendToClient(client.id, farewell(name, reason))
+        return [told, *self._close(client, CloseReason.NOT_ENTITLED)]
+
+    def _forward(self, origin: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
+        """Pass a message on; send an extended origin a notice when that cannot be done."""
+        extended = isinstance(origin, _Endpoint) or origin.extended
+        is_extension = extended and is_notice(message)
+        withheld = _withheld(origin, message) if isinstance(origin, _Connection) else None
+        if withheld is not None:
+            # Not even taps hear of it: the keeper would take it for the word of whoever it names.
+            told = extended and not is_extension
+            return self._hand_over(origin, _undelivered(origin.name or SERVER, message, withheld)) if told else []
+        holder = self._holders.get(message.receiver)
+        failure = self._obstacle(holder, message, is_extension)
+        to_ours = isinstance(holder, _Endpoint) or (holder is not None and holder.extended)
+        if to_ours and isinstance(origin, _Connection) and message.sender != origin.name and is_notice(message):
+            # Our own programs act on what notices say: nobody may say them in another's name.
+            failure = "only that program itself may say so"
+        outputs: list[RouterOutput] = [Forwarded(message, failure is None, extended)]
+        if holder is not None and failure is None:
+            outputs += self._hand_over(holder, message)
+        elif failure is not None and extended and not is_extension:
+            outputs += self._hand_over(origin, _undelivered(origin.name or message.sender, message, failure))
+        return outputs
+
+    def _obstacle(self, holder: _Connection | _Endpoint | None, message: TextMessage, is_extension: bool) -> str | None:
+        """Return the reason why a message cannot be handed over, or None."""
+        match holder:
+            case None:
+                return "nobody holds that name"
+            case _Connection():
+                return "it would not be understood" if is_extension and not holder.extended else None
+            case _Endpoint():
+                return "too much waits there" if holder.waiting + _size(message) > self.limits.backlog else None
+
+    def _hand_over(self, holder: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
+        if isinstance(holder, _Connection):
+            return [SendToClient(holder.id, encode_line(message.line()))]
+        holder.arriving.append(message)
+        holder.waiting += _size(message)
+        return []
+
+    # Names
+
+    def _fresh_number(self) -> str:
+        self._number += 1
+        while str(self._number) in self._holders:
+            self._number += 1
+        return str(self._number)
+
+    def _rename(self, client: _Connection, name: str, extended: bool) -> list[RouterOutput]:
+        left = self._release(client)
+        client.name, client.extended = name, extended
+        self._holders[name] = client
+        return [*left, ClientJoined(client.id, name, extended, client.credentials)]
+
+    def _release(self, client: _Connection) -> list[RouterOutput]:
+        if client.name is None:
+            return []
+        name, client.name = client.name, None
+        del self._holders[name]
+        return [ClientLeft(client.id, name)]
+
+    def _close(self, client: _Connection, reason: CloseReason) -> list[RouterOutput]:
+        return [*self.eof(client.id), CloseConnection(client.id, reason)]
+
+
+def _is_dead(holder: _Connection, newcomer: _Connection, token: str | None) -> bool:
+    if holder.credentials.key != newcomer.credentials.key:
+        return False
+    return holder.pinged is not None or (token is not None and holder.token == token)
+
+
+def farewell(name: str, reason: str) -> bytes:
+    """Return the last lines to a client of ours whose key is not good for what it wants, or not any more."""
+    return encode_line(notice(SERVER, name, REFUSED, reason=reason).line()) + SHUTDOWN_LINE
+
+
+_RIGHTS = {legacy.SIMR: Right.ROBOTS, legacy.HIDER: Right.HIDER}
+"""Rights for the names of programs; all other names are participants'."""
+_NEEDS_KEY = "from another machine programs of thbridge need a key"
+PLAY_AGAIN = "PlayAgain"
+"""Kind of the notice by which a participant begins another game."""
+
+
+def right_of(name: str) -> Right:
+    """Return the right that holding a name takes."""
+    return _RIGHTS.get(name, Right.PARTICIPANT)
+
+
+def _not_entitled(credentials: Credentials, name: str, extended: bool) -> str | None:
+    """Return why a connection may not hold a name, as a clause; None where it may."""
+    if extended and not credentials.extended:
+        return _NEEDS_KEY
+    if credentials.may(right_of(name)):
+        return None
+    return f"the key {credentials.key} is not good for being {name}, but for: {', '.join(credentials.rights)}"
+
+
+def _withheld(client: _Connection, message: TextMessage) -> str | None:
+    """Return why a client's message goes nowhere: it speaks by a key, or as programs with keys do; None: it goes on."""
+    if not client.credentials.extended and is_notice(message):
+        return _NEEDS_KEY
+    if not client.credentials.key:
+        return None
+    if message.sender != client.name:
+        return f"the key {client.credentials.key} speaks for {client.name} alone"
+    said = parse_notice(message) if client.credentials.one_game and is_notice(message) else None
+    if isinstance(said, Notice) and said.kind == PLAY_AGAIN:
+        return f"the key {client.credentials.key} is good for one game"
+    return None
+
+
+def _undelivered(to: str, message: TextMessage, reason: str) -> TextMessage:
+    return notice(
+        SERVER,
+        to,
+        UNDELIVERED,
+        command=message.command,
+        receiver=message.receiver,
+        content=message.text[:_QUOTED],
+        reason=reason,
+    )
+
+
+def _size(message: TextMessage) -> int:
+    return len(message.line())

@@ -1,0 +1,330 @@
+"""Watch protocol, by which a researcher's window observes a session: both sides of it, without sockets.
+
+The session sends a rosbag of format 2.0 without an end: magic, bag header, then chunks, each with its index. The
+watcher sends JSON objects, one a line: first the key, where one is required, then requests.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import msgspec
+
+from thbridge.credentials import LOCAL, Credentials, Right
+from thbridge.text_protocol.wire.lines import LineSplitter, OverlongLine
+
+STATUS = "/watch/status"
+"""Topic of the watch server itself: std_msgs/String, the JSON of a `WatchStatus`."""
+
+MAGIC = b"#ROSBAG V2.0\n"
+
+MISTAKES = 20
+"""Refusals in a row after which a watcher is disconnected."""
+
+_LARGEST = 64 * 2**20
+"""Most bytes of a record; a costmap of 400 m by 400 m, 5 cm a cell, fits."""
+
+_SHOWN = 80
+"""Characters of a refused line that its refusal repeats."""
+
+_U32 = struct.Struct("<I")
+_TIME = struct.Struct("<II")
+
+
+@dataclass(frozen=True, slots=True)
+class SessionMessage:
+    """Message of a session.
+
+    Attributes:
+        topic: its topic.
+        msgtype: for example "nav_msgs/Odometry".
+        stamp_ns: when it was published, nanoseconds of ROS time.
+        data: its bytes, as ROS 1 serialises it.
+    """
+
+    topic: str
+    msgtype: str
+    stamp_ns: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class BrokenStream:
+    """Stream that is not a session's; nothing that follows can be read."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class WatchRefusal:
+    """Request that was not granted.
+
+    Attributes:
+        request: beginning of the request's line.
+        reason: reason for people.
+    """
+
+    request: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class WatchStatus:
+    """State of the watch server as one watcher gets it: once a second, and whenever something changes.
+
+    Attributes:
+        paused: no tick comes until a request resumes or steps.
+        rate: simulated seconds per second that are requested; 0: as fast as the machine can.
+        lag: seconds by which the session is behind that.
+        watchers: number of watchers, this one included.
+        dropped: messages that this watcher did not get, because it reads too slowly.
+        refused: the latest request of this watcher that was not granted; None until there is one.
+        refusals: number of such requests.
+        bag: path of the session's bag on its own machine; empty: it records none.
+        ended: the session has ended, and its bag is complete; this is the last status.
+    """
+
+    paused: bool
+    rate: float
+    lag: float
+    watchers: int
+    dropped: int
+    refused: WatchRefusal | None = None
+    refusals: int = 0
+    bag: str = ""
+    ended: bool = False
+
+    def data(self) -> bytes:
+        """Return the status as a serialised std_msgs/String."""
+        text = msgspec.json.encode(self)
+        return _U32.pack(len(text)) + text
+
+
+def parse_status(message: SessionMessage) -> WatchStatus | None:
+    """Return the status in a message; None when it holds none."""
+    if message.topic != STATUS:
+        return None
+    try:
+        return msgspec.json.decode(message.data[_U32.size :], type=WatchStatus)
+    except msgspec.DecodeError:
+        return None
+
+
+# The watcher's side
+
+
+class BagStreamReader:
+    """Splits a session's bytes into messages, however they are cut into segments."""
+
+    def __init__(self) -> None:
+        self._held = bytearray()
+        self._begun = False
+        self._broken = False
+        self._connections: dict[int, tuple[str, str]] = {}
+
+    def feed(self, data: bytes) -> list[SessionMessage | BrokenStream]:
+        """Return the messages that `data` completes; after a `BrokenStream` there are none."""
+        if self._broken:
+            return []
+        self._held += data
+        messages: list[SessionMessage | BrokenStream] = []
+        try:
+            self._begin()
+            for header, body in self._records():
+                messages += self._record(header, body)
+        except (ValueError, LookupError, struct.error) as error:
+            self._broken = True
+            self._held.clear()
+            messages.append(BrokenStream(f"this is not a session's door: {error}"))
+        return messages
+
+    def _begin(self) -> None:
+        if not self._begun:
+            beginning = bytes(self._held[: len(MAGIC)])
+            if not MAGIC.startswith(beginning):
+                raise ValueError("it does not begin as a bag of format 2.0")
+            if len(beginning) == len(MAGIC):
+                self._begun = True
+                del self._held[: len(MAGIC)]
+
+    def _records(self) -> Iterator[tuple[bytes, bytes]]:
+        """Yield the complete records; they are removed from the buffer at the end."""
+        at = 0
+        try:
+            while self._begun and (sizes := _sizes(self._held, at)) is not None:
+                header, body = sizes
+                start = at + 8 + header
+                record = bytes(self._held[at + 4 : at + 4 + header]), bytes(self._held[start : start + body])
+                at = start + body
+                yield record
+        finally:
+            del self._held[:at]
+
+    def _record(self, header: bytes, body: bytes) -> Iterator[SessionMessage]:
+        fields = _fields(header)
+        match fields[b"op"][0]:
+            case 0x05:  # a chunk
+                if fields[b"compression"] != b"none":
+                    raise ValueError("its chunks are packed")
+                at = 0
+                while at < len(body):
+                    sizes = _sizes(body, at)
+                    if sizes is None:
+                        raise ValueError("a chunk is cut short")
+                    inner, size = sizes
+                    start = at + 8 + inner
+                    yield from self._record(body[at + 4 : at + 4 + inner], body[start : start + size])
+                    at = start + size
+            case 0x07:  # a connection
+                (number,) = _U32.unpack(fields[b"conn"])
+                self._connections[number] = fields[b"topic"].decode(), _fields(body)[b"type"].decode()
+            case 0x02:  # a message
+                (number,) = _U32.unpack(fields[b"conn"])
+                seconds, nanoseconds = _TIME.unpack(fields[b"time"])
+                topic, msgtype = self._connections[number]
+                yield SessionMessage(topic, msgtype, seconds * 1_000_000_000 + nanoseconds, body)
+            case 0x03 | 0x04:  # the bag's header, and an index
+                pass
+            case kind:
+                raise ValueError(f"it has a record of kind {kind}")
+
+
+def _sizes(data: bytes | bytearray, at: int) -> tuple[int, int] | None:
+    """Return the lengths of header and body of the record at `at`; None while it is incomplete.
+
+    Raises:
+        ValueError: no record is that long.
+    """
+    if len(data) < at + 4:
+        return None
+    (header,) = _U32.unpack_from(data, at)
+    if header > _LARGEST:
+        raise ValueError("it has a record without end")
+    if len(data) < at + 8 + header:
+        return None
+    (body,) = _U32.unpack_from(data, at + 4 + header)
+    if body > _LARGEST:
+        raise ValueError("it has a record without end")
+    return (header, body) if len(data) >= at + 8 + header + body else None
+
+
+def _fields(header: bytes) -> dict[bytes, bytes]:
+    fields: dict[bytes, bytes] = {}
+    at = 0
+    while at < len(header):
+        (size,) = _U32.unpack_from(header, at)
+        name, equals, value = header[at + 4 : at + 4 + size].partition(b"=")
+        if not equals or at + 4 + size > len(header):
+            raise ValueError("it has a record that is none")
+        fields[name] = value
+        at += 4 + size
+    return fields
+
+
+# The session's side
+
+
+@dataclass(frozen=True, slots=True)
+class WatcherAdmitted:
+    """The watcher may receive messages and make requests."""
+
+
+@dataclass(frozen=True, slots=True)
+class WatcherRequest:
+    """Request of a watcher.
+
+    Attributes:
+        line: the line as it was received.
+        value: the JSON object in it.
+    """
+
+    line: str
+    value: Mapping[str, object]
+
+
+WatcherEvent: TypeAlias = WatcherAdmitted | WatcherRequest | WatchRefusal
+
+
+class WatcherSession:
+    """Decoder of one watcher's lines, which also has its key checked.
+
+    Args:
+        identify: returns who has a key, or why it is good for nothing, as a clause; None: no key is needed.
+
+    Attributes:
+        credentials: of the watcher; anybody's before it is admitted.
+        admitted: True when it may receive messages and make requests.
+        rejected: it is to be disconnected: its key is wrong, its first line is not of this protocol (a browser's,
+            say), or too many requests in a row were refused.
+    """
+
+    def __init__(self, identify: Callable[[str], Credentials | str] | None = None) -> None:
+        self.admitted = identify is None
+        self.rejected = False
+        self.credentials = LOCAL
+        self._identify = identify
+        self._lines = LineSplitter()
+        self._understood = False
+        self._mistakes = 0
+
+    def feed(self, data: bytes) -> Iterator[WatcherEvent]:
+        """Yield the events of the lines that `data` completes; call `granted` or `refused` before taking the next."""
+        for line in self._lines.feed(data):
+            if self.rejected:
+                return
+            yield from self._read(line)
+
+    def granted(self) -> None:
+        """Note that its latest request was granted."""
+        self._mistakes = 0
+
+    def refused(self) -> None:
+        """Note that its latest request was refused."""
+        self._mistakes += 1
+        self.rejected = self.rejected or self._mistakes >= MISTAKES
+
+    def _read(self, line: str | OverlongLine) -> Iterator[WatcherEvent]:
+        if isinstance(line, OverlongLine):
+            yield self._misunderstood("", "the line is too long")
+            return
+        value = _object(line)
+        if value is None:
+            yield self._misunderstood(line, "it is not a line with one JSON object")
+            return
+        self._understood = True
+        if self._identify is not None and not self.admitted:
+            key = value.get("key")
+            found = self._identify(key) if isinstance(key, str) else "the key is wrong"
+            if isinstance(found, Credentials) and not found.may(Right.WATCH):
+                found = f"the key {found} is not good for watching"
+            self.admitted, self.rejected = not isinstance(found, str), isinstance(found, str)
+            if isinstance(found, str):
+                yield WatchRefusal("", found if "key" in value else "a key is wanted")
+            else:
+                self.credentials = found
+                yield WatcherAdmitted()
+        elif set(value) != {"key"}:  # a key that is not needed is ignored
+            yield WatcherRequest(line, value)
+
+    def _misunderstood(self, line: str, reason: str) -> WatchRefusal:
+        # A first line like this is no watcher's; a web page could have sent a browser here.
+        self.rejected = self.rejected or not self._understood
+        self.refused()
+        return refusal(line, reason)
+
+
+def refusal(line: str, reason: str) -> WatchRefusal:
+    """Return the refusal of a line, with the beginning of the line."""
+    return WatchRefusal(line[:_SHOWN], reason)
+
+
+def _object(line: str) -> dict[str, object] | None:
+    # Unlike Python's own reader it refuses NaN, infinities and numbers that would become one.
+    try:
+        value: object = msgspec.json.decode(line.encode())
+    except (msgspec.DecodeError, RecursionError, UnicodeEncodeError):
+        return None
+    return {str(name): item for name, item in value.items()} if isinstance(value, dict) else None
