@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from sim.numerics import noise
-from thbridge.argumentation.arguments import Argument
-from thbridge.argumentation.beliefs import Beliefs, Source
-from thbridge.argumentation.cases import Side, Stance
-from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.argumentation.arguments import Argument
+from thbridge.dialogue.argumentation.beliefs import Beliefs, Source
+from thbridge.dialogue.argumentation.cases import Side, Stance
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement
 from thbridge.dialogue.evidence import (

@@ -8,8 +8,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from thbridge.argumentation.beliefs import Beliefs, Origin, Source
-from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule, opposed
+from thbridge.dialogue.argumentation.beliefs import Beliefs, Origin, Source
+from thbridge.dialogue.argumentation.propositions import Conjunction, Literal, Proposition, Rule, opposed
 from thbridge.dialogue.propositions import (
     CostOfOther,
     CouldBe,

@@ -7,9 +7,9 @@ the costs of the later ones.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from thbridge.argumentation.beliefs import Beliefs, Origin, Source
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.argumentation.beliefs import Beliefs, Origin, Source
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.games.agents import Agent, Picture
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.tables import Rulebook

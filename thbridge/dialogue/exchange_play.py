@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sim.numerics import noise
-from thbridge.argumentation.arguments import Belief
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Proposition
+from thbridge.dialogue.argumentation.arguments import Belief
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue.examples import Exchange
 from thbridge.dialogue.games.contents import DialogueMove, matter_of
 from thbridge.dialogue.games.control import Conversation, Opening

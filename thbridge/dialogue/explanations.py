@@ -4,8 +4,8 @@ An explanation is made of literals, each of which the robot believes, or, of wha
 lead it to another decision. So what is said is true by construction.
 """
 
-from thbridge.argumentation.arguments import Argument
-from thbridge.argumentation.propositions import Literal, Proposition
+from thbridge.dialogue.argumentation.arguments import Argument
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, comparison, is_below
 from thbridge.dialogue.moves import Enquire, Explain, Question
 from thbridge.dialogue.propositions import (

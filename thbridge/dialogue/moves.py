@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation

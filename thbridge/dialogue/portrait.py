@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from itertools import islice
 
-from thbridge.argumentation.arguments import Argument, framework_of
-from thbridge.argumentation.beliefs import Beliefs, Source
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Rule, opposed
-from thbridge.argumentation.semantics import grounded
+from thbridge.dialogue.argumentation.arguments import Argument, framework_of
+from thbridge.dialogue.argumentation.beliefs import Beliefs, Source
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Rule, opposed
+from thbridge.dialogue.argumentation.semantics import grounded
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.locutions import origin_of_hearsay

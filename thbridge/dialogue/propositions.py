@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import fsum
 
 from sim.common.robot_numbers import number_of
-from thbridge.argumentation.propositions import Literal, Proposition
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import Room
 

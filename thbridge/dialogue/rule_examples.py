@@ -3,9 +3,9 @@
 What argues for a rule derives it with its premises granted. Who grants the premises has not accepted the rule.
 """
 
-from thbridge.argumentation.beliefs import Beliefs
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.argumentation.beliefs import Beliefs
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.examples import BLUE_BOTTLE, BLUE_BOTTLE_SEEN, BOTTLE_IN_2, Exchange, course, people_see_shapes
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.control import Conversation

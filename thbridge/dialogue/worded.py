@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 
 from sim.numerics import noise
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.moves import (

@@ -8,7 +8,7 @@ them. The numeric format of the competitions from 2023 on (AF) says in its first
 import re
 from pathlib import Path
 
-from thbridge.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection
 

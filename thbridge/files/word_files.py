@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from thbridge.argumentation.cases import Side
+from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.games.contents import ContentKind
 from thbridge.dialogue.games.locutions import Locution
 from thbridge.dialogue.sentences import reserved_in, spelling_fault

@@ -3,9 +3,17 @@
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from thbridge.argumentation.discussion import Discussion, DiscussionLocution, is_won
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import IN, OUT, UNDECIDED, Extension, Semantics, grounded_labels, grounded_steps
+from thbridge.dialogue.argumentation.discussion import Discussion, DiscussionLocution, is_won
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.semantics import (
+    IN,
+    OUT,
+    UNDECIDED,
+    Extension,
+    Semantics,
+    grounded_labels,
+    grounded_steps,
+)
 
 _KINDS = {
     Semantics.GROUNDED: "grounded",

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.argumentation.semantics import Semantics
+from thbridge.dialogue.argumentation.semantics import Semantics
 from ui.options import AsJson
 from ui.terminal import BAD_INPUT, bad_input, fail, print_json, say
 
@@ -36,7 +36,7 @@ def argue(
     as_json: AsJson = False,
 ) -> None:
     """Tell which arguments stand together: the extensions of an argumentation framework."""
-    from thbridge.argumentation.discussion import discuss, is_won
+    from thbridge.dialogue.argumentation.discussion import discuss, is_won
     from thbridge.files.argument_files import read_framework
     from ui.actions.argue import discussion_in_words, grounded_label, membership_in_words, name_order
 
@@ -46,9 +46,9 @@ def argue(
         if find_spec("clingo") is None:
             remedy = "Run: pip install 'thbridge[argumentation]', or leave --engine away"
             fail(BAD_INPUT, f"--engine: the package clingo is not installed. {remedy}.")
-        from thbridge.argumentation.clingo_engine import extensions_by_clingo as extensions
+        from thbridge.dialogue.argumentation.clingo_engine import extensions_by_clingo as extensions
     else:
-        from thbridge.argumentation.semantics import extensions
+        from thbridge.dialogue.argumentation.semantics import extensions
     with bad_input():
         framework = read_framework(file)
     if query is not None and query not in framework.index:

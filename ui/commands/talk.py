@@ -58,7 +58,7 @@ def talk(
         return
     if example is None:
         fail(BAD_INPUT, f"--example: nothing to talk about. Write --example {TalkExample.JHRI2015}, or see --help.")
-    from thbridge.argumentation.cases import Side
+    from thbridge.dialogue.argumentation.cases import Side
     from thbridge.dialogue.examples import jhri2015
     from thbridge.dialogue.rule_examples import rules_as_topics
     from thbridge.dialogue.wording.wording import Wording

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from tests.bench.budget import Budgets, best, cpu_seconds
-from tests.thbridge.argumentation.frameworks import chain
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import Extension, Semantics, extensions, grounded
+from tests.thbridge.dialogue.argumentation.frameworks import chain
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.semantics import Extension, Semantics, extensions, grounded
 
 pytestmark = pytest.mark.bench
 
@@ -34,7 +34,7 @@ def engine_named(name: str) -> Callable[[ArgumentationFramework, Semantics], tup
     if name == "python":
         return extensions
     pytest.importorskip("clingo", reason="clingo is not installed: make setup")
-    from thbridge.argumentation.clingo_engine import extensions_by_clingo  # noqa: PLC0415 - it needs clingo
+    from thbridge.dialogue.argumentation.clingo_engine import extensions_by_clingo  # noqa: PLC0415 - it needs clingo
 
     return extensions_by_clingo
 

@@ -9,7 +9,7 @@ import pytest
 
 from thbridge.app.compose.installed import impatient_author, installed_author, installed_strategy
 from thbridge.app.compose.setting import StudySetting, read_setting
-from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.examples import jhri2015
 from thbridge.dialogue.games.contents import DialogueMove

@@ -7,9 +7,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tests.thbridge.dialogue.facts import what_facts, where_facts
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.arguing import MOST_CHOICES, ArguingEngine
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import DialogueStep
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, where

@@ -3,8 +3,8 @@
 from hypothesis import given
 
 from tests.thbridge.dialogue.facts import where_facts
-from thbridge.argumentation.beliefs import Beliefs, Source
-from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.argumentation.beliefs import Beliefs, Source
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, comparison, what, where
 from thbridge.dialogue.propositions import FewerRooms, InTheWay, LessThan, NamesTreasure, NextRoom, TakesPicture
 from thbridge.hunt.rooms import Room

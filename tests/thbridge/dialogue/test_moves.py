@@ -2,8 +2,8 @@
 
 from typing import get_args
 
-from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue import moves
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.propositions import NextRoom
 from thbridge.hunt.rooms import Room

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.thbridge.dialogue.test_arguing import FACTS, engine, manners, said, topics
-from thbridge.argumentation.cases import Side
 from thbridge.dialogue.arguing import ArguingEngine
+from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.engine import DialogueStep
 from thbridge.dialogue.games.control import Conversation

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.thbridge.dialogue.test_arguing import FACTS, RULEBOOK, FormalPhrasing, play, topics
-from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.arguing import ArguingEngine
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from tests.thbridge.argumentation.frameworks import frameworks
-from thbridge.argumentation.framework import ArgumentationFramework
+from tests.thbridge.dialogue.argumentation.frameworks import frameworks
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
 from thbridge.files.argument_files import read_framework
 from thbridge.files.errors import BadFile
 

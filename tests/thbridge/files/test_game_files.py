@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.argumentation.arguments import Belief
-from thbridge.argumentation.cases import Side
+from thbridge.dialogue.argumentation.arguments import Belief
+from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.examples import jhri2015
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.tables import DialogueEnd, GameTable, Rulebook

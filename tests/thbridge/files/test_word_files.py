@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.games.contents import ContentKind, DialogueMove
 from thbridge.dialogue.games.locutions import Locution
 from thbridge.dialogue.propositions import NextRoom

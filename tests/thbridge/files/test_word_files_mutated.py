@@ -6,9 +6,9 @@ from random import Random
 import pytest
 
 from tests.thbridge.dialogue.wording.propositions import FORMS
-from thbridge.argumentation.arguments import Argument
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.argumentation.arguments import Argument
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, Unknown
 from thbridge.dialogue.propositions import NextRoom, TeamPlan, Visited
 from thbridge.dialogue.wording.wording import Wording

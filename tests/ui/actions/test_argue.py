@@ -5,10 +5,10 @@ import re
 import pytest
 from hypothesis import given
 
-from tests.thbridge.argumentation.frameworks import chain, frameworks
-from thbridge.argumentation.discussion import discuss
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import Semantics, extensions
+from tests.thbridge.dialogue.argumentation.frameworks import chain, frameworks
+from thbridge.dialogue.argumentation.discussion import discuss
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.semantics import Semantics, extensions
 from ui.actions.argue import discussion_in_words, grounded_label, membership_in_words
 
 CIRCLE = ArgumentationFramework.of("abc", [("a", "b"), ("b", "c"), ("c", "a")])

@@ -7,10 +7,10 @@ commitment store.
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-from thbridge.argumentation.arguments import Argument, Belief, arguments_for
-from thbridge.argumentation.beliefs import Beliefs
-from thbridge.argumentation.cases import Side, Stance
-from thbridge.argumentation.propositions import Literal, Proposition, Rule, opposed
+from thbridge.dialogue.argumentation.arguments import Argument, Belief, arguments_for
+from thbridge.dialogue.argumentation.beliefs import Beliefs
+from thbridge.dialogue.argumentation.cases import Side, Stance
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule, opposed
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown
 
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Self, TypeAlias
 
-from thbridge.argumentation.arguments import Argument, Belief
-from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.argumentation.arguments import Argument, Belief
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from thbridge.argumentation.arguments import Belief
-from thbridge.argumentation.cases import DialogueCase, DialogueKind, Side, Stance, case_of
-from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.argumentation.arguments import Belief
+from thbridge.dialogue.argumentation.cases import DialogueCase, DialogueKind, Side, Stance, case_of
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import DialogueMove, kind_of_content, matter_of
 from thbridge.dialogue.games.dialogue_game import (

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from thbridge.argumentation.arguments import Argument, Belief
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.argumentation.arguments import Argument, Belief
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, opposite
 from thbridge.dialogue.games.locutions import Able, Locution, Utterer, after_saying, may_say

@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal as OneOf
 
-from thbridge.argumentation.arguments import Argument, Belief
-from thbridge.argumentation.beliefs import Origin, Source
-from thbridge.argumentation.cases import Stance
-from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.argumentation.arguments import Argument, Belief
+from thbridge.dialogue.argumentation.beliefs import Origin, Source
+from thbridge.dialogue.argumentation.cases import Stance
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, Unknown
 

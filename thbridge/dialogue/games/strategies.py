@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
-from thbridge.argumentation.arguments import Argument, Belief, framework_of
-from thbridge.argumentation.beliefs import Beliefs
-from thbridge.argumentation.propositions import Literal, opposed
-from thbridge.argumentation.semantics import grounded
+from thbridge.dialogue.argumentation.arguments import Argument, Belief, framework_of
+from thbridge.dialogue.argumentation.beliefs import Beliefs
+from thbridge.dialogue.argumentation.propositions import Literal, opposed
+from thbridge.dialogue.argumentation.semantics import grounded
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import ContentKind, DialogueMove, kind_of_content
 from thbridge.dialogue.games.control import Conversation

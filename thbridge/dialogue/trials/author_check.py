@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from sim.numerics import noise
-from thbridge.argumentation.cases import Side
+from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.trials.faults import TrialFault

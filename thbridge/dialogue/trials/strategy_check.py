@@ -6,8 +6,8 @@ from enum import StrEnum
 from typing import TypeVar
 
 from sim.numerics import noise
-from thbridge.argumentation.cases import Side
 from thbridge.dialogue.arguing import ArguingEngine
+from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts
 from thbridge.dialogue.examples import Exchange, jhri2015

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Protocol
 
-from thbridge.argumentation.arguments import Argument
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.argumentation.arguments import Argument
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown
 from thbridge.dialogue.other_programs import RAISED, told_error

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Protocol, TypeVar
 
-from thbridge.argumentation.cases import Side
+from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import ContentKind
 from thbridge.dialogue.wording.lines import LineKey

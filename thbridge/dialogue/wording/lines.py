@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from thbridge.argumentation.cases import Side
+from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.wording.predicates import ValueKind
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from thbridge.argumentation.propositions import Proposition
+from thbridge.dialogue.argumentation.propositions import Proposition
 from thbridge.dialogue.propositions import (
     ColourFound,
     CostOfOther,

@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from sim.common.robot_numbers import number_of
-from thbridge.argumentation.arguments import Argument, Belief
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.argumentation.arguments import Argument, Belief
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, kind_of_content
 from thbridge.dialogue.sentences import fill

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from thbridge.argumentation.cases import DialogueKind, Side
+from thbridge.dialogue.argumentation.cases import DialogueKind, Side
 from thbridge.dialogue.examples import Exchange
 from thbridge.dialogue.exchange_play import CourseFollower, ExchangeAct, acts, turn_in
 from thbridge.dialogue.games.agents import Agent

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import product
 
-from thbridge.argumentation.arguments import Argument, Belief
-from thbridge.argumentation.beliefs import Beliefs
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.argumentation.arguments import Argument, Belief
+from thbridge.dialogue.argumentation.beliefs import Beliefs
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.games.agents import Picture
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown
 

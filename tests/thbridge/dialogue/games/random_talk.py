@@ -5,10 +5,10 @@ import sys
 from dataclasses import dataclass
 
 from tests.thbridge.dialogue.games.judge import Fact, Judge, Party
-from thbridge.argumentation.arguments import Belief
-from thbridge.argumentation.beliefs import Beliefs, Origin, Source
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule
+from thbridge.dialogue.argumentation.arguments import Belief
+from thbridge.dialogue.argumentation.beliefs import Beliefs, Origin, Source
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Conjunction, Literal, Proposition, Rule
 from thbridge.dialogue.games.agents import Agent, Picture
 from thbridge.dialogue.games.contents import Unknown
 from thbridge.dialogue.games.control import Conversation

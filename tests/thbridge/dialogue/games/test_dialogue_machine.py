@@ -19,9 +19,9 @@ from hypothesis.stateful import (
 
 from tests.thbridge.dialogue.games.judge import IN_BRIEF, OPENING_WORDS, Judge, case, rival
 from tests.thbridge.dialogue.games.random_talk import CLAIMS, GAMES, PROPOSITIONS, Start, random_start, random_topic
-from thbridge.argumentation.beliefs import Origin, Source
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.argumentation.beliefs import Origin, Source
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown
 from thbridge.dialogue.games.control import Conversation, IllegalMoveError, Opening
 from thbridge.dialogue.games.tables import DialogueEnd

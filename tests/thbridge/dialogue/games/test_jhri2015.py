@@ -2,8 +2,8 @@
 
 import pytest
 
-from thbridge.argumentation.cases import DialogueKind, Side
-from thbridge.argumentation.propositions import Literal, Proposition
+from thbridge.dialogue.argumentation.cases import DialogueKind, Side
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue.examples import (
     BLUE_BOTTLE,
     BLUE_BOTTLE_SEEN,

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from tests.thbridge.dialogue.games import test_dialogue_machine as machine
-from thbridge.argumentation import arguments, beliefs
-from thbridge.argumentation.arguments import Argument, Belief, arguments_for
-from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.argumentation import arguments, beliefs
+from thbridge.dialogue.argumentation.arguments import Argument, Belief, arguments_for
+from thbridge.dialogue.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.games import agents, control, dialogue_game, locutions
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import ContentKind

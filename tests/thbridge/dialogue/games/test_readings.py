@@ -10,10 +10,10 @@ import pytest
 
 from tests.compiling import ROOT
 from tests.thbridge.dialogue.games.judge import Fact
-from thbridge.argumentation.arguments import Belief
-from thbridge.argumentation.beliefs import Beliefs, Source
-from thbridge.argumentation.cases import DialogueKind, Side
-from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.argumentation.arguments import Belief
+from thbridge.dialogue.argumentation.beliefs import Beliefs, Source
+from thbridge.dialogue.argumentation.cases import DialogueKind, Side
+from thbridge.dialogue.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.games.agents import Agent, Picture
 from thbridge.dialogue.games.contents import Unknown
 from thbridge.dialogue.games.control import Conversation

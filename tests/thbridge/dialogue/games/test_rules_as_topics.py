@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.argumentation.test_arguments import derives
+from tests.thbridge.dialogue.argumentation.test_arguments import derives
 from tests.thbridge.dialogue.games.judge import Fact, Judge, Party
 from tests.thbridge.dialogue.games.random_talk import GAMES, random_start, random_topic
 from tests.thbridge.dialogue.games.test_dialogue_machine import judged, keeps_promises
@@ -25,9 +25,9 @@ from tests.thbridge.dialogue.games.test_readings import (
     said,
     side,
 )
-from thbridge.argumentation.arguments import Argument, Belief
-from thbridge.argumentation.cases import DialogueKind, Side
-from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.argumentation.arguments import Argument, Belief
+from thbridge.dialogue.argumentation.cases import DialogueKind, Side
+from thbridge.dialogue.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.examples import Exchange, jhri2015
 from thbridge.dialogue.exchange_play import CourseFollower, acts, turn_in
 from thbridge.dialogue.games.control import Conversation, Opening

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from hypothesis import strategies as st
 
-from thbridge.argumentation.arguments import Argument
-from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule
+from thbridge.dialogue.argumentation.arguments import Argument
+from thbridge.dialogue.argumentation.propositions import Conjunction, Literal, Proposition, Rule
 from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, Unknown
 from thbridge.dialogue.propositions import RoomSequence
 from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, ValueKind, predicate_of

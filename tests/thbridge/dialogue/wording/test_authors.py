@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.thbridge.dialogue.wording.propositions import MOVES, WORDINGS
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Conjunction, Literal
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Conjunction, Literal
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.propositions import (

@@ -14,10 +14,10 @@ from tests.thbridge.dialogue.wording.propositions import (
     WORDINGS,
     values_in,
 )
-from thbridge.argumentation.arguments import Argument
-from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue import propositions
+from thbridge.dialogue.argumentation.arguments import Argument
+from thbridge.dialogue.argumentation.cases import Side
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.propositions import EnergyLevel, FewerRooms, NextRoom, RoomSequence, TeamPlan, Wanted

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import clingo
 
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import Extension, Semantics, extensions, in_order
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.semantics import Extension, Semantics, extensions, in_order
 
 _COMMON = """
 #show in/1.

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 from hypothesis import strategies as st
 
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import Extension, Semantics
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.semantics import Extension, Semantics
 
 
 def random_framework(rng: random.Random, least: int, most: int) -> ArgumentationFramework:

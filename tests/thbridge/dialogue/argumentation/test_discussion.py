@@ -4,8 +4,8 @@ import random
 
 from hypothesis import given
 
-from tests.thbridge.argumentation.frameworks import chain, frameworks, random_framework
-from thbridge.argumentation.discussion import (
+from tests.thbridge.dialogue.argumentation.frameworks import chain, frameworks, random_framework
+from thbridge.dialogue.argumentation.discussion import (
     Discussion,
     DiscussionLocution,
     DiscussionMove,
@@ -13,8 +13,8 @@ from thbridge.argumentation.discussion import (
     is_won,
     legal_moves,
 )
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import grounded
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.semantics import grounded
 
 
 def can_be_won(framework: ArgumentationFramework, discussion: Discussion) -> bool:

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from enum import StrEnum
 
-from thbridge.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
 
 Extension = frozenset[str]
 """Arguments that stand together."""

@@ -5,13 +5,13 @@ import random
 import pytest
 from hypothesis import given
 
-from tests.thbridge.argumentation.frameworks import chain, frameworks, pairs, random_framework
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import Semantics, extensions
+from tests.thbridge.dialogue.argumentation.frameworks import chain, frameworks, pairs, random_framework
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.semantics import Semantics, extensions
 
 pytest.importorskip("clingo", reason="clingo is not installed: make setup")
 
-from thbridge.argumentation.clingo_engine import extensions_by_clingo
+from thbridge.dialogue.argumentation.clingo_engine import extensions_by_clingo
 
 
 @given(framework=frameworks())

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
-from thbridge.argumentation.arguments import Argument, Belief, Preference, arguments_for
-from thbridge.argumentation.cases import Stance
-from thbridge.argumentation.propositions import Literal, Proposition, Rule, opposed
+from thbridge.dialogue.argumentation.arguments import Argument, Belief, Preference, arguments_for
+from thbridge.dialogue.argumentation.cases import Stance
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule, opposed
 
 
 class Source(StrEnum):

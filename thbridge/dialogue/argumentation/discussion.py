@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import IN, OUT, UNDECIDED, grounded_labels, grounded_steps
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.semantics import IN, OUT, UNDECIDED, grounded_labels, grounded_steps
 
 
 class DiscussionLocution(StrEnum):

@@ -3,7 +3,7 @@
 from collections import Counter
 from itertools import chain, combinations, product
 
-from thbridge.argumentation.cases import DialogueKind, Side, Stance, case_of, case_of_choices
+from thbridge.dialogue.argumentation.cases import DialogueKind, Side, Stance, case_of, case_of_choices
 
 ROOMS = [f"Room{number}" for number in range(1, 7)]
 

@@ -6,7 +6,7 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.argumentation.arguments import (
+from thbridge.dialogue.argumentation.arguments import (
     Argument,
     Belief,
     arguments_for,
@@ -16,8 +16,8 @@ from thbridge.argumentation.arguments import (
     rebuts,
     undermines,
 )
-from thbridge.argumentation.propositions import Literal, Proposition, Rule, consistent, opposed
-from thbridge.argumentation.semantics import grounded
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule, consistent, opposed
+from thbridge.dialogue.argumentation.semantics import grounded
 from thbridge.dialogue.propositions import EnergyCost, EnergyLevel, LessThan, Selected, VisitOrder
 from thbridge.hunt.rooms import Room
 

@@ -9,8 +9,8 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.propositions import Literal, Rule, consistent, opposed
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.propositions import Literal, Rule, consistent, opposed
 
 Belief = Literal | Rule
 Preference = Callable[["Argument", "Argument"], bool]

@@ -5,9 +5,15 @@ import random
 import pytest
 from hypothesis import given
 
-from tests.thbridge.argumentation.frameworks import by_trying_all_sets, chain, frameworks, pairs, random_framework
-from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import Semantics, extensions, grounded
+from tests.thbridge.dialogue.argumentation.frameworks import (
+    by_trying_all_sets,
+    chain,
+    frameworks,
+    pairs,
+    random_framework,
+)
+from thbridge.dialogue.argumentation.framework import ArgumentationFramework
+from thbridge.dialogue.argumentation.semantics import Semantics, extensions, grounded
 
 
 def of(framework: ArgumentationFramework) -> dict[Semantics, set[frozenset[str]]]:
