@@ -77,7 +77,7 @@ def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fin
                     files[name.as_posix()] = hashlib.file_digest(file, "sha256").hexdigest()
             except OSError as error:
                 raise BadFile(path, f"cannot be read ({reason_of(error)})", "Give the right to read it") from None
-    with suppress(BadFile):  # A faulty experiment is reported by whoever reads it.
+    with suppress(BadFile):  # Faults of the experiment are reported where it is read.
         design = folder.read()
         studies = [study for cell in design.cells for study in cell.studies]
         plugins = {key: package for key in plugins_of(*studies) if (package := package_of(key)) is not None}

@@ -81,7 +81,7 @@ def check_plugin(kind: PluginKind, name: str, seed: int) -> PluginCheck:
     """
     trial = TRIALS[kind](name, seed, LONGEST)
     if not trial.faults:
-        # Another process has another order of sets, and has imported the module anew.
+        # Another process has another order of sets, and imports the module again.
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
             other = pool.submit(TRIALS[kind], name, seed, LONGEST).result()
         if other.digest != trial.digest:

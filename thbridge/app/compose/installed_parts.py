@@ -45,7 +45,7 @@ class PartGuard:
     Attributes:
         what: kind and name of the part.
         log: takes each failure.
-        run: calls the lab's program; in a trial, it may take so long and no longer.
+        run: calls the lab's program; in a trial, with a timeout.
     """
 
     what: str
@@ -164,30 +164,30 @@ class GuardedLocalizer:
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin at a pose; see `Localizer`."""
         self._base_in_map, self._covariance = base_in_map, read_only(covariance.copy())
-        self._tell(lambda localizer: localizer.start(base_in_map, covariance.copy()))
+        self._pass_on(lambda localizer: localizer.start(base_in_map, covariance.copy()))
 
     def globalize(self) -> None:
         """Forget the pose; see `Localizer`."""
-        self._tell(lambda localizer: localizer.globalize())
+        self._pass_on(lambda localizer: localizer.globalize())
 
     def widen(self, distance: float, turn: float) -> None:
         """Doubt the pose; see `Localizer`."""
-        self._tell(lambda localizer: localizer.widen(distance, turn))
+        self._pass_on(lambda localizer: localizer.widen(distance, turn))
 
     def request_update(self) -> None:
         """Weigh the next scan; see `Localizer`."""
-        self._tell(lambda localizer: localizer.request_update())
+        self._pass_on(lambda localizer: localizer.request_update())
 
     def configure(self, parameters: RobotParameters) -> None:
         """Go on with parameters; see `Localizer`."""
-        self._tell(lambda localizer: localizer.configure(parameters))
+        self._pass_on(lambda localizer: localizer.configure(parameters))
 
-    def _tell(self, tell: Callable[[Localizer], None]) -> None:
-        """Pass a request on; where it fails, the next update tells of it."""
+    def _pass_on(self, request: Callable[[Localizer], None]) -> None:
+        """Pass a request on; where it fails, the next update reports it."""
         localizer = self._localizer
         if localizer is not None:
             try:
-                self._guard.call(lambda: tell(localizer))
+                self._guard.call(lambda: request(localizer))
             except PartFailed as failed:
                 self._fault = str(failed)
 
@@ -330,7 +330,7 @@ class GuardedPlanner:
 
 _OCCUPIED = (INSCRIBED, LETHAL)
 END_TOLERANCE = 0.2
-"""Metres by which a lab's path may begin and end beside the robot and the goal."""
+"""Greatest distance of the ends of a lab's path from the robot and the goal, m."""
 
 
 def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> str:
@@ -350,14 +350,14 @@ def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goa
         for part in range(parts + 1):
             at = Pose2(x + (u - x) * part / parts, y + (v - y) * part / parts, 0.0)
             cost = _cost_at(costs, frame, at)
-            # It may lead out of an obstacle that the robot stands beside.
+            # It may lead away from an obstacle next to the robot.
             if at.distance(start) > NEAR_ROBOT and (cost is None or cost in _OCCUPIED):
                 return f"its path leads through an obstacle at ({at.x:.2f}, {at.y:.2f})"
     return ""
 
 
 NEAR_ROBOT = 0.5
-"""Metres from the robot within which its path may touch obstacles."""
+"""Distance from the robot within which its path may touch obstacles, m."""
 
 
 def _cost_at(costs: Costs, frame: CostFrame, place: Pose2) -> int | None:

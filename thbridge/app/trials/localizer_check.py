@@ -50,7 +50,7 @@ def try_localizer(name: str, seed: int, seconds: float) -> PluginTrial:
                 110: [SetSoftwareParameters(0, slower)],
             },
         ),
-        "A robot that is moved by hand, and then told to search anywhere": (
+        "A robot that is moved by hand, and then asked to search anywhere": (
             True,
             {1: [_SENT], 60: [KidnapRobot(0, Pose2(6.5, 1.0, 1.5))], 100: [GlobalLocalization(0)]},
         ),

@@ -59,11 +59,11 @@ class PluginTrial:
         self.digest = hashlib.sha256("\n".join((self.digest, *first)).encode()).hexdigest()
         if first != again:
             at = next((i for i, pair in enumerate(zip(first, again, strict=False)) if pair[0] != pair[1]), -1)
-            told = (f"First: {each[at][:300]}" if each else "Nothing" for each in (first, again))
-            self.note(NOT_DETERMINED, DETERMINED, (title, *told))
+            shown = (f"First: {each[at][:300]}" if each else "Nothing" for each in (first, again))
+            self.note(NOT_DETERMINED, DETERMINED, (title, *shown))
 
     def caller(self, seconds: float) -> PartCaller:
-        """Return the function that calls the plug-in: it measures calls, and waits for each so long and no longer."""
+        """Return the function that calls the plug-in: it measures calls, each with a timeout."""
         impatient = ImpatientCaller[Any](seconds)
 
         def call(asked: Callable[[], T], /) -> T:

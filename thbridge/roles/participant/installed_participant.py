@@ -41,7 +41,7 @@ class InstalledParticipant:
     Args:
         player: the lab's participant.
         stand_in: the built-in participant.
-        call: calls the lab's program; in a trial, it may take so long and no longer.
+        call: calls the lab's program; in a trial, with a timeout.
         report: takes each fault.
 
     Attributes:
