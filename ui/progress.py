@@ -19,7 +19,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from thbridge.files.progress import Tell
+from thbridge.files.progress import Tell, untold
 from ui.options import ProgressKind
 from ui.terminal import err, note
 
@@ -30,7 +30,7 @@ _A_MINUTE, _AN_HOUR = 60.0, 3600.0
 
 @dataclass(slots=True)
 class _CountedTask:
-    """A task with its number of things done; `first` were done at `began`, seconds."""
+    """A task with its number of things done; `first` were done at `began`, seconds. A total of 0 is unknown."""
 
     began: float
     first: int
@@ -40,7 +40,7 @@ class _CountedTask:
     def seconds_left(self, now: float) -> float | None:
         """Return the time left at the mean rate so far; None as long as nothing was done."""
         here = self.done - self.first
-        return (now - self.began) * (self.total - self.done) / here if here > 0 else None
+        return (now - self.began) * (self.total - self.done) / here if here > 0 and self.total else None
 
 
 class ProgressLines:
@@ -58,7 +58,7 @@ class ProgressLines:
         self._lock = Lock()
 
     def take(self, what: str, done: int, total: int, now: float) -> None:
-        """Note how many things of a task are done."""
+        """Note how many things of a task are done; a total of 0 is unknown."""
         with self._lock:
             self._latest = what
             task = self._tasks.setdefault(what, _CountedTask(now, done, done, total))
@@ -71,9 +71,9 @@ class ProgressLines:
             if task is None:
                 return f"{self._doing}: {elapsed}"
             left = task.seconds_left(now)
-            share = f" ({task.done / task.total:.0%})" if task.total else ""
+            of_all = f" of {task.total} ({task.done / task.total:.0%})" if task.total else ""
             more = "" if left is None else f", about {_span(left)} left"
-            return f"{self._latest}: {task.done} of {task.total}{share}, {elapsed}{more}"
+            return f"{self._latest}: {task.done}{of_all}, {elapsed}{more}"
 
     def as_json(self, now: float) -> str:
         """Return the line for programs: task, done, total, seconds elapsed and seconds left, null where unknown."""
@@ -83,7 +83,7 @@ class ProgressLines:
             told = {
                 "task": self._latest,
                 "done": None if task is None else task.done,
-                "total": None if task is None else task.total,
+                "total": (None if task is None else task.total) or None,
                 "elapsed_seconds": round(now - self._began, 1),
                 "seconds_left": None if left is None else round(left, 1),
             }
@@ -91,15 +91,21 @@ class ProgressLines:
 
 
 @contextmanager
-def shown_progress(kind: ProgressKind, doing: str, every: float = EVERY) -> Iterator[Tell]:
+def shown_progress(
+    kind: ProgressKind, doing: str, every: float = EVERY, *, beside_text: bool = False
+) -> Iterator[Tell]:
     """Show how far the work of a command is.
 
     Args:
         kind: bar or lines, as --progress says.
         doing: name of the work as long as nothing is counted.
         every: seconds from one line to the next.
+        beside_text: the command prints what happens meanwhile, so that a terminal needs no bar.
     """
     if kind is ProgressKind.AUTO and err.is_terminal:
+        if beside_text:
+            yield untold
+            return
         with _bar() as tell:
             yield tell
         return
@@ -136,8 +142,8 @@ def _bar() -> Iterator[Tell]:
 
         def tell(what: str, done: int, total: int) -> None:
             if what not in tasks:
-                tasks[what] = bar.add_task(what, total=total)
-            bar.update(tasks[what], completed=done, total=total)
+                tasks[what] = bar.add_task(what, total=total or None)
+            bar.update(tasks[what], completed=done, total=total or None)
 
         yield tell
 

@@ -25,6 +25,15 @@ def test_a_line_counts_what_is_done_and_estimates_the_rest() -> None:
     }
 
 
+def test_a_total_that_is_unknown_is_left_out() -> None:
+    lines = ProgressLines("play", 100.0)
+    lines.take("simulated seconds", 30, 0, 100.0)
+    lines.take("simulated seconds", 90, 0, 160.0)
+    assert lines.sentence(160.0) == "simulated seconds: 90, 1 min so far"
+    told = json.loads(lines.as_json(160.0))
+    assert (told["done"], told["total"], told["seconds_left"]) == (90, None, None)
+
+
 @pytest.mark.parametrize("kind", list(ProgressKind))
 def test_lines_come_while_the_work_goes_on(kind: ProgressKind, capsys: pytest.CaptureFixture[str]) -> None:
     told = ""

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from contextlib import nullcontext
 from typing import Annotated
 
 import typer
@@ -30,6 +31,8 @@ from ui.options import (
     OpenTo,
     ParticipantName,
     Port,
+    ProgressKind,
+    ProgressOption,
     Robots,
     Ros,
     RosHost,
@@ -101,6 +104,7 @@ def play(
     signing_key: KeyFile = None,
     tlog: TlogWanted = None,
     look: LookOption = ColourScheme.SYSTEM,
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Play a whole hunt, recorded into a bag: in a window where there is a display, else with a simulated participant.
@@ -114,11 +118,13 @@ def play(
     windowed = participant is None and not (headless or as_json or outside) and why_no_window() is None
     announce_start(look.value if windowed else None)
 
+    from sim.common.observations import TICK
     from thbridge.app import play as hunt
     from thbridge.app.consent import ParticipantDeclined
     from thbridge.app.play import HuntUnfinished, PlayOptions
     from thbridge.app.session.session import TickRecord
     from thbridge.files.language_texts import shipped_languages
+    from thbridge.files.progress import untold
     from thbridge.study.built_in import STANDARD
     from thbridge.study.overrides import with_changes
     from thbridge.text_protocol.wire import legacy
@@ -132,6 +138,7 @@ def play(
     from ui.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
     from ui.open_doors import check_doors, with_open_to
     from ui.outcome import show_outcome, usual_bag
+    from ui.progress import shown_progress
     from ui.report import write_report
     from ui.settings import (
         changes_of,
@@ -205,7 +212,8 @@ def play(
 
     rooms = setting.map.room_names
 
-    def progress(moment: TickRecord) -> None:
+    def follow(moment: TickRecord) -> None:
+        tell("simulated seconds", int(moment.tick * TICK), 0)
         if not as_json and who != PERSON:
             print_story(moment, rooms)
 
@@ -225,8 +233,10 @@ def play(
             keys=ring,
             run=new_token(),
         )
-        program = hunt.play(setting, seat.tabui, options, ready, progress, told)
-        outcome = run(program, seat.typed)
+        program = hunt.play(setting, seat.tabui, options, ready, follow, told)
+        shown = nullcontext(untold) if who == PERSON else shown_progress(progress, "play", beside_text=not as_json)
+        with shown as tell:
+            outcome = run(program, seat.typed)
     except ParticipantDeclined as declined:
         fail(DECLINED if declined.answered else FAILED, NOT_TAKING_PART)
     except HuntUnfinished as early:

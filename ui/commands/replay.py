@@ -1,11 +1,12 @@
 """`thbridge replay`: run a recording again, as it was or with something changed."""
 
+import math
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ui.options import AsJson, SimulatedParticipant
+from ui.options import AsJson, ProgressKind, ProgressOption, SimulatedParticipant
 from ui.outputs import make_copy_ready
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
@@ -30,6 +31,7 @@ def replay_command(
     ] = None,
     participant: SimulatedParticipant = None,
     beside: Annotated[Path, typer.Option(help="Folder that paths in the study start from.")] = Path(),
+    progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Run a recording again: the same inputs go into a fresh session, which must say what the recorded one said.
@@ -44,6 +46,7 @@ def replay_command(
     from itertools import zip_longest
     from tempfile import TemporaryDirectory
 
+    from sim.common.observations import TICK
     from thbridge.analysis.comparison import RunFigures, figures_of
     from thbridge.analysis.report.gathering import read_games
     from thbridge.app.compose.setting import read_setting
@@ -56,6 +59,7 @@ def replay_command(
     from ui.actions.replay import other_versions, replayed_as_json, show_replayed
     from ui.event_loop import run
     from ui.first_start import compile_ahead
+    from ui.progress import shown_progress
     from ui.settings import changes_of, with_strategy
     from ui.story import print_story
 
@@ -64,6 +68,7 @@ def replay_command(
         record = session_of(bag)
         study = recorded_study(bag, record)
         setting = read_setting(with_strategy(with_changes(study, files, assignments), participant), beside)
+        recorded_seconds = info(bag).duration
     if participant is not None and not record.participant:
         fail(BAD_INPUT, f"--participant: nobody played inside the program that recorded {bag}. Leave the option out.")
     what_if = bool(changes) or participant is not None
@@ -76,8 +81,9 @@ def replay_command(
 
     refused = 0
 
-    def progress(moment: TickRecord) -> None:
+    def follow(moment: TickRecord) -> None:
         nonlocal refused
+        tell("simulated seconds", int(moment.tick * TICK), math.ceil(recorded_seconds))
         refused += sum(each.program == legacy.TABUI for each in moment.refusals)
         if not as_json:
             print_story(moment, rooms)
@@ -87,7 +93,8 @@ def replay_command(
     with TemporaryDirectory(prefix="thbridge-") as folder:
         kept = to or (Path(folder) / "replay.bag" if what_if else None)
         options = ReplayOptions(rate or 0.0, start, kept, kept is not None, participant)
-        done = run(replay(bag, setting, options, progress))
+        with shown_progress(progress, "replay", beside_text=not as_json) as tell:
+            done = run(replay(bag, setting, options, follow))
         if what_if and kept is not None and done.finished:
             with bad_input():
                 recorded, replayed = (map(figures_of, read_games(messages(each))) for each in (bag, kept))

@@ -20,11 +20,18 @@ def thbridge(*arguments: str | Path) -> Result:
     return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
+def progress_of(done: Result) -> tuple[object, ...]:
+    """Return the values of the last line of --progress json."""
+    return tuple(json.loads([line for line in done.stderr.splitlines() if line.startswith("{")][-1]).values())
+
+
 @pytest.fixture(scope="module")
 def hunt(tmp_path_factory: pytest.TempPathFactory) -> Path:
     bag = tmp_path_factory.mktemp("hunt") / "hunt.bag"
-    done = thbridge("play", "--json", "--port", "0", "--seed", "7", "--max-seconds", "18", "--bag", bag)
+    limits = ("--seed", "7", "--max-seconds", "18", "--progress", "json")
+    done = thbridge("play", "--json", "--port", "0", *limits, "--bag", bag)
     assert done.exit_code == 1  # not over yet
+    assert progress_of(done)[:3] == ("simulated seconds", 17, None)
     return bag
 
 
@@ -35,8 +42,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_same_again(hunt: Path) -> None:
-    done = thbridge("replay", hunt, "--to", "again.bag", "--json")
+    done = thbridge("replay", hunt, "--to", "again.bag", "--json", "--progress", "json")
     assert done.exit_code == 0, done.output
+    assert progress_of(done)[:3] == ("simulated seconds", 17, 18)
     result = json.loads(done.stdout)
     assert (result["equal"], result["first_difference"], result["ticks"], result["bag"]) == (
         True,

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from thbridge.files.errors import visible
+from ui.options import ProgressKind, ProgressOption
 from ui.outputs import STANDARD_OUTPUT, destination, share_outputs
 from ui.recordings import Estimated, Recording, Truth
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
@@ -48,24 +49,28 @@ def bag_plot(
     ] = None,
     truth: Truth = None,
     estimate: Estimated = None,
+    progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
     """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
     from thbridge.analysis.plot.figures import FigureKind, draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
     from thbridge.analysis.report.gathering import read_games, trajectory_topics
     from thbridge.files.disk.whole import write_whole
+    from thbridge.files.progress import followed
     from thbridge.hunt.refusals import RequestRefused
-    from thbridge.recording.bag.reading.reader import messages
+    from thbridge.recording.bag.reading.reader import info, messages
     from ui.grids import grid_at
+    from ui.progress import shown_progress
 
     kind = "svg" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(FigureFormat):
         fail(BAD_INPUT, f"--to: {to} is no figure. Give a file name that ends in .png, .svg or .pdf.")
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
     share_outputs()
-    with bad_input():
+    with bad_input(), shown_progress(progress, "bag plot") as tell:
         grid = None if map_yaml is None else grid_at(map_yaml)
-        games = read_games(messages(bag), grid, trajectory_topics(bag, truth, estimate))
+        recorded = followed(messages(bag), "messages", info(bag).messages, tell)
+        games = read_games(recorded, grid, trajectory_topics(bag, truth, estimate))
     report = games[0] if len(games) == 1 and game is None else next((one for one in games if one.game == game), None)
     if report is None:
         numbers = ", ".join(str(one.game) for one in games if one.game is not None) or "none"

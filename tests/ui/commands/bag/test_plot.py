@@ -23,8 +23,10 @@ def run(folder: Path, *options: str) -> Result:
 
 def test_a_foreign_bag_on_a_map_of_its_own(folder: Path, tmp_path: Path) -> None:
     to = tmp_path / "paths.svg"
-    done = run(folder, "--what", "paths", "--to", str(to), "--map", str(folder / "map.yaml"), "--width", "one")
+    options = ("--map", str(folder / "map.yaml"), "--width", "one", "--progress", "json")
+    done = run(folder, "--what", "paths", "--to", str(to), *options)
     assert done.exit_code == 0, done.output
+    assert '"task": "messages"' in done.stderr
     assert to.read_bytes().startswith(b"<?xml")
     assert "odometry from /odom" in done.stderr
 
