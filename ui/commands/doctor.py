@@ -1,11 +1,19 @@
 """`thbridge doctor`: whether this computer has what games need."""
 
+from pathlib import Path
+from typing import Annotated
+
 import typer
 
 from ui.options import AsJson
 
 
-def doctor(as_json: AsJson = False) -> None:
+def doctor(
+    study_file: Annotated[
+        Path | None, typer.Argument(help="Study file whose ports are checked; by default those of a usual session.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
     """Check this computer: Python, packages, windows, ports, compiled code, folders, clock, locale.
 
     Prints a line for each check: ok, warning (some features do not work) or fault (no game can be played), with the
@@ -13,21 +21,23 @@ def doctor(as_json: AsJson = False) -> None:
     """
     import dataclasses
     import time
-    from pathlib import Path
     from tempfile import gettempdir
 
     from ui.actions.doctor.packages import check_packages
     from ui.actions.doctor.places import check_folder, check_kernels
-    from ui.actions.doctor.ports import check_ports
+    from ui.actions.doctor.ports import PORTS, check_ports, ports_of_study
     from ui.actions.doctor.result import HealthState
-    from ui.actions.doctor.surroundings import check_clock, check_libraries, check_locale, check_screen
+    from ui.actions.doctor.screen import check_screen
+    from ui.actions.doctor.surroundings import check_clock, check_libraries, check_locale
+    from ui.settings import study_of
     from ui.terminal import FAILED, print_json, say
 
+    ports = PORTS if study_file is None else ports_of_study(study_of(study_file, {}))
     checks = [
         *check_packages(),
         check_libraries(),
         check_screen(),
-        *check_ports(),
+        *check_ports(ports),
         check_kernels(),
         check_folder("recordings", Path("bags")),
         check_folder("temporary files", Path(gettempdir())),

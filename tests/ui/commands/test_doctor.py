@@ -16,8 +16,10 @@ from typer.testing import CliRunner
 from ui.actions.doctor.packages import lacking
 from ui.actions.doctor.places import check_folder
 from ui.actions.doctor.ports import check_ports
+from ui.actions.doctor.qt_libraries import QT_LIBRARIES, remedy_for
 from ui.actions.doctor.result import HealthState
-from ui.actions.doctor.surroundings import QT_LIBRARIES, check_clock, check_libraries, check_locale
+from ui.actions.doctor.screen import failed_window, try_window
+from ui.actions.doctor.surroundings import check_clock, check_libraries, check_locale
 from ui.cli import app
 
 ROOT = Path(__file__).parents[3]
@@ -71,6 +73,53 @@ def test_missing_libraries_are_named_by_their_packages() -> None:
     assert check.state is HealthState.WARNING
     assert "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0" in check.remedy
     assert "libgl1" not in check.remedy
+
+
+def test_packages_of_other_libraries_are_named_by_debians_policy() -> None:
+    remedy = remedy_for(["libxcb-render-util.so.0", "libX11-xcb.so.1", "libxkbcommon-x11.so.0"])
+    assert "libxcb-render-util0 libx11-xcb1 libxkbcommon-x11-0" in remedy
+
+
+def test_a_window_is_opened_by_qt() -> None:
+    check = try_window({**os.environ, "QT_QPA_PLATFORM": "offscreen"})
+    assert (check.state, "(Qt's platform offscreen)" in check.message) == (HealthState.OK, True), check
+
+
+def test_libraries_that_qt_cannot_load_are_named_with_their_packages() -> None:
+    said = """qt.core.library: "/x/plugins/platforms/libqxcb.so" cannot load: Cannot load library /x/libqxcb.so: \
+libxcb-cursor.so.0: cannot open shared object file: No such file or directory
+qt.qpa.plugin: From 6.5.0, xcb-cursor0 or libxcb-cursor0 is needed to load the Qt xcb platform plugin.
+qt.qpa.plugin: Could not load the Qt platform plugin "xcb" in "" even though it was found.
+"""
+    check = failed_window("DISPLAY=:0", said, "")
+    assert check.message == "no window opens on DISPLAY=:0: Qt cannot load libxcb-cursor.so.0"
+    assert check.remedy.endswith(" libxcb-cursor0")
+
+
+def test_a_display_that_is_not_there_is_named_in_qts_words() -> None:
+    check = try_window({**os.environ, "QT_QPA_PLATFORM": "xcb", "DISPLAY": ":987"})
+    assert check.state is HealthState.WARNING
+    assert check.message.endswith("could not connect to display :987"), check
+
+
+def test_a_display_that_does_not_answer_ends_by_a_timeout() -> None:
+    with socket.create_server(("127.0.0.1", 6987)) as silent:
+        assert silent
+        check = try_window({**os.environ, "QT_QPA_PLATFORM": "xcb", "DISPLAY": "127.0.0.1:987"}, 0.5)
+    assert "within 0.5 s" in check.message, check
+
+
+def test_ports_of_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with socket.create_server(("127.0.0.1", 0)) as held:
+        port = held.getsockname()[1]
+        Path("study.yaml").write_text(
+            f"server: {{port: 0}}\nwatch: {{port: {port}}}\nmavlink: {{on: true, tcp: 127.0.0.1:5761}}\n"
+        )
+        told = json.loads(CliRunner().invoke(app, ["doctor", "study.yaml", "--json"]).stdout)
+    ports = {check["name"]: check for check in told["checks"] if check["name"].startswith("port ")}
+    assert ports.keys() == {f"port {port}", "port 5761", "port 8765", "port 11311"}
+    assert ports[f"port {port}"]["remedy"].endswith("choose another port by watch.port")
 
 
 def test_set_up_installs_the_packages_that_are_checked() -> None:

@@ -1,4 +1,4 @@
-"""TCP ports that sessions use by default: free, or held by which program."""
+"""TCP ports that sessions use: free, or held by which program."""
 
 import errno
 import shutil
@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, TEXT_SERVER_PORT, WATCH_PORT
+from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, TEXT_SERVER_PORT, WATCH_PORT, parse_address
+from thbridge.study.study_file import Study
 from ui.actions.doctor.result import HealthCheck, ok, warning
 
 PORTS: Mapping[int, str] = {
@@ -20,6 +21,21 @@ PORTS: Mapping[int, str] = {
 """Ports, each with the option by which another is chosen."""
 _LISTENS = "0A"
 """State of a socket that listens, as Linux writes it in /proc/net/tcp."""
+
+
+def ports_of_study(study: Study) -> Mapping[int, str]:
+    """Return the TCP ports that a session of this study uses, each with the key or option that sets it.
+
+    A port of 0 is any that is free.
+    """
+    mavlink = None if study.mavlink.tcp is None or not study.mavlink.on else parse_address(study.mavlink.tcp)
+    named = {
+        study.server.port: "server.port",
+        study.watch.port: "watch.port",
+        None if mavlink is None else mavlink.port: "mavlink.tcp",
+    }
+    others = {port: option for port, option in PORTS.items() if option not in {"--port", "--watch"}}
+    return {**others, **{port: key for port, key in named.items() if port}}
 
 
 def check_ports(ports: Mapping[int, str] = PORTS) -> Iterator[HealthCheck]:

@@ -1,33 +1,17 @@
-"""Screen, Qt's system libraries, clock, locale."""
+"""Qt's system libraries, clock, locale."""
 
 import ctypes
 import locale
 import os
-import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
+from ui.actions.doctor.qt_libraries import QT_LIBRARIES, remedy_for
 from ui.actions.doctor.result import HealthCheck, fault, ok, warning
-from ui.display import why_no_window
-
-QT_LIBRARIES: Mapping[str, str] = {
-    "libGL.so.1": "libgl1",
-    "libEGL.so.1": "libegl1",
-    "libxkbcommon.so.0": "libxkbcommon0",
-    "libdbus-1.so.3": "libdbus-1-3",
-    "libfontconfig.so.1": "libfontconfig1",
-    "libxkbcommon-x11.so.0": "libxkbcommon-x11-0",
-    "libxcb-cursor.so.0": "libxcb-cursor0",
-    "libxcb-icccm.so.4": "libxcb-icccm4",
-    "libxcb-keysyms.so.1": "libxcb-keysyms1",
-    "libxcb-shape.so.0": "libxcb-shape0",
-    "libglib-2.0.so.0": "libglib2.0-0",
-}
-"""Libraries that Qt loads, and Debian's packages of them; `scripts/set_up.sh` installs the same."""
 
 
 def check_libraries(load: Callable[[str], object] = ctypes.CDLL) -> HealthCheck:
@@ -42,21 +26,7 @@ def check_libraries(load: Callable[[str], object] = ctypes.CDLL) -> HealthCheck:
             missing.append(library)
     if not missing:
         return ok("Qt's libraries", f"all {len(QT_LIBRARIES)} are there")
-    packages = " ".join(QT_LIBRARIES[library] for library in missing)
-    remedy = f"Run: sudo apt-get install {packages}"
-    if shutil.which("apt-get") is None:
-        remedy = f"Install them; Debian's packages of them are {packages}"
-    return warning("Qt's libraries", f"windows cannot open without {', '.join(missing)}", remedy)
-
-
-def check_screen() -> HealthCheck:
-    """Check whether windows can be shown."""
-    reason = why_no_window()
-    if reason is not None:
-        problem, _, remedy = reason.partition(". ")
-        return warning("screen", problem, remedy.rstrip("."))
-    shown = next((f"{name}={os.environ[name]}" for name in ("WAYLAND_DISPLAY", "DISPLAY") if os.environ.get(name)), "")
-    return ok("screen", shown or "windows can be shown")
+    return warning("Qt's libraries", f"windows cannot open without {', '.join(missing)}", remedy_for(missing))
 
 
 def check_clock(now: float, monotonic: Callable[[], float] = time.monotonic) -> Iterator[HealthCheck]:
