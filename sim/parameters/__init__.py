@@ -21,7 +21,8 @@ from sim.parameters.ekf import EkfParameters, UkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParameters
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
-from sim.parameters.move_base import BUILT_IN_PLANNERS, BUILT_IN_RECOVERIES, MoveBaseParameters, RecoveryBehavior
+from sim.parameters.move_base import MoveBaseParameters, RecoveryBehavior
+from sim.parameters.part_names import PartKind, installed_names
 from sim.parameters.reconfiguration import (
     LiveParameter,
     ParameterRejection,
@@ -29,6 +30,6 @@ from sim.parameters.reconfiguration import (
     reconfigurable,
     reconfigured,
 )
-from sim.parameters.robot import BUILT_IN_LOCALIZERS, MIN_MAX_PAIRS, RobotParameters
+from sim.parameters.robot import MIN_MAX_PAIRS, RobotParameters
 from sim.parameters.ros_defaults import not_in_ros, parameters_of, with_ros_defaults
 from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters

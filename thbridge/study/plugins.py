@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from sim.parameters import RobotParameters
-from sim.robot.installed_parts import PartKind, installed_names
+from sim.parameters import PartKind, RobotParameters, installed_names
 from thbridge.files.plugins import LOCALIZERS, PARTICIPANTS, PLANNERS, RECOVERIES, STRATEGIES, WORDINGS, PluginKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.study_file import Study

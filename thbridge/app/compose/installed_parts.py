@@ -14,10 +14,10 @@ from sim.common.observations import Imu, LaserMount, Odometry, Scan, Twist
 from sim.numerics import elementary_arrays
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
-from sim.parameters import LaserParameters, RobotParameters
+from sim.parameters import LaserParameters, PartKind, RobotParameters, installed_names
 from sim.robot.costmap.costs import INSCRIBED, LETHAL, CostFrame, Costs
 from sim.robot.global_planning.path import Path, PathSearch, PlanRefusal, RobotPathPlanner, headings, plan_refusal
-from sim.robot.installed_parts import InstalledParts, PartKind, installed_names
+from sim.robot.installed_parts import InstalledParts
 from sim.robot.localization.estimate import Estimate, Localizer, LocalizerFactory, read_only
 from sim.robot.navigator.recovery import RecoveryFactory, RecoverySituation, RunningRecovery
 from sim.robot.part_failure import PartFailed

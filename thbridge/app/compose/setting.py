@@ -6,16 +6,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sim.common.geometry import Pose2
 from sim.common.robot_numbers import index_of
 from sim.common.traversability import TraversabilityMap
+from sim.parameters import installed_names
 from sim.robot.costmap.footprint import radii
-from sim.robot.installed_parts import InstalledParts, installed_names
 from thbridge.app.compose.installed import installed_author, installed_strategy, participant_factory
-from thbridge.app.compose.installed_parts import installed_parts, load_part
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.robot_strategies import StrategyFactory
@@ -40,6 +40,9 @@ from thbridge.hunt.rooms import RoomNames
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.study_file import CostModel, DialogueSection, Study
 
+if TYPE_CHECKING:  # Only studies that name parts of labs need them.
+    from sim.robot.installed_parts import InstalledParts
+
 LARGEST_CONSENT = 8000
 """Bytes of the text that participants agree to, and of the farewell: they must fit into one line with a view's rest."""
 
@@ -58,7 +61,7 @@ class StudySetting:
         language: in which robots argue; likewise.
         strategies: of robots that argue, by index, and under None of the others; None for a robot's own.
         author: of other wordings of what robots say; None: the language's files alone.
-        parts: parts of robots' software that are plug-ins.
+        parts: parts of robots' software that are plug-ins; None: the study names none.
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
         texts: of the game's language, for participants.
@@ -73,7 +76,7 @@ class StudySetting:
     language: Language | None
     strategies: Mapping[int | None, StrategyFactory | None]
     author: WordingAuthor | None
-    parts: InstalledParts = field(default_factory=InstalledParts)
+    parts: "InstalledParts | None" = None
     consent: str | None = None
     farewell: str = ""
     texts: Texts = field(default_factory=shipped_texts)
@@ -128,6 +131,7 @@ def read_setting(
     texts = shipped_texts()
     strategies: dict[int | None, StrategyFactory | None] = {}
     author: WordingAuthor | None = None
+    parts: InstalledParts | None = None
     with faults.kept():
         place = read_map_of(study, beside, resources, written=written)
     with faults.kept():
@@ -156,10 +160,8 @@ def read_setting(
     for robot, key, name in _strategy_names(talk):
         with faults.kept(), keys.naming(key):
             strategies[robot] = None if name is None else installed_strategy(name)
-    for key, software in (("robot", study.robot), *((f"each.{number}", each) for number, each in study.each.items())):
-        for kind, parameter, name in installed_names(software):
-            with faults.kept(), keys.naming(f"{key}.{parameter}"):
-                load_part(kind, name)
+    with faults.kept():
+        parts = _parts(study, keys)
     with faults.kept(), keys.naming("participant.strategy"):
         if study.participant.strategy not in set(BotStrategy):
             participant_factory(study.participant.strategy)
@@ -179,11 +181,28 @@ def read_setting(
         language,
         strategies,
         author,
-        installed_parts((study.robot, *study.each.values())),
+        parts,
         consent,
         farewell,
         texts,
     )
+
+
+def _parts(study: Study, keys: "StudyKeys") -> "InstalledParts | None":
+    """Return the parts of robots' software that are plug-ins; None where the study names none."""
+    robots = {"robot": study.robot, **{f"each.{number}": software for number, software in study.each.items()}}
+    named = [(key, *part) for key, software in robots.items() for part in installed_names(software)]
+    if not named:
+        return None
+    # A server has no robots, and loads nothing of them.
+    from thbridge.app.compose.installed_parts import installed_parts, load_part  # noqa: PLC0415
+
+    faults = FaultCollection()
+    for key, kind, parameter, name in named:
+        with faults.kept(), keys.naming(f"{key}.{parameter}"):
+            load_part(kind, name)
+    faults.raise_any()
+    return installed_parts(robots.values())
 
 
 def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, str | None]]:
