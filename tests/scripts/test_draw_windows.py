@@ -19,6 +19,7 @@ def names() -> list[str]:
     return listed.stdout.split()
 
 
+@pytest.mark.slow
 def test_the_pictures_are_those_that_the_script_draws_and_the_gallery_shows_all(names: list[str]) -> None:
     gallery = (ROOT / "docs" / "windows-gallery.md").read_text(encoding="utf-8")
     shown = set(re.findall(r"!\[[^]]*]\(pictures/windows/(.*?)\)", gallery))

@@ -54,6 +54,7 @@ def told(folder):
     return hunt(folder, STUDY, 80)
 
 
+@pytest.mark.slow
 def test_every_robot_is_priced_at_its_own_start_before_it_is_asked(told):
     first = next(at for at, (_, event) in enumerate(told) if not isinstance(event, CostsEstimated))
     rows = {event.robot: event.costs for _, event in told[:first]}
@@ -61,6 +62,7 @@ def test_every_robot_is_priced_at_its_own_start_before_it_is_asked(told):
     assert len(set(rows.values())) == 3
 
 
+@pytest.mark.slow
 def test_a_move_costs_what_was_told_last_and_a_robot_that_failed_is_priced_where_it_stands(told):
     departures = [(state, event) for state, event in told if isinstance(event, RobotDeparted)]
     assert departures and all(event.cost == state.cost(event.robot, event.room) for state, event in departures)

@@ -83,6 +83,7 @@ def test_a_study_with_people_goes_on_where_it_was(study: Path, tmp_path: Path, m
     assert people[0] not in (tmp_path / "tables" / "manifest.json").read_text()
 
 
+@pytest.mark.slow
 def test_groups_go_on_where_they_were(old: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     study = old / "groups"
     said = " ".join(thbridge("study", "check", study).split())

@@ -45,6 +45,7 @@ def run(program: str, folder: Path, *arguments: str) -> subprocess.CompletedProc
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 def test_a_hunt_on_a_ros_graph_without_the_calls_that_macos_lacks(tmp_path: Path) -> None:
     play = ("play", "--headless", "--map", "practice", "--robots", "1", "--rate", "0", "--bag", "a.bag")
     done = run(WITHOUT_CALLS, tmp_path, *play, "--ros", "--watch", "0", "--max-seconds", "120", "--json")

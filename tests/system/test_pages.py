@@ -9,10 +9,8 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[2]
-QUICK = "your-own-dialogue-game.md"
-SLOW = sorted(
-    {page.name for page in (PROJECT / "docs").glob("your-own-*.md")} - {QUICK}
-    | {"languages.md", "protocol.md", "sweeps.md"}
+PAGES = sorted(
+    {page.name for page in (PROJECT / "docs").glob("your-own-*.md")} | {"languages.md", "protocol.md", "sweeps.md"}
 )
 """Pages that take from ten seconds to two minutes; tests/peers runs that of recordings, too."""
 SHORTENED = {"sweeps.md": ("replicates: 5", "replicates: 2")}
@@ -20,7 +18,8 @@ SHORTENED = {"sweeps.md": ("replicates: 5", "replicates: 2")}
 _SCRIPT = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("name", [QUICK, *(pytest.param(page, marks=pytest.mark.slow) for page in SLOW)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PAGES)
 def test_a_page_runs_as_it_stands(name: str, tmp_path: Path) -> None:
     text = (PROJECT / "docs" / name).read_text(encoding="utf-8")
     said, enough = SHORTENED.get(name, ("", ""))

@@ -129,7 +129,8 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, str
     return folder, played(folder, SHORT)
 
 
-@pytest.mark.parametrize("setting", [next(iter(QUICK)), pytest.param("elsewhere", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("setting", QUICK)
 def test_short_sessions_are_the_same(setting: str, short: tuple[Path, dict[str, str]], tmp_path: Path) -> None:
     folder, here = short
     assert_same(here, played(tmp_path / "there", SHORT, QUICK[setting]), (folder, tmp_path / "there"))

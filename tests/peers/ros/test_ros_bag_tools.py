@@ -168,6 +168,7 @@ def test_rostopic_reads_frames_and_states_of_vehicles(tmp_path: Path) -> None:
     assert 'guided: False\nmanual_input: False\nmode: "GUIDED"\nsystem_status: 4' in said
 
 
+@pytest.mark.slow
 @needs_our_messages
 def test_with_texts_of_our_own_texts_differ_and_nothing_else(bag: Path) -> None:
     said = run("rosbag", "check", str(bag))
@@ -463,6 +464,7 @@ def test_rosbag_plays_the_parts_of_a_packed_recording_as_one(tmp_path: Path, mas
     assert [int(line) for line in said.split() if line != "---"] == list(range(TICKS))
 
 
+@pytest.mark.slow
 @needs_ros
 def test_rostopic_hz_finds_odometry_at_fifty_hertz(bag: Path, master: str) -> None:
     with playing(master, "--loop", str(bag), "--topics", "/robot1/odom"):

@@ -79,6 +79,7 @@ def test_a_parameter_that_cannot_be_is_put_back(beside: Ros) -> None:
     assert beside.says("rosparam", "get", "/robot1/amcl/laser_model_type") == before
 
 
+@pytest.mark.slow
 def test_rosparam_dumps_and_loads_all_parameters_and_nothing_changes(beside: Ros, tmp_path: Path) -> None:
     first, second = tmp_path / "first.yaml", tmp_path / "second.yaml"
     beside.says("rosparam", "dump", str(first))
@@ -105,6 +106,7 @@ def test_amcls_set_map_takes_the_pose_and_refuses_another_map(beside: Ros) -> No
     assert beside.script(live.SET_MAP, "1") == {"success": False}
 
 
+@pytest.mark.slow
 def test_levels_of_logs_are_asked_and_set(beside: Ros) -> None:
     assert 'name: "thbridge"' in beside.says("rosservice", "call", "/thbridge/get_loggers")
     beside.says("rosservice", "call", "/thbridge/set_logger_level", "{logger: sim, level: debug}")
@@ -113,6 +115,7 @@ def test_levels_of_logs_are_asked_and_set(beside: Ros) -> None:
     assert 'level: "debug"' in told[at + 1]
 
 
+@pytest.mark.slow
 def test_the_goal_under_way_is_said_by_itself_too(beside: Ros) -> None:
     with beside.running("rostopic", "echo", "-n", "1", "/robot2/move_base/current_goal") as listener:
         goal = "{header: {frame_id: map}, pose: {position: {x: -2.0, y: 0.0}, orientation: {w: 1.0}}}"
@@ -128,6 +131,7 @@ def test_the_goal_under_way_is_said_by_itself_too(beside: Ros) -> None:
     )
 
 
+@pytest.mark.slow
 def test_services_answer(beside: Ros) -> None:
     assert "width: 320" in beside.says("rosservice", "call", "/static_map")
     assert beside.says("rosservice", "type", "/robot1/global_localization").strip() == "std_srvs/Empty"

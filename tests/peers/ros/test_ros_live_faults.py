@@ -148,7 +148,8 @@ def test_a_subscriber_hears_on_while_the_master_is_dead(core: Core, tmp_path: Pa
         until("everything at the new master", core.whole, [program])
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_whoever_stops_a_session_finds_the_graph_in_order(core: Core, tmp_path: Path, number: signal.Signals) -> None:
     core.start()
     before = core.parameters()

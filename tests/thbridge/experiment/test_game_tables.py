@@ -253,6 +253,7 @@ def test_tables_of_recorded_games_and_recordings_that_are_gone_or_changed(tmp_pa
     assert len(notes) == 2
 
 
+@pytest.mark.slow
 def test_a_room_that_was_argued_for_is_right_when_the_same_advice_would_have_been(tmp_path: Path) -> None:
     """A recorded game in which robots suggested rooms, a half of them wrong, told as if they had argued for them."""
     text = TEXT.replace("collaborator", "supervisor").replace("robots: [1, 2]", "robots: [2]")

@@ -42,7 +42,8 @@ def test_pettingzoos_test_of_seeds(control: str) -> None:
     seed_test(lambda: parallel_to_aec(made()), num_cycles=30)
 
 
-@pytest.mark.parametrize("control", [pytest.param("rooms", marks=pytest.mark.slow), "velocity"])
+@pytest.mark.slow
+@pytest.mark.parametrize("control", ["rooms", "velocity"])
 def test_same_seed_and_same_actions_give_the_same_to_the_bit(control: str) -> None:
     def episode() -> list[object]:
         env = HuntEnv(STUDY, control=control, max_seconds=20)
