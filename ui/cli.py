@@ -7,6 +7,14 @@ from typing import Annotated
 
 import typer
 
+from ui.command_line.outputs import keep_to_owner
+from ui.command_line.terminal import (
+    escape_for_standard_output,
+    forgive_standard_error,
+    note,
+    replace_closed_streams,
+    whole_standard_output,
+)
 from ui.commands import programs, templates
 from ui.commands.argue import argue
 from ui.commands.bag import bag
@@ -52,14 +60,6 @@ from ui.commands.sweep.run import sweep_run
 from ui.commands.sweep.sweep import sweep_app
 from ui.commands.talk import talk_app
 from ui.commands.watch import watch
-from ui.outputs import keep_to_owner
-from ui.terminal import (
-    escape_for_standard_output,
-    forgive_standard_error,
-    note,
-    replace_closed_streams,
-    whole_standard_output,
-)
 
 app = typer.Typer(
     cls=CommandGroup,

@@ -4,7 +4,7 @@ import sys
 
 import typer
 
-from ui.terminal import BAD_INPUT, FAILED, fail
+from ui.command_line.terminal import BAD_INPUT, FAILED, fail
 
 
 def confirm(question: str, otherwise: str, *, yes: bool) -> None:

@@ -19,8 +19,8 @@ from thbridge.files.yaml.load import load, load_tree
 from thbridge.files.yaml.tree import Section, parse
 from thbridge.offline.unmapped import with_unmapped
 from thbridge.study.things import ThingEntry, faults_of_things, schedule_of
-from ui.grids import grid_at
-from ui.terminal import BAD_INPUT, fail
+from ui.command_line.grids import grid_at
+from ui.command_line.terminal import BAD_INPUT, fail
 
 
 @dataclass(frozen=True, slots=True)

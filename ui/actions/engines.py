@@ -9,9 +9,9 @@ from urllib.parse import urlsplit
 
 from thbridge.batch.engines.engine import Engine, EngineFailed, TaskT
 from thbridge.batch.engines.processes import ProcessEngine
-from ui.first_start import usable_cores
-from ui.options import EngineKind
-from ui.terminal import BAD_INPUT, FAILED, fail, note
+from ui.command_line.options import EngineKind
+from ui.command_line.terminal import BAD_INPUT, FAILED, fail, note
+from ui.first_start.compiling import usable_cores
 
 
 def chosen_engine(

@@ -29,7 +29,7 @@ from thbridge.offline.time_offset import TimeOffset
 from thbridge.offline.tum import tum_line
 from thbridge.ros.odometry_faults import RecordedFault, fault_sentences
 from ui.actions.pictures import write_picture
-from ui.terminal import BAD_INPUT, fail, show
+from ui.command_line.terminal import BAD_INPUT, fail, show
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -25,8 +25,8 @@ from thbridge.sockets.addresses import Address
 from thbridge.study.overrides import with_changes
 from thbridge.timing.loop import stopping
 from ui.actions.replay import other_versions
-from ui.settings import changes_of, setting_of, study_of
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, show
+from ui.command_line.settings import changes_of, setting_of, study_of
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, show
 
 T = TypeVar("T")
 

@@ -23,7 +23,7 @@ from sim.numerics.compiled_files import cache_folder
 from thbridge.files.disk.whole import whole_file
 from thbridge.files.errors import BadFile
 from thbridge.files.resources import shipped
-from ui.terminal import command, note, out, say
+from ui.command_line.terminal import command, note, out, say
 
 WIDEST = 120
 """Letters in a line of a page on a terminal."""

@@ -9,7 +9,7 @@ from rich.table import Table
 from sim.numerics.float_array import FloatArray
 from thbridge.files.tables.csv_files import read_columns
 from thbridge.offline.plan import PlanResult
-from ui.terminal import BAD_INPUT, fail
+from ui.command_line.terminal import BAD_INPUT, fail
 
 
 def read_queries(start: tuple[float, float] | None, goal: tuple[float, float] | None, batch: Path | None) -> FloatArray:

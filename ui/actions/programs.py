@@ -10,10 +10,10 @@ from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.roles.view import View
 from thbridge.study.study_file import ServerSection, Study
 from thbridge.text_protocol.sockets.reconnecting import ConnectionLost
+from ui.command_line.options import ADDRESS, PERSON
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 from ui.hosting.lobby import WILDCARD_ADDRESSES
 from ui.hosting.seats import Seat, seat_of_bot, seat_of_person
-from ui.options import ADDRESS, PERSON
-from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 ANOTHER_GAME = (
     "Another game begins by Play again in the window of `thbridge tabui`, "

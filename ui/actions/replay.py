@@ -12,7 +12,7 @@ from thbridge.analysis.report.values import label_of
 from thbridge.app.compose.machine import machine, versions
 from thbridge.app.replay.replay import Difference, Replayed
 from thbridge.ros.messages.session_records import MACHINE, SessionRecord
-from ui.terminal import out, show
+from ui.command_line.terminal import out, show
 
 
 def other_versions(record: SessionRecord) -> Iterator[str]:

@@ -16,7 +16,7 @@ from thbridge.experiment.rehearsal.power import LEVEL, PowerEstimate, PowerQuest
 from thbridge.files.errors import BadFile
 from thbridge.files.progress import Tell
 from ui.actions.engines import stopped_by_sigterm
-from ui.terminal import out, print_json, say
+from ui.command_line.terminal import out, print_json, say
 
 ENOUGH = 0.8
 """Power that is usually asked for."""

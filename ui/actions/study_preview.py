@@ -11,12 +11,12 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.preview import PARTICIPANT, NoSuchStep, arrive, place_of
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.files.disk.synced import make_folder
-from ui.display import why_no_window
+from ui.command_line.terminal import BAD_INPUT, FAILED, THBRIDGE, bad_input, fail
 from ui.hosting.kiosk.games import StudyGames
 from ui.hosting.kiosk.host import KioskHost, StudyClock
 from ui.hosting.window_process import WindowProcess
 from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
-from ui.terminal import BAD_INPUT, FAILED, THBRIDGE, bad_input, fail
+from ui.windows.display import why_no_window
 
 
 def preview_step(folder: Path, step: str, condition: str, group: str, look: str) -> None:

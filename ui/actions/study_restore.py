@@ -5,7 +5,7 @@ from pathlib import Path
 from thbridge.experiment.restore import RestorePlan, plan_restore, restore
 from ui.actions.confirmation import confirm
 from ui.actions.unfinished_study import finish_begun_withdrawals
-from ui.terminal import bad_input, command, note
+from ui.command_line.terminal import bad_input, command, note
 
 
 def restore_study(backup: Path, to: Path | None, *, yes: bool) -> None:

@@ -20,15 +20,15 @@ from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile
 from ui.actions.study_withdrawal import withdraw_during
 from ui.actions.unfinished_study import finish_begun_withdrawals
-from ui.display import why_no_window
-from ui.first_start import compile_ahead
+from ui.command_line.networks import check_doors
+from ui.command_line.terminal import BAD_INPUT, FAILED, THBRIDGE, bad_input, command, fail, note
+from ui.first_start.compiling import compile_ahead
 from ui.hosting.desk import Desk, DeskFailed
 from ui.hosting.kiosk.games import StudyGames
 from ui.hosting.kiosk.host import KioskHost, StudyClock
 from ui.hosting.window_process import WindowProcess
 from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
-from ui.open_doors import check_doors
-from ui.terminal import BAD_INPUT, FAILED, THBRIDGE, bad_input, command, fail, note
+from ui.windows.display import why_no_window
 
 
 def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: tuple[str, ...] = ()) -> None:

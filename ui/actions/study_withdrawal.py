@@ -25,8 +25,8 @@ from thbridge.experiment.withdrawal import (
 from thbridge.files.errors import BadFile
 from thbridge.timing.wall_clock import utc_now
 from ui.actions.confirmation import confirm
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
 from ui.model.desk.withdrawal import plan_lines
-from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note
 
 
 def finish_and_report(folder: Path, pending: Sequence[PendingWithdrawal]) -> list[Withdrawal]:

@@ -16,7 +16,7 @@ from thbridge.hunt.rooms import CORRIDOR, Room, RoomNames
 from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.team_tour import PlanValue, TourStart, alternatives, best_team_tours, most_rooms_shared_out
 from thbridge.hunt.tour import Tour
-from ui.terminal import out, show
+from ui.command_line.terminal import out, show
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 from thbridge.files.resources import shipped
 from thbridge.files.set_words import WORDS, languages_beside
 from thbridge.files.template_files import DIALOGUE_TEXT, SET, TemplateSet, read_template_set
-from ui.terminal import bad_input
+from ui.command_line.terminal import bad_input
 
 
 def folder_of(name: str) -> Path:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.files.errors import BadFile
-from ui.terminal import note
+from ui.command_line.terminal import note
 
 
 def finish_begun_withdrawals(folder: Path) -> None:

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from thbridge.dialogue.argumentation.semantics import Semantics
-from ui.options import AsJson
-from ui.terminal import BAD_INPUT, bad_input, fail, print_json, say
+from ui.command_line.options import AsJson
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, print_json, say
 
 
 class ArgumentationEngine(StrEnum):

@@ -4,8 +4,8 @@ import sys
 
 import typer
 
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, say
 from ui.commands.group import CommandGroup
-from ui.terminal import BAD_INPUT, bad_input, fail, note, say
 
 desktop_app = typer.Typer(
     cls=CommandGroup,

@@ -15,7 +15,7 @@ def docs(
 ) -> None:
     """List the pages of the documentation, or show one of them."""
     from ui.actions.pages import find_page, list_pages, open_in_browser, show_page
-    from ui.terminal import bad_input
+    from ui.command_line.terminal import bad_input
 
     with bad_input():
         found = None if page is None else find_page(page)

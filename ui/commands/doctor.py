@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ui.options import AsJson
+from ui.command_line.options import AsJson
 
 
 def doctor(
@@ -29,8 +29,8 @@ def doctor(
     from ui.actions.doctor.result import HealthState
     from ui.actions.doctor.screen import check_screen
     from ui.actions.doctor.surroundings import check_clock, check_libraries, check_locale
-    from ui.settings import study_of
-    from ui.terminal import FAILED, print_json, say
+    from ui.command_line.settings import study_of
+    from ui.command_line.terminal import FAILED, print_json, say
 
     ports = PORTS if study_file is None else ports_of_study(study_of(study_file, {}))
     checks = [

@@ -11,8 +11,8 @@ from typer.core import TyperArgument, TyperGroup, TyperOption
 
 from thbridge.files.yaml.angles import doubt_about, radians_of
 from thbridge.files.yaml.declarations import wanted
-from ui.outputs import share_outputs
-from ui.terminal import faults_of_files, note
+from ui.command_line.outputs import share_outputs
+from ui.command_line.terminal import faults_of_files, note
 
 if TYPE_CHECKING:
     from typer._click.core import Command, Context

@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from thbridge.credentials import Right
+from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
 from ui.commands.group import CommandGroup
-from ui.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
 
 keys_app = typer.Typer(
     cls=CommandGroup,

@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 
 from thbridge.sockets.addresses import Address, parse_address
+from ui.command_line.options import AsJson, KeyFile, StudyOption, the_study
+from ui.command_line.outputs import make_copy_ready
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, out, print_json, show
 from ui.commands.group import CommandGroup
-from ui.options import AsJson, KeyFile, StudyOption, the_study
-from ui.outputs import make_copy_ready
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, out, print_json, show
 
 USUAL = "127.0.0.1:14550"
 
@@ -149,8 +149,8 @@ def mavlink_replay(
     from thbridge.app.replay.mavlink_replay import FramesOptions, replay_frames
     from thbridge.app.session.session import TickRecord
     from ui.actions.mavlink import setting_of_recording, show_frames_replayed
-    from ui.first_start import compile_ahead
-    from ui.story import print_story
+    from ui.command_line.story import print_story
+    from ui.first_start.compiling import compile_ahead
 
     study_file = the_study(study_file, study_option)
     what_if = study_file is not None or bool(changes)

@@ -11,8 +11,7 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
-from ui.display import why_no_window
-from ui.options import (
+from ui.command_line.options import (
     PERSON,
     AsJson,
     BagFile,
@@ -43,8 +42,9 @@ from ui.options import (
     WatchAt,
     WatchKey,
 )
-from ui.outputs import make_ready
-from ui.terminal import BAD_INPUT, DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note, print_json
+from ui.command_line.outputs import make_ready
+from ui.command_line.terminal import BAD_INPUT, DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note, print_json
+from ui.windows.display import why_no_window
 
 AN_HOUR = 3600.0
 
@@ -113,7 +113,7 @@ def play(
 
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
-    from ui.start_bar import START_BAR, announce_start
+    from ui.first_start.bar import START_BAR, announce_start
 
     windowed = participant is None and not (headless or as_json or outside) and why_no_window() is None
     announce_start(look.value if windowed else None)
@@ -129,18 +129,14 @@ def play(
     from thbridge.study.overrides import with_changes
     from thbridge.text_protocol.wire import legacy
     from ui.actions.programs import new_token
-    from ui.door_keys import keys_of
-    from ui.event_loop import run
-    from ui.first_start import compile_ahead
-    from ui.hosting.consent import ask_for_consent
-    from ui.hosting.games import WindowGames, offer_of, play_in_window
-    from ui.hosting.seats import seat_of_bot, seat_of_person
-    from ui.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
-    from ui.open_doors import check_doors, with_open_to
-    from ui.outcome import show_outcome, usual_bag
-    from ui.progress import shown_progress
-    from ui.report import write_report
-    from ui.settings import (
+    from ui.command_line.event_loop import run
+    from ui.command_line.keys import keys_of
+    from ui.command_line.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
+    from ui.command_line.networks import check_doors, with_open_to
+    from ui.command_line.outcome import show_outcome, usual_bag
+    from ui.command_line.progress import shown_progress
+    from ui.command_line.report import write_report
+    from ui.command_line.settings import (
         changes_of,
         note_doubts,
         setting_of,
@@ -151,7 +147,11 @@ def play(
         with_server,
         with_strategy,
     )
-    from ui.story import print_story
+    from ui.command_line.story import print_story
+    from ui.first_start.compiling import compile_ahead
+    from ui.hosting.consent import ask_for_consent
+    from ui.hosting.games import WindowGames, offer_of, play_in_window
+    from ui.hosting.seats import seat_of_bot, seat_of_person
 
     files, assignments = changes_of(changes or [])
     # Programs of others expect the game of 2016, as ours do when they run apart.

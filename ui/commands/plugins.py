@@ -4,9 +4,9 @@ from typing import Annotated
 
 import typer
 
+from ui.command_line.options import AsJson, Seed
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, print_json, say
 from ui.commands.group import CommandGroup
-from ui.options import AsJson, Seed
-from ui.terminal import BAD_INPUT, bad_input, fail, print_json, say
 
 plugins_app = typer.Typer(
     cls=CommandGroup,

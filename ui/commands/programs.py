@@ -11,8 +11,7 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
-from ui.display import why_no_window
-from ui.options import (
+from ui.command_line.options import (
     PERSON,
     AsJson,
     BagFile,
@@ -38,8 +37,9 @@ from ui.options import (
     WatchKey,
     the_study,
 )
-from ui.outputs import make_ready
-from ui.terminal import BAD_INPUT, DECLINED, FAILED, bad_input, fail, note, print_json, say, show
+from ui.command_line.outputs import make_ready
+from ui.command_line.terminal import BAD_INPUT, DECLINED, FAILED, bad_input, fail, note, print_json, say, show
+from ui.windows.display import why_no_window
 
 
 def server(
@@ -56,10 +56,10 @@ def server(
 
     from thbridge.app.server import serve
     from thbridge.recording.journal_folder import JournalStore
-    from ui.door_keys import keys_of
-    from ui.event_loop import run
-    from ui.open_doors import check_doors, with_open_to
-    from ui.settings import note_doubts, setting_of, study_of, with_server
+    from ui.command_line.event_loop import run
+    from ui.command_line.keys import keys_of
+    from ui.command_line.networks import check_doors, with_open_to
+    from ui.command_line.settings import note_doubts, setting_of, study_of, with_server
 
     study = with_open_to(with_server(study_of(study_file, {}), host, port), open_to)
     ring = keys_of(study, study_file, keys)
@@ -108,12 +108,12 @@ def simr(
     from thbridge.app.programs import SimrOptions
     from thbridge.app.real_robots import simr_with_real_robots
     from ui.actions.programs import address_of, new_token, settings_without_effect, tell_lost
-    from ui.door_keys import key_of, keys_of
-    from ui.event_loop import run
-    from ui.first_start import compile_ahead
-    from ui.listening import check_foxglove, graph_of, hosts_of, watch_of
-    from ui.open_doors import check_doors, with_open_to
-    from ui.settings import note_doubts, setting_of, study_of
+    from ui.command_line.event_loop import run
+    from ui.command_line.keys import key_of, keys_of
+    from ui.command_line.listening import check_foxglove, graph_of, hosts_of, watch_of
+    from ui.command_line.networks import check_doors, with_open_to
+    from ui.command_line.settings import note_doubts, setting_of, study_of
+    from ui.first_start.compiling import compile_ahead
 
     study_file = the_study(study_file, study_option)
     changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
@@ -177,9 +177,9 @@ def hider(
     from thbridge.app import programs
     from thbridge.app.compose.game import build_hider
     from ui.actions.programs import address_of, new_token, read_templates, tell_lost
-    from ui.door_keys import key_of
-    from ui.event_loop import run
-    from ui.settings import study_of
+    from ui.command_line.event_loop import run
+    from ui.command_line.keys import key_of
+    from ui.command_line.settings import study_of
 
     study_file = the_study(study_file, study_option)
     study = study_of(study_file, {"templates": treasures, "seed": seed})
@@ -210,9 +210,9 @@ def tabui(
     from thbridge.files.language_texts import shipped_texts
     from thbridge.roles.participant.bot_strategy import BotStrategy
     from ui.actions.programs import ANOTHER_GAME, address_of, new_token, seat_of, show_nothing, tell_lost
-    from ui.door_keys import key_of
-    from ui.event_loop import run
-    from ui.settings import study_of
+    from ui.command_line.event_loop import run
+    from ui.command_line.keys import key_of
+    from ui.command_line.settings import study_of
 
     study_file = the_study(study_file, study_option)
     study = study_of(study_file, {"templates": templates, "seed": seed})

@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from ui.options import AsJson, ProgressKind, ProgressOption, SimulatedParticipant
-from ui.outputs import make_copy_ready
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
+from ui.command_line.options import AsJson, ProgressKind, ProgressOption, SimulatedParticipant
+from ui.command_line.outputs import make_copy_ready
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 
 def replay_command(
@@ -39,7 +39,7 @@ def replay_command(
     Ends with 0 when every message is the same, bit for bit, and with 1 when one differs; then it says which. With
     `--with` or `--participant` the two runs are compared by their figures, and a difference is no failure.
     """
-    from ui.start_bar import announce_start
+    from ui.first_start.bar import announce_start
 
     announce_start()
 
@@ -57,11 +57,11 @@ def replay_command(
     from thbridge.study.overrides import with_changes
     from thbridge.text_protocol.wire import legacy
     from ui.actions.replay import other_versions, replayed_as_json, show_replayed
-    from ui.event_loop import run
-    from ui.first_start import compile_ahead
-    from ui.progress import shown_progress
-    from ui.settings import changes_of, with_strategy
-    from ui.story import print_story
+    from ui.command_line.event_loop import run
+    from ui.command_line.progress import shown_progress
+    from ui.command_line.settings import changes_of, with_strategy
+    from ui.command_line.story import print_story
+    from ui.first_start.compiling import compile_ahead
 
     files, assignments = changes_of(changes or [])
     with bad_input():

@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ui.options import ProgressKind, ProgressOption
-from ui.outputs import share_outputs
-from ui.recordings import Estimated, Recording, Truth
-from ui.terminal import bad_input
+from ui.command_line.options import ProgressKind, ProgressOption
+from ui.command_line.outputs import share_outputs
+from ui.command_line.recordings import Estimated, Recording, Truth
+from ui.command_line.terminal import bad_input
 
 
 def report(
@@ -25,9 +25,9 @@ def report(
 ) -> None:
     """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
     from thbridge.analysis.report.gathering import trajectory_topics
-    from ui.heap import give_large_blocks_back
-    from ui.progress import shown_progress
-    from ui.report import write_report
+    from ui.actions.heap import give_large_blocks_back
+    from ui.command_line.progress import shown_progress
+    from ui.command_line.report import write_report
 
     give_large_blocks_back()
     if to is not None:

@@ -10,10 +10,10 @@ import typer
 
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from ui.command_line.options import MapName, OpenTo, Robots, StudyFile
+from ui.command_line.outputs import STANDARD_OUTPUT
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 from ui.commands.group import CommandGroup
-from ui.options import MapName, OpenTo, Robots, StudyFile
-from ui.outputs import STANDARD_OUTPUT
-from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 if TYPE_CHECKING:
     from sim.common.grid import OccupancyGrid
@@ -56,7 +56,7 @@ def ros_master(
     from thbridge.rosgraph.sockets.joining import GraphAddress
     from thbridge.sockets.admission import Admission
     from thbridge.study.study_file import Study
-    from ui.open_doors import check_doors, with_open_to
+    from ui.command_line.networks import check_doors, with_open_to
 
     study = with_open_to(Study(), open_to)
     check_doors(study, None, None, GraphAddress(host=host), serves_text=False)
@@ -103,7 +103,7 @@ def _write_view(
     """Write the view of a study's team that a function makes of the robots' parameters and the map."""
     from sim.common.robot_numbers import robot_numbers
     from thbridge.files.disk.whole import write_whole
-    from ui.settings import map_of, study_of
+    from ui.command_line.settings import map_of, study_of
 
     study = study_of(study_file, {"robots": robots, "map": map_name})
     grid = map_of(study, study_file).grid

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from thbridge.hunt.team_planner import TeamPlanner
-from ui.options import AsJson
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, print_json, show
+from ui.command_line.options import AsJson
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, print_json, show
 
 if TYPE_CHECKING:
     from thbridge.hunt.costs import CostMatrix
@@ -104,7 +104,7 @@ def _good_tour(costs: "CostMatrix", at: "Room", unvisited: Collection["Room"]) -
 
 def _suggest_to_team(study_file: Path, unvisited: str | None, planner: TeamPlanner, as_json: bool) -> None:
     from ui.actions.suggest import plan_as_json, plan_of, show_plan
-    from ui.settings import setting_of, study_of
+    from ui.command_line.settings import setting_of, study_of
 
     setting = setting_of(study_of(study_file, {}), study_file)
     rooms = setting.costs.rooms if unvisited is None else _rooms(unvisited, setting.costs.rooms)

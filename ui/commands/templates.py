@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
+from ui.command_line.options import AsJson, ColourScheme, LookOption
+from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, print_json, say
 from ui.commands.group import SharingGroup
-from ui.display import why_no_window
-from ui.options import AsJson, ColourScheme, LookOption
-from ui.terminal import BAD_INPUT, bad_input, command, fail, note, print_json, say
+from ui.windows.display import why_no_window
 
 templates_app = typer.Typer(
     cls=SharingGroup,

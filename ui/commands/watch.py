@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from ui.display import why_no_window
-from ui.options import ColourScheme, LookOption
-from ui.terminal import BAD_INPUT, bad_input, fail
+from ui.command_line.options import ColourScheme, LookOption
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail
+from ui.windows.display import why_no_window
 
 OPEN_TIMEOUT = 2.0
 """Seconds that a recording may take to open before its window does."""

@@ -5,9 +5,9 @@ import typer
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.view import GiveConsent
 from thbridge.timing.wall_clock import utc_now
-from ui.event_loop import read_line
+from ui.command_line.event_loop import read_line
+from ui.command_line.terminal import DECLINED, NOT_TAKING_PART, fail, say
 from ui.model.consent_words import answer_in
-from ui.terminal import DECLINED, NOT_TAKING_PART, fail, say
 
 
 def ask_for_consent(texts: Texts, text: str) -> GiveConsent:

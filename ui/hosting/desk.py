@@ -8,6 +8,7 @@ from typing import Protocol
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.files.errors import BadFile
 from thbridge.timing.wall_clock import utc_now
+from ui.command_line.terminal import THBRIDGE
 from ui.hosting.window_process import WindowProcess
 from ui.model.desk.messages import (
     DESK,
@@ -22,7 +23,6 @@ from ui.model.desk.messages import (
     WriteNote,
 )
 from ui.sources.experiment import ExperimentSource
-from ui.terminal import THBRIDGE
 
 GATHERED = 0.2
 """Seconds within which events are told together."""

@@ -16,17 +16,17 @@ from thbridge.app.session.session import TickRecord
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study, with_team_size
-from ui.first_start import compile_ahead
+from ui.command_line.outcome import show_outcome, usual_bag
+from ui.command_line.outputs import make_ready
+from ui.command_line.report import write_report
+from ui.command_line.settings import setting_of
+from ui.command_line.story import print_story
+from ui.command_line.terminal import DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note
+from ui.first_start.compiling import compile_ahead
 from ui.hosting.lobby import Answer, GameVisit, PlayGame, host
 from ui.hosting.window_process import WINDOW, WindowProcess
 from ui.model.lobby import LOBBY, Offer
 from ui.model.rules_sheet import rules_lines
-from ui.outcome import show_outcome, usual_bag
-from ui.outputs import make_ready
-from ui.report import write_report
-from ui.settings import setting_of
-from ui.story import print_story
-from ui.terminal import DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note
 
 PRACTICE = Study(map="practice", templates="practice", robots=1)
 """A hall and two rooms, with treasures that no other set has."""

@@ -9,8 +9,8 @@ from thbridge.files.template_files import TemplateSet
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import GiveConsent
 from thbridge.study.study_file import Study
+from ui.command_line.terminal import show
 from ui.hosting.terminal_player import TerminalPlayer
-from ui.terminal import show
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from typing import Generic
 
 import msgspec
 
+from ui.command_line.terminal import THBRIDGE, note
 from ui.model.window_protocol import FromHostT, FromWindowT, WindowProtocol
-from ui.terminal import THBRIDGE, note
 
 WINDOW = (*THBRIDGE, "tabui", "--hosted")
 """The command that opens the participant's window."""

@@ -24,6 +24,7 @@ from thbridge.files.keys.key_file import ClientKey
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.view import GiveConsent
 from thbridge.text_protocol.sockets.reconnecting import ConnectionLost, LossReason
+from ui.command_line.terminal import DECLINED
 from ui.model.lobby import (
     LOBBY,
     Agreed,
@@ -44,7 +45,6 @@ from ui.model.participant import Participant
 from ui.model.practice import advice
 from ui.model.screen import CloseWindow, Phase, SwitchSound
 from ui.model.theme import Palette
-from ui.terminal import DECLINED
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe

@@ -7,7 +7,7 @@ import pytest
 
 from tests.peers.windows.desktop import desktop, needs_desktop
 from tests.system.programs import THBRIDGE, Program
-from ui.start_bar import STOPPED
+from ui.first_start.bar import STOPPED
 
 
 @needs_desktop

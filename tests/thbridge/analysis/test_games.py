@@ -23,7 +23,7 @@ from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import GiveUp, ParticipantRequest, PlayAgain, View
 from thbridge.study.study_file import GameSection, Study
-from ui.outcome import show_outcome
+from ui.command_line.outcome import show_outcome
 
 STUDY = Study(robots=2, seed=7, game=GameSection(energy=30.0))
 

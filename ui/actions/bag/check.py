@@ -5,7 +5,7 @@ from pathlib import Path
 
 from thbridge.analysis.check import NO_TRAJECTORY, BagTool, Finding, FindingSeverity, Judgement
 from thbridge.files.errors import visible
-from ui.terminal import say
+from ui.command_line.terminal import say
 
 _VERDICTS = {
     FindingSeverity.ERROR: "stumbles: see its errors",

@@ -9,7 +9,7 @@ from thbridge.analysis.export import dialogues, poses
 from thbridge.analysis.export.exporting import table_name
 from thbridge.recording.bag.reading.reader import info
 from thbridge.ros.messages.types import DIALOGUE_MOVE
-from ui.terminal import BAD_INPUT, command, fail
+from ui.command_line.terminal import BAD_INPUT, command, fail
 
 
 def chosen_topics(bag: Path, patterns: Collection[str]) -> frozenset[str]:

@@ -3,7 +3,7 @@
 from thbridge.analysis.summary import RecordingSummary
 from thbridge.files.errors import visible
 from thbridge.ros.messages.session_records import MACHINE
-from ui.terminal import say
+from ui.command_line.terminal import say
 
 WIDEST = 80
 """Characters for which a column makes room; what is longer moves the rest of its own row."""

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from ui.actions.doctor.qt_libraries import remedy_for
 from ui.actions.doctor.result import HealthCheck, ok, warning
-from ui.display import why_no_window
+from ui.windows.display import why_no_window
 
 _PROGRAM = """
 from PySide6.QtTest import QTest

@@ -10,7 +10,7 @@ from thbridge.files.map_times import MAP_TIMES
 from thbridge.hunt.rooms import Room
 from thbridge.offline.map_survey import Doorway, MapSurvey
 from ui.actions.pictures import write_picture
-from ui.terminal import command, out, say
+from ui.command_line.terminal import command, out, say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

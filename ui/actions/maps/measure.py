@@ -17,7 +17,7 @@ from thbridge.offline.kept_trips import KeptTrips, digest_of, kept_path
 from thbridge.offline.measure import MeasurementSetup, RoomTrip, TripResult, TripTimes, by_pair, drive, trips
 from thbridge.study.plugins import part_keys
 from ui.actions.engines import stopped_by_sigterm
-from ui.terminal import FAILED, fail, note, out
+from ui.command_line.terminal import FAILED, fail, note, out
 
 
 def measure_trips(

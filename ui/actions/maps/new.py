@@ -25,8 +25,8 @@ from thbridge.offline.drawings import CleanedDrawing, blocked_paths, squared, tu
 from thbridge.offline.measure import MeasurementSetup, TripTimes
 from thbridge.offline.room_finding import find_rooms
 from ui.actions.maps.measure import measure_trips, times_matrix, write_times
-from ui.grids import grid_at
-from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, say
+from ui.command_line.grids import grid_at
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, say
 
 SEED = 1
 LEFT_OUT = "left-out.pgm"

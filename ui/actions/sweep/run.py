@@ -10,7 +10,7 @@ from thbridge.batch.sweep import SweepProgress, run_sweep
 from thbridge.batch.tasks import SweepTask
 from thbridge.files.progress import Tell
 from ui.actions.engines import stopped_by_sigterm
-from ui.terminal import note
+from ui.command_line.terminal import note
 
 
 def run_shown(

@@ -10,7 +10,7 @@ from thbridge.batch.chunks import chunks_of, is_drawn
 from thbridge.batch.design import SweepDesign
 from thbridge.batch.status import SweepStatus
 from thbridge.batch.sweep import SweepProgress
-from ui.terminal import command, note, out, show
+from ui.command_line.terminal import command, note, out, show
 
 MOST_TOLD = 20
 """Faults, or conditions, that are told; there may be thousands."""

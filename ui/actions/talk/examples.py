@@ -13,7 +13,7 @@ from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.dialogue_game import GamePlay, GameUtterance
 from thbridge.dialogue.games.strategies import ArguingStrategy
 from thbridge.dialogue.wording.wording import Wording
-from ui.terminal import print_json
+from ui.command_line.terminal import print_json
 
 HELP = """\
   1, 2, ...  say what stands there

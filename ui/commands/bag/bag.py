@@ -10,11 +10,11 @@ import typer
 from thbridge.files.errors import visible
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.recordings import parts_of
+from ui.command_line.options import AsJson, ProgressKind, ProgressOption
+from ui.command_line.outputs import STANDARD_OUTPUT, destination, share_no_output
+from ui.command_line.recordings import Recording
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json, say
 from ui.commands.group import CommandGroup
-from ui.options import AsJson, ProgressKind, ProgressOption
-from ui.outputs import STANDARD_OUTPUT, destination, share_no_output
-from ui.recordings import Recording
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json, say
 
 MOST_LOSSES = 20
 """Losses of a repair that are listed one by one."""
@@ -64,7 +64,7 @@ def bag_info_command(
     from thbridge.analysis.summary import summarise
     from thbridge.recording.digest import digest_of
     from ui.actions.bag.info import show_summary
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
 
     with bad_input(), shown_progress(progress, "bag info"):
         found = summarise(bag)
@@ -83,7 +83,7 @@ def bag_check_command(bag: Recording, progress: ProgressOption = ProgressKind.AU
     from thbridge.analysis.check import judge
     from thbridge.recording.bag.reading.scan import scan
     from ui.actions.bag.check import judgements_as_json, show_judgements
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
 
     with bad_input(), shown_progress(progress, "bag check"):
         judgements = {part: judge(scan(part)) for part in parts_of(bag)}
@@ -105,7 +105,7 @@ def bag_reindex_command(
     import msgspec
 
     from thbridge.recording.bag.repair import reindex as reindex_bag
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
 
     with bad_input(), shown_progress(progress, "bag reindex"):
         done = reindex_bag(bag)
@@ -142,7 +142,7 @@ def bag_cut_command(
     import msgspec
 
     from thbridge.analysis.cut import CutRange, cut
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
 
     share_no_output(new, as_json)
     names = None if topics is None else tuple(name.strip() for name in topics.split(","))
@@ -177,7 +177,7 @@ def bag_to_mcap_command(
 
     from thbridge.analysis.to_mcap import to_mcap
     from thbridge.analysis.to_ros2 import to_ros2
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
 
     share_no_output(new, as_json)
     if profile is Profile.ROS2:

@@ -7,10 +7,10 @@ from typing import Annotated
 import typer
 
 from thbridge.files.errors import visible
-from ui.options import AsJson, ProgressKind, ProgressOption
-from ui.outputs import share_outputs
-from ui.recordings import Recording
-from ui.terminal import FAILED, bad_input, fail, note, print_json, say
+from ui.command_line.options import AsJson, ProgressKind, ProgressOption
+from ui.command_line.outputs import share_outputs
+from ui.command_line.recordings import Recording
+from ui.command_line.terminal import FAILED, bad_input, fail, note, print_json, say
 
 
 class ExportFormat(StrEnum):
@@ -45,7 +45,7 @@ def bag_export(
     from thbridge.analysis.export.folder import export_bag
     from thbridge.files.tables.table_files import TableFormat
     from ui.actions.bag.export import chosen_tables, chosen_topics, names_in
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
 
     share_outputs()
     with bad_input():

@@ -7,10 +7,10 @@ from typing import Annotated
 import typer
 
 from thbridge.files.errors import visible
-from ui.options import ProgressKind, ProgressOption
-from ui.outputs import STANDARD_OUTPUT, destination, share_outputs
-from ui.recordings import Estimated, Recording, Truth
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
+from ui.command_line.options import ProgressKind, ProgressOption
+from ui.command_line.outputs import STANDARD_OUTPUT, destination, share_outputs
+from ui.command_line.recordings import Estimated, Recording, Truth
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 
 class FigureChoice(StrEnum):
@@ -59,8 +59,8 @@ def bag_plot(
     from thbridge.files.progress import followed
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.recording.bag.reading.reader import info, messages
-    from ui.grids import grid_at
-    from ui.progress import shown_progress
+    from ui.command_line.grids import grid_at
+    from ui.command_line.progress import shown_progress
 
     kind = "svg" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(FigureFormat):

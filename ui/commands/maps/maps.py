@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
+from ui.command_line.options import AsJson
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
 from ui.commands.group import SharingGroup
-from ui.options import AsJson
-from ui.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
 
 maps_app = typer.Typer(
     cls=SharingGroup,
@@ -30,7 +30,7 @@ def maps_check(
     from thbridge.offline.map_survey import survey
     from ui.actions.maps.check import finding_as_json, show_survey, survey_as_json, write_survey_picture
     from ui.actions.pictures import PICTURES
-    from ui.settings import map_folder
+    from ui.command_line.settings import map_folder
 
     if to is not None and to.suffix.lower() not in PICTURES:
         fail(BAD_INPUT, f"--to: {to} is no picture. Give a file name that ends in .png, .svg or .pdf.")

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from ui.options import AsJson, ProgressKind, ProgressOption, StudyOption, the_study
-from ui.outputs import STANDARD_OUTPUT, share_no_output
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
+from ui.command_line.options import AsJson, ProgressKind, ProgressOption, StudyOption, the_study
+from ui.command_line.outputs import STANDARD_OUTPUT, share_no_output
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 
 def maps_measure(
@@ -44,9 +44,9 @@ def maps_measure(
         times_matrix,
         write_times,
     )
-    from ui.first_start import announce_compiling, usable_cores
-    from ui.progress import shown_progress
-    from ui.settings import map_folder, study_of
+    from ui.command_line.progress import shown_progress
+    from ui.command_line.settings import map_folder, study_of
+    from ui.first_start.compiling import announce_compiling, usable_cores
 
     share_no_output(to, as_json)
     folder = map_folder(name)

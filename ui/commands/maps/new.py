@@ -7,8 +7,8 @@ from typing import Annotated, ParamSpec
 
 import typer
 
-from ui.options import ColourScheme, LookOption, ProgressKind, ProgressOption
-from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, say
+from ui.command_line.options import ColourScheme, LookOption, ProgressKind, ProgressOption
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, command, fail, say
 
 P = ParamSpec("P")
 
@@ -73,8 +73,8 @@ def maps_new(
         require_rooms,
         write_map,
     )
-    from ui.first_start import announce_compiling, usable_cores
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
+    from ui.first_start.compiling import announce_compiling, usable_cores
 
     if draw:
         _require_window("Or leave --draw out, and correct rooms.yaml as text")
@@ -187,7 +187,7 @@ def maps_edit(
 
 
 def _require_window(otherwise: str) -> None:
-    from ui.display import why_no_window
+    from ui.windows.display import why_no_window
 
     reason = why_no_window()
     if reason is not None:

@@ -9,8 +9,8 @@ import typer
 from typer.core import TyperCommand
 
 from thbridge.files.yaml.angles import radians_of
-from ui.options import AsJson
-from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
+from ui.command_line.options import AsJson
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
 
 if TYPE_CHECKING:
     from typer._click.core import Context  # typer's own copy of click
@@ -71,8 +71,8 @@ def drive(
     from thbridge.offline.drive import DriveResult, DriveTask
     from thbridge.offline.drive import drive as driven
     from ui.actions.drive import corners_in, read_moving, read_parameters, read_unmapped
-    from ui.first_start import announce_compiling
-    from ui.grids import grid_at
+    from ui.command_line.grids import grid_at
+    from ui.first_start.compiling import announce_compiling
 
     for option, numbers in (("--start", start), ("--goal", (*goal, goal_yaw or 0.0)), ("--timeout", (timeout,))):
         if not all(math.isfinite(number) for number in numbers):

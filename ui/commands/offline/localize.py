@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ui.options import AsJson, ProgressKind, ProgressOption, one_of
-from ui.outputs import STANDARD_OUTPUT, destination, share_no_output, share_outputs
-from ui.recordings import Recording
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
+from ui.command_line.options import AsJson, ProgressKind, ProgressOption, one_of
+from ui.command_line.outputs import STANDARD_OUTPUT, destination, share_no_output, share_outputs
+from ui.command_line.recordings import Recording
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 Triple = tuple[float, float, float]
 
@@ -95,9 +95,9 @@ def localize_command(
         write_text,
     )
     from ui.actions.pictures import PICTURES
-    from ui.first_start import announce_compiling
-    from ui.grids import grid_at
-    from ui.progress import shown_progress
+    from ui.command_line.grids import grid_at
+    from ui.command_line.progress import shown_progress
+    from ui.first_start.compiling import announce_compiling
 
     share_no_output(to, as_json)
     if (initial_pose is None) == (not anywhere):

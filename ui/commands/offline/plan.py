@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from ui.options import AsJson
-from ui.terminal import BAD_INPUT, bad_input, fail, out, print_json
+from ui.command_line.options import AsJson
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, out, print_json
 
 INFLATION = 0.5
 """Inflation radius of our robot's global costmap, metres."""
@@ -53,8 +53,8 @@ def plan(
     """
     from thbridge.offline.plan import plan as planned
     from ui.actions.plan import answers_table, read_queries
-    from ui.first_start import announce_compiling
-    from ui.grids import grid_at
+    from ui.command_line.grids import grid_at
+    from ui.first_start.compiling import announce_compiling
 
     for option, value in (("--inflation", inflation), ("--radius", radius)):
         if not 0.0 <= value <= 50.0:

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from ui.options import AsJson
-from ui.terminal import BAD_INPUT, bad_input, fail, print_json
+from ui.command_line.options import AsJson
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, print_json
 
 Pose = Annotated[
     tuple[float, float, float] | None,
@@ -38,7 +38,7 @@ def scan(
     from thbridge.files.tables.csv_files import read_columns
     from thbridge.offline.scan import beam_angles
     from thbridge.offline.scan import scan as scan_map
-    from ui.grids import grid_at
+    from ui.command_line.grids import grid_at
 
     for option, value in (("--angle-min", angle_min), ("--angle-max", angle_max), ("--pose", sum(pose or ()))):
         if value is not None and not math.isfinite(value):

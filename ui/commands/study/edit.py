@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from ui.display import why_no_window
-from ui.options import ColourScheme, LookOption
-from ui.terminal import BAD_INPUT, bad_input, command, fail
+from ui.command_line.options import ColourScheme, LookOption
+from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail
+from ui.windows.display import why_no_window
 
 
 def study_edit(
@@ -21,14 +21,14 @@ def study_edit(
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
     """Edit a study file, or a study with people, in a window: all settings with their meaning, and the same checks."""
-    from ui.start_bar import announce_start
+    from ui.first_start.bar import announce_start
 
     if why_no_window() is None:
         announce_start(look.value)
 
     from thbridge.experiment.folder import ExperimentFolder
     from ui.actions.unfinished_study import finish_begun_withdrawals
-    from ui.first_start import announce_compiling
+    from ui.first_start.compiling import announce_compiling
 
     if file.is_dir():
         folder, file = file, ExperimentFolder(file).file

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from thbridge.timing.wall_clock import utc_now
-from ui.display import why_no_window
-from ui.options import (
+from ui.command_line.options import (
     AsJson,
     BatchEngine,
     ColourScheme,
@@ -24,7 +23,8 @@ from ui.options import (
     SlurmJobs,
     SlurmOptions,
 )
-from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json, say
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json, say
+from ui.windows.display import why_no_window
 
 if TYPE_CHECKING:
     from thbridge.batch.engines.engine import Engine
@@ -137,7 +137,7 @@ def study_run(
         from ui.windows.kiosk.window import open_kiosk
 
         raise typer.Exit(open_kiosk(look.value, windowed=windowed))
-    from ui.start_bar import announce_start
+    from ui.first_start.bar import announce_start
 
     if why_no_window() is None:
         announce_start(look.value)
@@ -199,7 +199,7 @@ def study_export(
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
     from ui.actions.unfinished_study import finish_begun_withdrawals
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
 
     finish_begun_withdrawals(folder)
     with bad_input(), shown_progress(progress, "export"):
@@ -294,7 +294,7 @@ def study_rehearse(
     from thbridge.experiment.rehearsal.rehearsal import rehearse
     from thbridge.files.disk.whole import new_folder
     from ui.actions.unfinished_study import finish_begun_withdrawals
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
 
     finish_begun_withdrawals(folder)
     with bad_input():
@@ -341,7 +341,7 @@ def study_power(
     from ui.actions.engines import chosen_engine
     from ui.actions.study_power import estimate_shown, power_tasks, show_estimates
     from ui.actions.unfinished_study import finish_begun_withdrawals
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
 
     finish_begun_withdrawals(folder)
     with TemporaryDirectory(prefix="thbridge-power-") as scratch:

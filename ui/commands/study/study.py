@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
+from ui.command_line.outputs import STANDARD_OUTPUT
+from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, say
 from ui.commands.group import CommandGroup
-from ui.outputs import STANDARD_OUTPUT
-from ui.terminal import BAD_INPUT, bad_input, command, fail, note, say
 
 study_app = typer.Typer(
     cls=CommandGroup,
@@ -42,7 +42,7 @@ def study_check(
     """Check a study file, or a study with people, and everything it names."""
     from thbridge.app.compose.setting import advice_on_language, missing_in
     from thbridge.study.study_file import check_manners, load_study
-    from ui.settings import note_doubts, setting_of, study_of
+    from ui.command_line.settings import note_doubts, setting_of, study_of
 
     if file.is_dir():
         from thbridge.app.compose.machine import versions
@@ -51,7 +51,7 @@ def study_check(
         from thbridge.experiment.folder import ExperimentFolder
         from thbridge.experiment.markers import why_no_markers
         from ui.actions.unfinished_study import finish_begun_withdrawals
-        from ui.open_doors import check_doors
+        from ui.command_line.networks import check_doors
 
         finish_begun_withdrawals(file)
         with bad_input():

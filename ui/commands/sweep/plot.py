@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
+from ui.command_line.outputs import STANDARD_OUTPUT, destination
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 from ui.commands.bag.plot import FigureWidth
 from ui.commands.sweep.sweep import FolderOfSweep
-from ui.outputs import STANDARD_OUTPUT, destination
-from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 
 class BandChoice(StrEnum):

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ui.options import (
+from ui.command_line.options import (
     AsJson,
     BatchEngine,
     DaskScheduler,
@@ -16,7 +16,7 @@ from ui.options import (
     SlurmJobs,
     SlurmOptions,
 )
-from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json
 
 
 def sweep_run(
@@ -48,7 +48,7 @@ def sweep_run(
 
     Ends with 1 when it was stopped, or when a game that was played again was not the same.
     """
-    from ui.start_bar import announce_start
+    from ui.first_start.bar import announce_start
 
     if not check:
         announce_start()
@@ -62,8 +62,8 @@ def sweep_run(
     from ui.actions.engines import chosen_engine
     from ui.actions.sweep.run import run_shown
     from ui.actions.sweep.telling import design_as_json, progress_as_json, show_design, show_progress
-    from ui.first_start import compile_ahead
-    from ui.progress import shown_progress
+    from ui.command_line.progress import shown_progress
+    from ui.first_start.compiling import compile_ahead
 
     part = Shard() if shard is None else shard_in(shard)
     if part is None:

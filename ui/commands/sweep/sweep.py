@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ui.command_line.options import AsJson
+from ui.command_line.outputs import STANDARD_OUTPUT, destination
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_json
 from ui.commands.group import SharingGroup
-from ui.options import AsJson
-from ui.outputs import STANDARD_OUTPUT, destination
-from ui.terminal import BAD_INPUT, bad_input, fail, note, print_json
 
 if TYPE_CHECKING:
     from typer._click.core import Context

@@ -28,7 +28,7 @@ from thbridge.recording.recordings import make_room
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.timing.pace_meter import GamePace, PaceMeter
-from ui.first_start import compile_ahead
+from ui.first_start.compiling import compile_ahead
 
 SEEN_WITHIN = 10 * TICKS_PER_SECOND
 """Ticks after the end of a game by which the window must have shown it; then it is not waited for any more."""

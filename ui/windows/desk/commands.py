@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.files.errors import BadFile
-from ui.terminal import THBRIDGE
+from ui.command_line.terminal import THBRIDGE
 from ui.windows.look import GAP, fixed_font, follow_text, label, px, spaced
 
 STOP_TIMEOUT = 5000

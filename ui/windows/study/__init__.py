@@ -4,8 +4,8 @@ from pathlib import Path
 
 from thbridge.study.noise import NoiseSection
 from thbridge.study.study_file import Study
+from ui.first_start.bar import START_BAR
 from ui.model.study_form.noise import preview_of
-from ui.start_bar import START_BAR
 from ui.windows.application import application
 from ui.windows.look import Choice
 from ui.windows.preferences import preferences_of

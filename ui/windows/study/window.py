@@ -22,11 +22,11 @@ from PySide6.QtWidgets import (
 from thbridge.experiment.questionnaires.form import shipped_form
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
+from ui.command_line.terminal import THBRIDGE
 from ui.model.study_form.experiment import language_of
 from ui.model.study_form.files import all_well
 from ui.model.study_form.form import FieldKind, RepeatKind, editable_text
 from ui.model.study_form.questionnaire import START
-from ui.terminal import THBRIDGE
 from ui.windows.editing.changes import ChangesPage
 from ui.windows.editing.faults import FaultList
 from ui.windows.look import GAP, FoldingRow, follow_text, label, open_within_screen, px, spaced, style_as_panel

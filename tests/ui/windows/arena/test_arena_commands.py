@@ -23,7 +23,7 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A map with times, on a display that is there."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("ui.display.INVISIBLE_PLATFORMS", set())
+    monkeypatch.setattr("ui.windows.display.INVISIBLE_PLATFORMS", set())
     monkeypatch.setenv("DISPLAY", ":0")
     write_grid(tmp_path / "three", GRID)
     write_rooms(tmp_path / "three", FOUND.rooms, FOUND.starts)

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Coroutine
 from typing import TypeVar
 
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail
 
 T = TypeVar("T")
 

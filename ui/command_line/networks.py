@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from thbridge.sockets.addresses import parse_address
 from thbridge.sockets.admission import is_own, parse_network
-from ui.terminal import BAD_INPUT, command, fail, note
+from ui.command_line.terminal import BAD_INPUT, command, fail, note
 
 if TYPE_CHECKING:
     from thbridge.app.listeners import WatchAddress

@@ -6,7 +6,7 @@ from tests.thbridge.roles.test_command import TAKE, Play
 from thbridge.hunt.events import RobotArrived, TreasureIdentified, TreasureLeft, TreasurePictured
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.roles.robot_requests import ReleaseCommand
-from ui.story import print_story, tell
+from ui.command_line.story import print_story, tell
 
 
 def test_who_commands_a_robot_is_told() -> None:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from thbridge.files.errors import visible
-from ui.terminal import bad_input, note
+from ui.command_line.terminal import bad_input, note
 
 
 def _converted(path: Path) -> Path:

@@ -36,7 +36,7 @@ from thbridge.hunt.properties import value_in_words
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.hunt.rules import commander_name
 from thbridge.hunt.treasures import name_in_words
-from ui.terminal import show
+from ui.command_line.terminal import show
 
 
 def print_story(tick: TickRecord, rooms: RoomNames) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 from sim.common.grid import OccupancyGrid
 from thbridge.files.grid_files import read_grid_file
 from thbridge.files.resources import shipped
-from ui.terminal import note
+from ui.command_line.terminal import note
 
 MAP_YAML = "map.yaml"
 

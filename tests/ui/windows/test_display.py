@@ -1,6 +1,6 @@
 import pytest
 
-from ui.display import why_no_window
+from ui.windows.display import why_no_window
 
 
 @pytest.fixture

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.progress import Tell, untold
-from ui.outputs import STANDARD_OUTPUT, destination
-from ui.terminal import note
+from ui.command_line.outputs import STANDARD_OUTPUT, destination
+from ui.command_line.terminal import note
 
 if TYPE_CHECKING:
     from thbridge.analysis.report.tracks import TrajectoryTopics
@@ -36,7 +36,7 @@ def write_report(
         raise BadFile(page, "this is the bag itself", "choose another file by --to")
     grid = None
     if map_yaml is not None:
-        from ui.grids import grid_at  # noqa: PLC0415 - 20 MB
+        from ui.command_line.grids import grid_at  # noqa: PLC0415 - 20 MB
 
         grid = grid_at(map_yaml)
     html = build_report(bag, grid, tell, named or FOUND_BY_NAME)

@@ -13,8 +13,8 @@ from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from ui.cli import app
-from ui.listening import ports_of
-from ui.settings import with_mavlink
+from ui.command_line.listening import ports_of
+from ui.command_line.settings import with_mavlink
 
 
 @pytest.fixture(autouse=True)

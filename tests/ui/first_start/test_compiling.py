@@ -14,13 +14,13 @@ import pytest
 from sim.numerics.compiled_files import read
 from sim.numerics.signatures import RECORDED
 from tests.compiling import ROOT
-from ui.start_bar import FIRST_START, STOPPED
+from ui.first_start.bar import FIRST_START, STOPPED
 
 PROGRAM = """\
 import sys
 from pathlib import Path
 from sim.numerics import signatures
-from ui.first_start import compile_ahead
+from ui.first_start.compiling import compile_ahead
 
 signatures.RECORDED = Path(sys.argv[1])
 compile_ahead(whole_hunt=True)
@@ -83,7 +83,7 @@ import signal
 import sys
 from pathlib import Path
 import typer
-from ui import start_bar
+from ui.first_start import bar as start_bar
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # As main does: tests begun by & in a script ignore it.
 start_bar._WINDOW = sys.argv[2]
@@ -91,7 +91,7 @@ start_bar.announce_start("system")
 print("numba" in sys.modules, start_bar.START_BAR._window is not None, flush=True)
 
 from sim.numerics import signatures
-from ui.first_start import compile_ahead
+from ui.first_start.compiling import compile_ahead
 
 signatures.RECORDED = Path(sys.argv[1])
 try:

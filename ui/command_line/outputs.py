@@ -11,7 +11,7 @@ from thbridge.files.errors import BadFile
 from thbridge.recording.bag.options import Readers
 from thbridge.recording.claims import release
 from thbridge.recording.recordings import make_room, try_place
-from ui.terminal import BAD_INPUT, fail, note
+from ui.command_line.terminal import BAD_INPUT, fail, note
 
 STANDARD_OUTPUT = Path("-")
 

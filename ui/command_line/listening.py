@@ -14,8 +14,8 @@ from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import RingKeys
 from thbridge.study.study_file import Study
-from ui.door_keys import watch_keys
-from ui.terminal import BAD_INPUT, bad_input, fail, note
+from ui.command_line.keys import watch_keys
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 
 
 def graph_of(ros: bool, master: str | None, host: str | None, open_to: Sequence[str] = ()) -> GraphAddress | None:

@@ -11,7 +11,7 @@ from thbridge.app.play import HuntOutcome
 from thbridge.app.run_statistics import RobotStatistics
 from thbridge.files.disk.inside import path_inside
 from thbridge.recording.recordings import parts_of
-from ui.terminal import bad_input, out
+from ui.command_line.terminal import bad_input, out
 
 
 def usual_bag(setting: StudySetting) -> Path:

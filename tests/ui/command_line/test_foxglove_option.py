@@ -31,7 +31,7 @@ def test_nothing_is_recorded_where_a_port_is_taken(door: str) -> None:
 @pytest.mark.parametrize("program", ["play", "simr"])
 def test_what_foxglove_needs_is_told_where_it_is_not_installed(program: str, monkeypatch: pytest.MonkeyPatch) -> None:
     found = importlib.util.find_spec
-    monkeypatch.setattr("ui.listening.find_spec", lambda name: None if name == "foxglove" else found(name))
+    monkeypatch.setattr("ui.command_line.listening.find_spec", lambda name: None if name == "foxglove" else found(name))
     options = ("--headless",) if program == "play" else ()
     assert "pip install 'thbridge[foxglove]'" in refusal(program, *options, "--foxglove", "8765")
 

@@ -15,7 +15,7 @@ from thbridge.sockets.addresses import Address, parse_address, parse_target
 from thbridge.study.built_in import study_at
 from thbridge.study.overrides import StudyChange
 from thbridge.study.study_file import Study
-from ui.terminal import BAD_INPUT, bad_input, fail, note
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 
 
 def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:

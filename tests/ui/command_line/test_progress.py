@@ -5,8 +5,8 @@ from itertools import count
 
 import pytest
 
-from ui.options import ProgressKind
-from ui.progress import ProgressLines, shown_progress
+from ui.command_line.options import ProgressKind
+from ui.command_line.progress import ProgressLines, shown_progress
 
 
 def test_a_line_counts_what_is_done_and_estimates_the_rest() -> None:

@@ -10,7 +10,7 @@ import typer
 from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, TEXT_SERVER_PORT, WATCH_PORT
-from ui.terminal import BAD_INPUT, fail
+from ui.command_line.terminal import BAD_INPUT, fail
 
 StudyFile = Annotated[
     Path | None,

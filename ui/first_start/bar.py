@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 
 from sim.numerics.compiled_files import cache_folder, make_folder, mark_used
 from sim.numerics.sources import ROOT, key_of
-from ui.terminal import FAILED, err, note
+from ui.command_line.terminal import FAILED, err, note
 
 FIRST_START = "Compiling the simulator for this machine, at its first start."
 STOPPED = "Stopped. What was compiled is kept, and the next start goes on from there."

@@ -8,8 +8,16 @@ from threading import Event, Thread
 
 from sim.numerics.kernels import wait_for_others
 from sim.numerics.signatures import kept_at, missing, recorded_calls
-from ui.start_bar import FIRST_START, START_BAR, STOPPED, is_unfinished, mark_begun, mark_compiled, own_environment
-from ui.terminal import FAILED, err, fail, note
+from ui.command_line.terminal import FAILED, err, fail, note
+from ui.first_start.bar import (
+    FIRST_START,
+    START_BAR,
+    STOPPED,
+    is_unfinished,
+    mark_begun,
+    mark_compiled,
+    own_environment,
+)
 
 COMPILERS = 4
 """Processes that compile, at most: each takes 200 MB."""
@@ -81,7 +89,7 @@ def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
     answered: list[str] = []
     wait_for_others({kept_at(call): compiled.wait for call, compiled in done.items()})
     ahead = iter(calls)
-    command = [sys.executable, "-P", "-c", "from ui.compiler_process import compile_calls; compile_calls()"]
+    command = [sys.executable, "-P", "-c", "from ui.first_start.process import compile_calls; compile_calls()"]
 
     def hand_out() -> None:
         process = subprocess.Popen(

@@ -20,8 +20,8 @@ from rich.progress import (
 from rich.text import Text
 
 from thbridge.files.progress import Tell, untold
-from ui.options import ProgressKind
-from ui.terminal import err, note
+from ui.command_line.options import ProgressKind
+from ui.command_line.terminal import err, note
 
 EVERY = 60.0
 """Seconds from one line to the next."""

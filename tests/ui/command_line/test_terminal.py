@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from thbridge.files.errors import BadFile, visible
 from ui.cli import app
-from ui.terminal import err, fail, faults_of_files, note, out, say
+from ui.command_line.terminal import err, fail, faults_of_files, note, out, say
 
 HOSTILE = "/\x1b[2J\x1b]0;title\x07\u202e\x9b31m\x00\r"
 SHOWN = r"/\x1b[2J\x1b]0;title\x07\u202e\x9b31m\x00\r"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.commands import thbridge
-from ui.outputs import keep_to_owner
+from ui.command_line.outputs import keep_to_owner
 
 
 def run(folder: Path, umask: int, *arguments: str) -> None:

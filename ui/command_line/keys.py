@@ -9,7 +9,7 @@ from thbridge.sockets.keys import KeyVerifier, RingKeys, SingleKey
 from thbridge.sockets.tls import server_context
 from thbridge.study.study_file import Study
 from thbridge.timing.wall_clock import utc_now
-from ui.terminal import BAD_INPUT, bad_input, command, fail
+from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail
 
 
 def key_of(path: Path) -> ClientKey:
