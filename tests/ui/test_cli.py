@@ -178,6 +178,8 @@ def test_a_port_of_the_study_that_is_any_free_one_must_be_told(program: str) -> 
         ("--port", "65536"),
         ("--rate", "-1"),
         ("--rate", "nan"),
+        ("--rate", "1e9"),
+        ("--rate", "inf"),
         ("--max-seconds", "0"),
         ("--participant", "nobody"),
         ("--outside", "SimR"),

@@ -163,6 +163,14 @@ BROKEN = {
         "game: {wrong_share: 0,2}",
         "study.yaml, line 1, game.wrong_share: '0,2' is not a number. Write a point: 0.2.",
     ),
+    "a comma within braces, of a whole number": (
+        "game: {energy: 52,5}",
+        "study.yaml, line 1, game.energy: '52,5' is not a number. Write a point: 52.5.",
+    ),
+    "a comma within braces, before another key": (
+        "game: {energy: 52,5, picture_cost: 1}",
+        "study.yaml, line 1, game.energy: '52,5' is not a number. Write a point: 52.5.",
+    ),
     "a comma for thousands": ("seed: 1,000", "seed: '1,000' is not a number. Write it without a comma."),
     "truth for a number": ("robots: true", "study.yaml, line 1, robots: 'true' is not a number."),
     "quotes": ("robots: '2'", "robots: '2' in quotes is text, not a number. Take the quotes away."),

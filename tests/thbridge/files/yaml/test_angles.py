@@ -66,6 +66,15 @@ def test_what_looks_like_degrees_is_told_and_counts_as_radians(text: str, key: s
     assert loaded.notices == (str(doubt),)
 
 
+@pytest.mark.parametrize("planner", ["TrajectoryPlannerROS", "DWAPlannerROS"])
+def test_degrees_beyond_the_range_of_a_parameter_are_refused_and_those_with_a_unit_are_not(planner: str) -> None:
+    section = "robot: {%s: {yaw_goal_tolerance: %s}}"
+    with pytest.raises(BadFile, match=rf"{planner}\.yaw_goal_tolerance: 10 is out of range"):
+        load_text(PATH, section % (planner, "10"), Study)
+    loaded = load_text(PATH, section % (planner, "10deg"), Study)
+    assert getattr(loaded.value.robot, planner).yaw_goal_tolerance == pytest.approx(math.radians(10.0))
+
+
 @pytest.mark.parametrize("angle", ["3.14", "1.5708", "-3.0", "2", "6.28"])
 def test_angles_that_people_write_in_radians_raise_no_doubt(angle: str) -> None:
     assert load_text(PATH, f"amcl: {{initial_pose_a: {angle}}}", RobotParameters).doubts == ()

@@ -38,6 +38,15 @@ def test_a_third_number_is_the_heading_at_the_goal() -> None:
     assert turned["seconds"] > anyhow["seconds"] + 1.0
 
 
+def test_headings_in_degrees() -> None:
+    done = drive("--start", "0", "0", "90deg", "--goal", "0", "0", "deg(90)", "--json")
+    assert json.loads(done.stdout)["seconds"] < 1.0, "it has nothing to turn"
+    assert " rad is " not in done.stderr
+    odd = drive("--start", "0", "0", "90", "--goal", "40", "0", "180")
+    assert "--start: 90 rad is more than a full turn; it is read as 2.035 rad" in odd.stderr
+    assert "180 rad is more than a full turn; it is read as -2.212 rad" in odd.stderr
+
+
 def test_people_are_told_in_a_sentence() -> None:
     assert drive(*CORRIDOR, "--goal", "1.5", "0").stdout == "Reached.\n"
     assert drive(*CORRIDOR, "--goal", "40", "0").stdout == "Not reached: the goal is outside the map.\n"

@@ -57,6 +57,26 @@ def test_a_path_through_the_door_of_a_turned_map(rooms, planner):
     assert answer["milliseconds"] > 0
 
 
+def test_a_map_by_its_name_its_folder_and_its_file(rooms):
+    asked = ends((1.0, 1.6), (5.0, 1.0))
+    assert queries("--map", rooms.parent, *asked)[0]["length"] == queries("--map", rooms, *asked)[0]["length"]
+    (answer,) = queries("--map", "arena8", "--start", 0, 0, "--goal", 1, 1)
+    assert answer["length"] == pytest.approx(math.sqrt(2.0), rel=0.05)
+
+
+def test_a_batch_as_spreadsheets_write_it(rooms, tmp_path):
+    start, goal = place(1.0, 1.0), place(1.5, 1.0)
+    numbers = [f"{number:.3f}" for number in (*start, *goal)]
+    header = ("start_x", "start_y", "goal_x", "goal_y")
+    answers = []
+    for mark, point in ((",", "."), (";", ","), ("\t", ".")):
+        table = "\r\n".join((mark.join(header), mark.join(number.replace(".", point) for number in numbers), ""))
+        (tmp_path / "batch.csv").write_text(table)
+        answers += [answer["length"] for answer in queries("--map", rooms, "--batch", tmp_path / "batch.csv")]
+    assert answers == [pytest.approx(0.5, rel=0.05)] * 3
+    assert len(set(answers)) == 1
+
+
 def test_a_robot_too_wide_for_the_door_finds_none(rooms):
     (answer,) = queries("--map", rooms, *ends((1.0, 1.0), (4.0, 1.0)), "--radius", 0.45)
     assert answer["found"] is False
