@@ -88,13 +88,18 @@ def compression_of(path: Path) -> Compression:
     return Compression(name) if name in set(Compression) else Compression.NONE
 
 
+SHARED_NUMBERS = 1_000_000
+"""First of the numbers of connections whose own number another connection has."""
+
+
 @dataclass(slots=True)
 class _Losses:
-    """Losses of a repair: damaged bytes, and messages by the number of a connection that is not known."""
+    """Losses of a repair: damaged bytes, messages of connections that are not known, numbers that several have."""
 
     spans: list[UnreadableSpan] = field(default_factory=list)
     messages: Counter[int] = field(default_factory=Counter)
     message_bytes: Counter[int] = field(default_factory=Counter)
+    sharing: dict[int, dict[tuple[str, str], int]] = field(default_factory=dict)
 
     def add(self, span: UnreadableSpan) -> None:
         """Add bytes; beyond so many spans, to the last one."""
@@ -102,6 +107,13 @@ class _Losses:
             self.spans.append(span)
         elif span.lost:
             self.spans[-1] = replace(self.spans[-1], lost=self.spans[-1].lost + span.lost)
+
+    def renumbered(self, known: BagConnection, other: BagConnection) -> BagConnection:
+        """Note that another connection has the number of one, and return it with a number of its own."""
+        shared = self.sharing.setdefault(other.number, {(known.topic, known.msgtype): known.number})
+        fresh = SHARED_NUMBERS + sum(map(len, self.sharing.values()))  # of integers
+        shared.setdefault((other.topic, other.msgtype), fresh)
+        return replace(other, number=shared[other.topic, other.msgtype])
 
     @property
     def bytes(self) -> int:
@@ -113,6 +125,13 @@ class _Losses:
         for number, count in sorted(self.messages.items()):
             what = f"{count} messages of connection {number}, {self.message_bytes[number]} bytes"
             yield f"{what}: no record that can be read says its topic and type."
+        for number, shared in self.sharing.items():
+            first, second, *more = (f"{topic} ({msgtype})" for topic, msgtype in shared)
+            others = f" and {len(more)} more" if more else ""
+            yield (
+                f"{first} and {second}{others} have the same connection number {number}. Each message counts as one of "
+                "the connection whose record was the last before it, which may be wrong within a chunk."
+            )
 
 
 def _copy(path: Path, fresh: Path, compression: Compression) -> tuple[int, int | None, _Losses]:
@@ -125,9 +144,13 @@ def _copy(path: Path, fresh: Path, compression: Compression) -> tuple[int, int |
     for record in scan(path):
         match record:
             case ConnectionRecord(number):
-                if number not in connections:
-                    connections[number] = _connection(record)
-                    undefined |= {number} & _undefined(connections)
+                known = connections.get(number)
+                if known is None or (known.topic, known.msgtype) != (record.topic, record.msgtype):
+                    made = _connection(record)
+                    if known is not None:
+                        made = losses.renumbered(known, made)
+                    connections[number] = made
+                    undefined = (undefined - {number}) | _undefined({number: made})
             case MessageRecord(number, stamp_ns, data):
                 if number not in connections and not looked_everywhere:
                     # The chunk with its connection cannot be read; a later chunk or the index may have it again.

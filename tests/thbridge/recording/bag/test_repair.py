@@ -245,6 +245,21 @@ def test_a_connection_that_cannot_be_read_costs_its_messages_alone(tmp_path: Pat
     assert "40 messages of connection 1, 320 bytes: no record that can be read says its topic and type." in told
 
 
+def test_two_connections_of_one_number_are_both_kept_and_reported(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    with BagWriter(path, PLAIN) as writer:
+        writer.write(RosMessage(TOPICS[0], 1_000_000_000, b"\x02\0\0\0ab"))
+    with BagWriter(tmp_path / "b.bag", PLAIN) as writer:
+        writer.write(RosMessage(Topic("/other", "std_msgs/Float64"), 2_000_000_000, bytes(8)))
+    # As of `cat a.bag b.bag`; the second has no line of its version.
+    path.write_bytes(path.read_bytes() + (tmp_path / "b.bag").read_bytes()[len("#ROSBAG V2.0\n") :])
+    repaired = reindex(path)
+    assert [(topic, data) for topic, _, data in read(path)] == [("/chatter", b"\x02\0\0\0ab"), ("/other", bytes(8))]
+    assert (repaired.messages, repaired.lost_bytes) == (2, 0)
+    (told,) = repaired.losses
+    assert "/chatter (std_msgs/String) and /other (std_msgs/Float64) have the same connection number 0." in told
+
+
 def test_a_bag_of_which_nothing_can_be_read_is_no_success(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     content = renamed_in(renamed_in(two_types(path), "/other", b"type"), "/chatter", b"type")
