@@ -7,7 +7,14 @@ from pathlib import Path
 import pytest
 
 from tests.commands import thbridge
+from ui.command_line import outputs
 from ui.command_line.outputs import keep_to_owner
+
+
+@pytest.fixture(autouse=True)
+def _program_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep the account's umask of one test from commands of the next."""
+    monkeypatch.setattr(outputs, "_umask_of_account", [])
 
 
 def run(folder: Path, umask: int, *arguments: str) -> None:
