@@ -51,11 +51,10 @@ def _fitting(sight: Sight, texts: tuple[str, ...]) -> int | None:
     return found[0] if found else None
 
 
-def _room(sight: Sight) -> int:
-    """The room that the pop-up is about."""
+def _room(sight: Sight) -> int | None:
+    """The room that the pop-up is about; none while the robot thinks of one."""
     found = re.search(r"go to room (\d+)\?", sight.pop.name if sight.pop is not None else "")
-    assert found is not None
-    return int(found[1])
+    return None if found is None else int(found[1])
 
 
 def test_a_person_argues_with_two_robots(screen: Desktop, tmp_path: Path) -> None:
@@ -69,8 +68,7 @@ def test_a_person_argues_with_two_robots(screen: Desktop, tmp_path: Path) -> Non
         screen.focus_window("Treasure hunt")
 
         # Robot 1, by keys alone: she asks it, leaves it, and then persuades it of another room.
-        seen = player.insist("advice", lambda: screen.press("d"), lambda seen: seen.answers)
-        advised = _room(seen)
+        advised = _room(player.insist("advice", lambda: screen.press("d"), _room))
         player.say(player.by_key, "Let us leave it")
         player.until("what came of it", lambda seen: seen.named("Robot 1: Then I"))
         player.insist("it to close", lambda: screen.press("Escape"), lambda seen: seen.pop is None)
