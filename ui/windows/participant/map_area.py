@@ -27,7 +27,8 @@ class MapArea(QWidget):
 
     A pop-up about a robot covers the corner of the map that is farthest from what it is about. It stays there while it
     is about that robot, unless robot or room would be hidden. It takes half of the map at most, and two thirds of its
-    height, unless its words need more. Any other panel is in the middle. Nothing moves the map.
+    height, unless its words need more; where no corner is free for it, it is as much lower as its words allow.
+    Any other panel is in the middle. Nothing moves the map.
     """
 
     def __init__(self, texts: Texts, map_view: MapView) -> None:
@@ -95,11 +96,9 @@ class MapArea(QWidget):
             return
         size, space = self._panel.size(), self._space()
         hidden = self._hides(self._at(self._corner, size, space))
-        if hidden:
-            best = self._best_corner(size, space)
-            if self._hides(self._at(best, size, space)) < hidden:
-                self._corner = best
-                self._place()
+        if hidden and self._hides_at_best(size, space) < hidden:
+            self._corner = self._best_corner(size, space)
+            self._place()
 
     def place_anew(self) -> None:
         """Lay everything out anew, since the map has changed; a pop-up may get another corner."""
@@ -144,7 +143,12 @@ class MapArea(QWidget):
             width = min(usual.width(), space.width())
             most = int(min(self.width() / 2 / width, 2 / 3) * self.height())
             panel.arrange(QSize(space.width(), most))
-            self._high = max(self._high, min(usual.height(), most), panel.least(width))
+            least = panel.least(width)
+            if not self._high:
+                high = max(min(usual.height(), most), least)
+                heights = (*range(high, least, -GAP), least)
+                self._high = min(heights, key=lambda high: self._hides_at_best(QSize(width, high), space))
+            self._high = max(self._high, least)
             size = QSize(width, min(self._high, space.height()))
             if self._corner is None:
                 self._corner = self._best_corner(size, space)
@@ -188,6 +192,10 @@ class MapArea(QWidget):
         """Return how much of what a pop-up is about it would hide: the earlier of the places count for more."""
         about = self._about()
         return sum(2 ** (len(about) - at) for at, part in enumerate(about) if place.intersects(part))
+
+    def _hides_at_best(self, size: QSize, space: QRect) -> int:
+        """Return how much a pop-up of this size would hide in its best corner."""
+        return self._hides(self._at(self._best_corner(size, space), size, space))
 
     def _free(self, panel: QRect) -> QRect:
         """Return the part of the map beside a pop-up in a corner, or the one above or below it if that is wider."""

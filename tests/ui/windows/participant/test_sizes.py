@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
@@ -13,7 +13,7 @@ from pytestqt.qtbot import QtBot
 from tests.ui.windows import samples
 from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.participant.conftest import Opened
-from tests.ui.windows.participant.test_window import STATES, Open
+from tests.ui.windows.participant.test_window import STATES, Open, covered, room_on_map
 from tests.ui.windows.preferred import preferred
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
@@ -127,6 +127,33 @@ def test_a_find_covers_at_most_half_of_the_map_and_shows_all_names(
         assert names.verticalScrollBar().maximum() == 0
         assert names.visibleRegion().boundingRect() == names.rect()
         assert names.mapTo(panel, QPoint(0, 0)).x() > PICTURE.width(), "they are beside the picture"
+
+
+@in_each_language
+@pytest.mark.parametrize("text", [1.25], indirect=True)
+def test_a_question_about_a_far_room_is_low_enough_to_hide_neither_robot_nor_room(
+    opened: Open, qapp: QApplication, text: float, texts: Texts
+) -> None:
+    set_text(qapp, text)
+    usual = samples.playing(texts=texts)
+    shown = opened(usual, 1280, 720, texts=texts)
+    view, robots = shown.window.map, shown.model.robots(0.0)
+    x, y = view.point(QPointF(0.42 * view.width(), 0.39 * view.height()))
+    shown.model.robots = lambda _now: tuple(  # type: ignore[method-assign]
+        replace(mark, pose=replace(mark.pose, x=x, y=y)) if mark.robot == 0 else mark for mark in robots
+    )
+    shown.window.refresh()
+    question = samples.dialogue(texts=texts)
+    shown.show(
+        replace(
+            usual,
+            popup=replace(question, robot=0, room=7, sentences=question.sentences[:2], choices=question.choices[:2]),
+        )
+    )
+    settle()
+    panel = covered(shown, shown.window.dialogue)
+    assert not panel.contains(view.pixel(x, y).toPoint())
+    assert not panel.contains(room_on_map(shown, 7))
 
 
 def test_a_narrow_list_of_names_has_no_bar_below_instead_of_a_name(opened: Open) -> None:
