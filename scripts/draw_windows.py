@@ -25,7 +25,7 @@ from PySide6.QtCore import QBuffer, QSize
 from PySide6.QtWidgets import QApplication, QWidget
 
 from thbridge.files.language_texts import ENGLISH
-from ui.model.theme import DARK, LIGHT, Palette
+from ui.model.shared.theme import DARK, LIGHT, Palette
 from ui.windows.application import application as open_application
 from ui.windows.look import apply_palette, apply_text_size, usual_growth
 

@@ -10,7 +10,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Literal
 
-from ui.model.theme import DARK, LIGHT, SIMULATED, Palette, Vision, contrast, difference
+from ui.model.shared.theme import DARK, LIGHT, SIMULATED, Palette, Vision, contrast, difference
 
 ROOT = Path(__file__).parents[1]
 
@@ -176,10 +176,10 @@ TINTED = (("study/pages.py", "text on the line of a fault", "text", "bad", 48 / 
 HEAD = """\
 # Who can see and use the windows
 
-`scripts/write_contrast.py` writes this page out of the windows' palettes (`ui/model/theme.py`). Ratios are those of
-WCAG 2.2: level AA wants 4.5 for text (1.4.3), 3 for edges, signs and curves (1.4.11). Each row shows the worst of its
-pairs; where a robot's colour is one of them, the worst of ten. *Told besides*: nothing rests on it, because the same is
-said elsewhere.
+`scripts/write_contrast.py` writes this page out of the windows' palettes (`ui/model/shared/theme.py`). Ratios are those
+of WCAG 2.2: level AA wants 4.5 for text (1.4.3), 3 for edges, signs and curves (1.4.11). Each row shows the worst of
+its pairs; where a robot's colour is one of them, the worst of ten. *Told besides*: nothing rests on it, because the
+same is said elsewhere.
 
 All that can be done can be done by keyboard; every part has a name that screen readers say; the focus goes through
 each part of a window as the eye does, from top to bottom and from left to right (`tests/ui/windows`). Nothing is told

@@ -13,7 +13,7 @@ from sim.parameters import RobotParameters, WorldParameters
 from thbridge.files.yaml.declarations import allowed
 from thbridge.mavlink.role.parameter_names import GROUPS, group_of
 from thbridge.mavlink.role.parameters import PARAMETERS, VehicleParameter, values_of
-from thbridge.roles.robot_requests import Tuning
+from thbridge.roles.shared.robot_requests import Tuning
 
 ROOT = Path(__file__).parents[1]
 

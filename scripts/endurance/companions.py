@@ -24,11 +24,11 @@ from thbridge.mavlink.station.trip import StationTrip
 from thbridge.mavlink.values.vehicle_interface import Target
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.view import ParticipantRequest, PlayAgain, View
+from thbridge.roles.shared.view import ParticipantRequest, PlayAgain, View
 from thbridge.rosgraph.sockets.node import RosNode
 from thbridge.sockets.addresses import Address
+from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.text_protocol.sockets.client import TextClient
-from thbridge.text_protocol.sockets.reconnecting import ConnectionLost
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import is_notice
 from thbridge.watching.sockets.client import WatchClient, WatchConnected

@@ -13,12 +13,12 @@ from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
-from thbridge.roles.robot_requests import Request
-from thbridge.roles.view import ParticipantRequest, View
+from thbridge.roles.shared.robot_requests import Request
+from thbridge.roles.shared.view import ParticipantRequest, View
 from thbridge.study.study_file import Study
-from ui.model.participant import Participant
 from ui.model.playing.offers import offer
-from ui.model.screen import Act, ConsiderRoom, DialoguePopup, GiveAnswer, PickName, Screen
+from ui.model.playing.participant import Participant
+from ui.model.playing.screen import Act, ConsiderRoom, DialoguePopup, GiveAnswer, PickName, Screen
 
 LIMIT = 120.0
 """Simulated seconds after which waiting fails."""

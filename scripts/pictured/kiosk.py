@@ -32,8 +32,8 @@ from ui.model.kiosk import (
     StudyProgress,
     TextToRead,
 )
-from ui.model.screen import ChooseRoom, ShowHelp
-from ui.model.theme import Palette
+from ui.model.playing.screen import ChooseRoom, ShowHelp
+from ui.model.shared.theme import Palette
 from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.window import KioskWindow
 

@@ -15,16 +15,16 @@ from sim.common.geometry import Pose2
 from sim.inputs import KidnapRobot, SetPoseEstimate
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import PoseTelemetry
 from thbridge.roles.participant.tabui import ParticipantUpdate
-from thbridge.roles.robot_requests import StationSend, TakeCommand
-from thbridge.roles.view import View
+from thbridge.roles.shared.notices import PoseTelemetry
+from thbridge.roles.shared.robot_requests import StationSend, TakeCommand
+from thbridge.roles.shared.view import View
 from thbridge.study.built_in import STANDARD
 from thbridge.study.study_file import DialogueSection, ParticipantSection, ShowsSection, Study
 from ui.hosting.games import PRACTICE
 from ui.model.lobby import Offer, Preparing
-from ui.model.participant import Participant
-from ui.model.screen import (
+from ui.model.playing.participant import Participant
+from ui.model.playing.screen import (
     AskAdvice,
     AskForRobot,
     Cancel,
@@ -43,7 +43,7 @@ from ui.model.screen import (
     TakeThePicture,
     TreasurePopup,
 )
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant_program import GamePage, ParticipantMainWindow

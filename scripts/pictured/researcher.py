@@ -21,15 +21,15 @@ from thbridge.app.session.session import Session
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode
-from thbridge.roles.view import AnswerDialogue, ParticipantRequest, View
+from thbridge.roles.shared.robot_requests import Request, WizardAdvice, WizardMode
+from thbridge.roles.shared.view import AnswerDialogue, ParticipantRequest, View
 from thbridge.ros.topics import RosMessage
 from thbridge.study.built_in import STANDARD
 from thbridge.study.study_file import DialogueSection, Study
 from thbridge.text_protocol.wire import legacy
 from thbridge.watching.sockets.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.watching.wire import STATUS, SessionMessage, WatchStatus
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.model.watching.tools import obstacle
 from ui.windows.researcher.docks.displays import MapDisplay
 from ui.windows.researcher.feeds import session

@@ -8,7 +8,7 @@ from tempfile import mkdtemp
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication, QWidget
 
-from ui.model.theme import Palette
+from ui.model.shared.theme import Palette
 from ui.windows.preferences import Preferences
 
 

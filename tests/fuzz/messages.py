@@ -32,6 +32,7 @@ from thbridge.experiment.store.decoding import decoded as event_of
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import LoggedEvent
 from thbridge.hunt.codec import from_json
+from thbridge.line_splitter import LineSplitter
 from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.mavlink.values.vehicle_interface import Station
 from thbridge.mavlink.wire.dialect import decoded, payload_of
@@ -40,7 +41,7 @@ from thbridge.mavlink.wire.frames.framer import FrameParser, parse_datagram
 from thbridge.mavlink.wire.frames.signing import parse_key
 from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.recording.bag.reading.reader import recorded
-from thbridge.roles.robot_requests import Pause, Resume, SetRate, Step
+from thbridge.roles.shared.robot_requests import Pause, Resume, SetRate, Step
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.session_records import InputRecord
@@ -48,8 +49,9 @@ from thbridge.rosgraph.wire.tcpros import FrameBuffer, decode_header
 from thbridge.rosgraph.wire.xmlrpc import decode_call, decode_response
 from thbridge.sockets.addresses import parse_address, parse_target
 from thbridge.sockets.admission import parse_network
+from thbridge.text_protocol.values.dialect import Dialect
 from thbridge.text_protocol.wire import canonical, legacy
-from thbridge.text_protocol.wire.lines import LineSplitter, TextMessage, parse_line
+from thbridge.text_protocol.wire.lines import TextMessage, parse_line
 from thbridge.text_protocol.wire.notice import Notice, NoticeValue, decode_notice, parse_notice
 from thbridge.timing.pacer import Pacer
 from thbridge.watching.wire import BagStreamReader, SessionMessage, WatcherRequest, WatcherSession, parse_status
@@ -124,7 +126,7 @@ def _read_lines(data: bytes) -> None:
             continue
         for decode in (legacy.decode, canonical.decode):
             decode(message)
-        for dialect in canonical.Dialect:
+        for dialect in Dialect:
             canonical.decode_goto(message, dialect, 8)
         notice = parse_notice(message)
         if isinstance(notice, Notice):

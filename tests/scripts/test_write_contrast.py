@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ui.model.theme import DARK, LIGHT, SIMULATED, Palette
+from ui.model.shared.theme import DARK, LIGHT, SIMULATED, Palette
 
 ROOT = Path(__file__).parents[2]
 WINDOWS = ROOT / "ui" / "windows"

@@ -43,7 +43,7 @@ from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.recording.digest import digest_of
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import Request, SetParameters
+from thbridge.roles.shared.robot_requests import Request, SetParameters
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.study_file import read_study_text
 from thbridge.text_protocol.wire import legacy

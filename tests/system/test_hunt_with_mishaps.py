@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.system.test_play import messages, play
-from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.measured.gathering import read_report
 from thbridge.recording.bag.reading.reader import messages as recorded
 
 pytestmark = pytest.mark.slow

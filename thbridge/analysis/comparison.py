@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from thbridge.analysis.report.gathering import OUTCOMES
-from thbridge.analysis.report.values import Report, Track
+from thbridge.analysis.measured.game import Report, Track
+from thbridge.analysis.measured.gathering import OUTCOMES
 from thbridge.ros.messages.goal_status import GoalStatusCode
 
 

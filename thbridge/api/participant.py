@@ -6,7 +6,7 @@ from typing import Literal, SupportsIndex
 
 from sim.common.robot_numbers import index_of
 from thbridge.api.errors import HuntError
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     GiveConsent,

@@ -41,7 +41,7 @@ from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, make_room, tlog_of, try_place
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import (
+from thbridge.roles.shared.robot_requests import (
     CommandRequest,
     ParameterValue,
     ReleaseCommand,
@@ -53,7 +53,7 @@ from thbridge.roles.robot_requests import (
     StationTakePicture,
     TakeCommand,
 )
-from thbridge.roles.view import ParticipantRequest
+from thbridge.roles.shared.view import ParticipantRequest
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.records import InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.things import Shape, ThingEntry

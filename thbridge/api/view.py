@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.common.robot_numbers import number_of
 from thbridge.api.snapshot import Booleans, Floats, Integers
-from thbridge.roles.view import View
+from thbridge.roles.shared.view import View
 
 
 @dataclass(frozen=True, slots=True)

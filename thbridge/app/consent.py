@@ -9,8 +9,8 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
 from thbridge.credentials import LOCAL, Credentials
 from thbridge.roles.keeper.disclosed.consent import ConsentStatus
-from thbridge.roles.notices import KEEPER, ParticipantReady
-from thbridge.roles.view import DeclineConsent, GiveConsent, View
+from thbridge.roles.shared.notices import KEEPER, ParticipantReady
+from thbridge.roles.shared.view import DeclineConsent, GiveConsent, View
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage, encode_line
 from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice

@@ -14,7 +14,7 @@ from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.watch_requests import WatchRequestHandler
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.mavlink.wire.frames.frame import Frame
-from thbridge.roles.robot_requests import Request
+from thbridge.roles.shared.robot_requests import Request
 from thbridge.ros.publisher import TeamPublisher
 from thbridge.rosgraph.sockets.joining import GraphAddress, MasterPresence
 from thbridge.sockets.addresses import LOCALHOST, ListeningAddress

@@ -31,8 +31,8 @@ from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import Request
-from thbridge.roles.role import Role
+from thbridge.roles.shared.robot_requests import Request
+from thbridge.roles.shared.role import Role
 from thbridge.roles.simr.simr import SimR
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.rosgraph.sockets.joining import GraphAddress

@@ -17,15 +17,15 @@ from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
-from thbridge.roles.notices import KEEPER, ConsentQuery, HideRequest, Orders, RecordingPermission
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import Request
-from thbridge.roles.role import Role
+from thbridge.roles.shared.notices import KEEPER, ConsentQuery, HideRequest, Orders, RecordingPermission
+from thbridge.roles.shared.robot_requests import Request
+from thbridge.roles.shared.role import Role
+from thbridge.roles.shared.view import View
 from thbridge.roles.simr.simr import SimR
-from thbridge.roles.view import View
 from thbridge.rosgraph.sockets.joining import GraphAddress
+from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.text_protocol.sockets.client import TextClient
-from thbridge.text_protocol.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.client import NameRegistered
 from thbridge.text_protocol.wire.lines import TextMessage

@@ -25,9 +25,9 @@ from thbridge.rosgraph.sockets.fleet import CALLER, Fleet
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.rosgraph.wire.links import TopicHeader
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.study.real_robots import FleetSection
 from thbridge.text_protocol.sockets.client import TextClient
-from thbridge.text_protocol.sockets.reconnecting import ConnectionLost
 from thbridge.text_protocol.wire import legacy
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer

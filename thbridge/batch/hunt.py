@@ -14,7 +14,7 @@ from thbridge.app.session.session import Session, TickRecorder
 from thbridge.batch.measures import GameMeasures, GameObserver
 from thbridge.recording.digest import MessageDigest
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.role import Role
+from thbridge.roles.shared.role import Role
 from thbridge.ros.topics import RosMessage
 from thbridge.study.study_file import RecordingSection
 

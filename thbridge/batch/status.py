@@ -10,9 +10,9 @@ from pathlib import Path
 
 import msgspec
 
-from thbridge.batch.batch_task import worker_name
 from thbridge.batch.chunks import is_drawn
 from thbridge.batch.ended_games import read_ended
+from thbridge.batch.engines.batch_task import worker_name
 from thbridge.batch.folder import read_manifest
 from thbridge.batch.results import GameStatus, differing_games, game_faults, read_table, versions_in
 from thbridge.batch.tasks import begun_game

@@ -10,9 +10,9 @@ from pathlib import Path
 from threading import Lock
 
 from thbridge.app.compose.recording import build_writer
-from thbridge.batch.batch_task import TaskOutcome, worker_name
 from thbridge.batch.chunks import GameChunk, is_drawn
 from thbridge.batch.ended_games import keep_ended, read_ended
+from thbridge.batch.engines.batch_task import TaskOutcome, worker_name
 from thbridge.batch.folder import SweepFolder
 from thbridge.batch.hunt import RecordedDigest, play_hunt
 from thbridge.batch.results import (

@@ -8,7 +8,7 @@ from sim.numerics import noise
 from thbridge.hunt.codec import treasure_fields
 from thbridge.hunt.properties import OF_2016, TreasureProperty, labelled
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
-from thbridge.roles.notices import KEEPER, HideRequest, HiderReady, HideTreasures, LegacyReply
+from thbridge.roles.shared.notices import KEEPER, HideRequest, HiderReady, HideTreasures, LegacyReply
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.legacy import (
     AskTreasure,

@@ -13,7 +13,7 @@ from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
 from thbridge.ros.names import frame_name
 from thbridge.ros.remote.names import RemoteNames
-from thbridge.rosgraph.wire.names import canonical, join
+from thbridge.rosgraph.values.names import canonical, join
 
 S = TypeVar("S")
 

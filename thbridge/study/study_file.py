@@ -46,7 +46,7 @@ from thbridge.study.noise import (
 from thbridge.study.real_robots import FleetSection, faults_of_fleet
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
-from thbridge.text_protocol.wire.canonical import Dialect
+from thbridge.text_protocol.values.dialect import Dialect
 
 OWN_STRATEGY = "manner"
 """Name of the strategy that robots come with."""

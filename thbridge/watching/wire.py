@@ -14,7 +14,7 @@ from typing import TypeAlias
 import msgspec
 
 from thbridge.credentials import LOCAL, Credentials, Right
-from thbridge.text_protocol.wire.lines import LineSplitter, OverlongLine
+from thbridge.line_splitter import LineSplitter, OverlongLine
 
 STATUS = "/watch/status"
 """Topic of the watch server itself: std_msgs/String, the JSON of a `WatchStatus`."""

@@ -7,9 +7,9 @@ from thbridge.app import programs
 from thbridge.files.language_texts import shipped_texts
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
-from thbridge.roles.view import View
+from thbridge.roles.shared.view import View
+from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.study.study_file import ServerSection, Study
-from thbridge.text_protocol.sockets.reconnecting import ConnectionLost
 from ui.command_line.options import ADDRESS, PERSON
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 from ui.hosting.lobby import WILDCARD_ADDRESSES

@@ -14,7 +14,7 @@ import typer
 from thbridge.experiment.check import read_for_people
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.markers import MarkerStream
+from thbridge.experiment.sockets.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.files.disk.synced import make_folder
 from thbridge.files.errors import BadFile

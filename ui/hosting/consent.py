@@ -3,7 +3,7 @@
 import typer
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.view import GiveConsent
+from thbridge.roles.shared.view import GiveConsent
 from thbridge.timing.wall_clock import utc_now
 from ui.command_line.event_loop import read_line
 from ui.command_line.terminal import DECLINED, NOT_TAKING_PART, fail, say

@@ -26,7 +26,7 @@ from ui.first_start.compiling import compile_ahead
 from ui.hosting.lobby import Answer, GameVisit, PlayGame, host
 from ui.hosting.window_process import WINDOW, WindowProcess
 from ui.model.lobby import LOBBY, Offer
-from ui.model.rules_sheet import rules_lines
+from ui.model.playing.rules_sheet import rules_lines
 
 PRACTICE = Study(map="practice", templates="practice", robots=1)
 """A hall and two rooms, with treasures that no other set has."""

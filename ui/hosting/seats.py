@@ -7,7 +7,7 @@ from thbridge.app.compose.game import build_bot
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.template_files import TemplateSet
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.view import GiveConsent
+from thbridge.roles.shared.view import GiveConsent
 from thbridge.study.study_file import Study
 from ui.command_line.terminal import show
 from ui.hosting.terminal_player import TerminalPlayer

@@ -12,8 +12,8 @@ from thbridge.hunt.properties import Teller, TreasureProperty, values_in_words
 from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.rules import RuleReason
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.participant_rules import revealed
-from thbridge.roles.view import (
+from thbridge.roles.shared.participant_rules import revealed
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     Consent,
@@ -42,12 +42,12 @@ from thbridge.roles.view import (
 )
 from thbridge.timing.wall_clock import utc_now
 from ui.model.consent_words import answer_in
-from ui.model.keys import choice_keys
+from ui.model.playing.keys import choice_keys
 from ui.model.playing.memory.history import spoken
 from ui.model.playing.popups.dialogues import OVERRIDE
 from ui.model.playing.possible import why_refused
+from ui.model.playing.rules_sheet import rules_of
 from ui.model.playing.words import commander_in_words, outcome_of, verdict_words
-from ui.model.rules_sheet import rules_of
 
 
 @dataclass(slots=True)

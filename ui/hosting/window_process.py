@@ -9,7 +9,7 @@ from typing import Generic
 import msgspec
 
 from ui.command_line.terminal import THBRIDGE, note
-from ui.model.window_protocol import FromHostT, FromWindowT, WindowProtocol
+from ui.model.shared.window_protocol import FromHostT, FromWindowT, WindowProtocol
 
 WINDOW = (*THBRIDGE, "tabui", "--hosted")
 """The command that opens the participant's window."""

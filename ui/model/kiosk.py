@@ -9,8 +9,8 @@ from typing import Literal, TypeAlias
 
 import msgspec
 
-from thbridge.roles.notices import GameTexts
-from ui.model.window_protocol import WindowProtocol
+from thbridge.roles.shared.notices import GameTexts
+from ui.model.shared.window_protocol import WindowProtocol
 
 Answer: TypeAlias = float | str | tuple[str, ...] | None
 """Answer to an item: a number, words or an option, several options; None: not answered."""

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import msgspec
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.window_protocol import WindowProtocol
+from ui.model.shared.window_protocol import WindowProtocol
 
 
 class Offer(msgspec.Struct, frozen=True, tag=True):

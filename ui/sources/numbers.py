@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.export.layout import layout_of
 from thbridge.analysis.export.tables import INDEX, RECORDED, SECONDS, TableRows, TopicTables
+from thbridge.analysis.fields.layout import layout_of
 from thbridge.files.tables.table_files import ListColumn, OptionalColumn, Values
 from thbridge.recording.bag.reading.index import BagIndex, IndexedConnection, MessageLocation
 

@@ -8,7 +8,7 @@ from typing import Generic, Protocol, TypeVar
 import msgspec
 from PySide6.QtCore import QEvent, QObject
 
-from ui.model.window_protocol import FromHostT, FromWindowT, WindowProtocol
+from ui.model.shared.window_protocol import FromHostT, FromWindowT, WindowProtocol
 
 PERIOD = 15
 """Milliseconds between two looks at what has come."""

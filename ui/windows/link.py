@@ -17,9 +17,9 @@ from sim.common.observations import TICK
 from thbridge.app.programs import exchange
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
-from thbridge.roles.view import GiveConsent, ParticipantRequest, View
+from thbridge.roles.shared.view import GiveConsent, ParticipantRequest, View
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost
 from thbridge.text_protocol.sockets.client import TextClient
-from thbridge.text_protocol.sockets.reconnecting import Backoff, ConnectionLost
 from thbridge.text_protocol.wire.lines import TextMessage
 
 POLL_PERIOD = 0.005

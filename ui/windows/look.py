@@ -36,7 +36,7 @@ from PySide6.QtWidgets import (
 )
 from shiboken6 import Shiboken
 
-from ui.model.theme import DARK, LIGHT, Palette, contrast
+from ui.model.shared.theme import DARK, LIGHT, Palette, contrast
 from ui.windows.words_of_others import PlainLabel, PlainTextStyle
 
 L = TypeVar("L", bound=QLayout)

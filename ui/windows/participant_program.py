@@ -22,8 +22,8 @@ from PySide6.QtWidgets import (
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.files.language_texts import shipped_texts
-from thbridge.roles.view import GiveConsent
-from thbridge.text_protocol.sockets.reconnecting import ConnectionLost, LossReason
+from thbridge.roles.shared.view import GiveConsent
+from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from ui.command_line.terminal import DECLINED
 from ui.model.lobby import (
     LOBBY,
@@ -41,10 +41,10 @@ from ui.model.lobby import (
     Thanks,
     WindowClosed,
 )
-from ui.model.participant import Participant
-from ui.model.practice import advice
-from ui.model.screen import CloseWindow, Phase, SwitchSound
-from ui.model.theme import Palette
+from ui.model.playing.participant import Participant
+from ui.model.playing.practice import advice
+from ui.model.playing.screen import CloseWindow, Phase, SwitchSound
+from ui.model.shared.theme import Palette
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe

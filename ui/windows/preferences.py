@@ -23,8 +23,8 @@ from PySide6.QtWidgets import (
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
-from ui.model.keys import SETTINGS_KEYS
-from ui.model.theme import DARK, LIGHT
+from ui.model.playing.keys import SETTINGS_KEYS
+from ui.model.shared.theme import DARK, LIGHT
 from ui.windows import look
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import GAP, Choice, spaced

@@ -15,7 +15,7 @@ from PySide6.QtCore import QObject, QProcess, QTemporaryDir
 
 from thbridge.files.disk.whole import write_whole
 from thbridge.files.errors import BadFile
-from ui.model.screen import GameSound
+from ui.model.playing.screen import GameSound
 
 RATE = 44_100
 """Samples a second."""

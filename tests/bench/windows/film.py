@@ -10,14 +10,14 @@ from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.notices import FloorPlan
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
-from thbridge.roles.view import ParticipantRequest, View
+from thbridge.roles.shared.notices import FloorPlan
+from thbridge.roles.shared.view import ParticipantRequest, View
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
-from ui.model.keys import act_for
-from ui.model.participant import Participant
-from ui.model.scene import RobotMark, RoomMark
-from ui.model.screen import Act, DialoguePopup, Screen, TreasurePopup
+from ui.model.playing.keys import act_for
+from ui.model.playing.participant import Participant
+from ui.model.playing.screen import Act, DialoguePopup, Screen, TreasurePopup
+from ui.model.shared.scene import RobotMark, RoomMark
 
 EVERYTHING = ParticipantSection(shows=ShowsSection(uncertainty=True, truth=True))
 """What a study can show of robots at most."""

@@ -52,7 +52,7 @@ def observe_window(path: Path) -> None:
     from PySide6.QtCore import QTimer  # noqa: PLC0415 - Qt, only in the window
 
     from tests.bench.windows.film import key_for  # noqa: PLC0415
-    from ui.model.keys import act_for  # noqa: PLC0415
+    from ui.model.playing.keys import act_for  # noqa: PLC0415
     from ui.windows.map import MapView  # noqa: PLC0415
     from ui.windows.participant.pages.start import StartPage  # noqa: PLC0415
     from ui.windows.participant_program import ParticipantMainWindow  # noqa: PLC0415

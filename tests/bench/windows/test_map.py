@@ -12,10 +12,10 @@ from pytestqt.qtbot import QtBot
 from tests.bench.budget import Budgets
 from tests.ui.windows.map.houses import busy_robots, house_of, rooms_of
 from thbridge.files.map_files import Map
-from thbridge.roles.notices import PlannedPaths, PoseTelemetry
-from ui.model.motion import MotionPlayback
-from ui.model.scene import RobotMark
-from ui.model.theme import LIGHT
+from thbridge.roles.shared.notices import PlannedPaths, PoseTelemetry
+from ui.model.playing.motion import MotionPlayback
+from ui.model.shared.scene import RobotMark
+from ui.model.shared.theme import LIGHT
 from ui.windows.map import MapView
 from ui.windows.map.item import Z_FLAT
 from ui.windows.researcher.map.overlays import Dots

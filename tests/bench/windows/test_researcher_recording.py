@@ -10,7 +10,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.bench.budget import Budgets
 from tests.ui.windows.researcher.hunts import record
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 from ui.windows.researcher.window import ResearcherWindow
 

@@ -24,8 +24,8 @@ from tests.bench.windows.film import Film, Shown, shoot
 from tests.peers.windows.desktop import desktop, needs_desktop
 from tests.ui.windows.researcher.hunts import watched_hunt
 from thbridge.watching.sockets.client import WatchClient
-from ui.model.screen import Screen
-from ui.model.theme import LIGHT
+from ui.model.playing.screen import Screen
+from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant.cards import Card

@@ -12,7 +12,7 @@ from tests.peers.crashes import skip_if_crashed
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import read_experiment
-from thbridge.experiment.markers import MarkerStream
+from thbridge.experiment.sockets.markers import MarkerStream
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks
 

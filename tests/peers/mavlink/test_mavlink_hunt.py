@@ -19,7 +19,7 @@ from tests.peers.windows.desktop import Seen, desktop, needs_desktop
 from tests.peers.windows.player import Player, Sight, on
 from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
-from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.measured.gathering import read_report
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.replay.mavlink_replay import hunt_result_of

@@ -14,8 +14,8 @@ import pytest
 from tests.peers.windows.desktop import Desktop, Seen, desktop, needs_desktop
 from tests.peers.windows.player import Keys, Mouse, Player, Sight, on
 from tests.system.programs import THBRIDGE
-from thbridge.analysis.report.gathering import read_report
-from thbridge.analysis.report.values import TimelineEntry
+from thbridge.analysis.measured.game import TimelineEntry
+from thbridge.analysis.measured.gathering import read_report
 from thbridge.files.resources import shipped
 from thbridge.recording.bag.reading.reader import messages
 

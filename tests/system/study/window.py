@@ -25,7 +25,7 @@ from thbridge.experiment.store.event_log import LogFollower
 from thbridge.experiment.trials import setting_of_trial
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.participant.bot_strategy import BotStrategy
-from thbridge.roles.view import View
+from thbridge.roles.shared.view import View
 from ui.hosting.kiosk.answers import to_answer
 from ui.model.kiosk import (
     KIOSK,

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from thbridge.analysis.export.columns import fields_of
-from thbridge.analysis.export.gathering import ALIKE, GatheredRows
-from thbridge.analysis.export.layout import MessageLayout, layout_of
+from thbridge.analysis.fields.layout import MessageLayout, layout_of
+from thbridge.analysis.fields.rows import ALIKE, GatheredRows
 from thbridge.files.tables.table_files import Column, ListColumn, Values
 from thbridge.ros.messages.types import OWN_TYPES, plain_definition
 

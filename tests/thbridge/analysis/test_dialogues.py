@@ -7,10 +7,10 @@ import pytest
 
 from tests.thbridge.analysis.test_report import Recorded, recorded
 from tests.thbridge.app.session import argued
-from thbridge.analysis.report.dialogues import RecordedGame, count_ends
-from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.measured.dialogues import RecordedGame, count_ends
+from thbridge.analysis.measured.game import Report
+from thbridge.analysis.measured.gathering import read_report
 from thbridge.analysis.report.page import render
-from thbridge.analysis.report.values import Report
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.ros.messages.records import Record
 from thbridge.ros.publisher import messages_of

@@ -11,9 +11,9 @@ import pytest
 from sim.common.observations import TICK
 from tests.commands import thbridge
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.report.gathering import read_games
+from thbridge.analysis.measured.game import Report
+from thbridge.analysis.measured.gathering import read_games
 from thbridge.analysis.report.page import build_report
-from thbridge.analysis.report.values import Report
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntOutcome, PlayOptions, play
@@ -21,7 +21,7 @@ from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.view import GiveUp, ParticipantRequest, PlayAgain, View
+from thbridge.roles.shared.view import GiveUp, ParticipantRequest, PlayAgain, View
 from thbridge.study.study_file import GameSection, Study
 from ui.command_line.outcome import show_outcome
 

@@ -14,10 +14,10 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_colors import robot_color
 from tests.thbridge.analysis.test_report import session
+from thbridge.analysis.measured.game import Report, TimelineEntry, WayMade
+from thbridge.analysis.measured.gathering import read_report
 from thbridge.analysis.plot.figures import SIGMAS, FigureKind, draw
 from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat, FigureStyle
-from thbridge.analysis.report.gathering import read_report
-from thbridge.analysis.report.values import Report, TimelineEntry, WayMade
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import RoomNames
 

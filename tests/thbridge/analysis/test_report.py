@@ -7,9 +7,9 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.analysis.report.gathering import read_games, read_report
-from thbridge.analysis.report.paths import pieces
-from thbridge.analysis.report.values import Report
+from thbridge.analysis.measured.game import Report
+from thbridge.analysis.measured.gathering import read_games, read_report
+from thbridge.analysis.measured.paths import pieces
 from thbridge.hunt.codec import to_json
 from thbridge.hunt.events import MoveFailed
 from thbridge.hunt.rooms import Room, RoomNames

@@ -8,15 +8,15 @@ import pytest
 
 from tests.thbridge.analysis.test_report import session
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from thbridge.analysis.measured.game import Report, WayMade
 from thbridge.analysis.report.page import build_report, render
-from thbridge.analysis.report.values import Report, WayMade
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 
 
 @pytest.fixture(scope="module")

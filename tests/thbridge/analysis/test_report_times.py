@@ -12,9 +12,9 @@ from tests.thbridge.analysis.planting import ODOM_LINE, Entry, Planted, tf, writ
 from tests.thbridge.analysis.planting import TF_LINE as TF
 from tests.thbridge.offline.foreign import TYPES, Header, odometry, stamp, transform
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.report.gathering import read_report
-from thbridge.analysis.report.paths import pieces
-from thbridge.analysis.report.values import Track
+from thbridge.analysis.measured.game import Track
+from thbridge.analysis.measured.gathering import read_report
+from thbridge.analysis.measured.paths import pieces
 from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.reading.reader import messages
 

@@ -16,7 +16,7 @@ from thbridge.files.resources import shipped
 from thbridge.files.yaml.load import Loaded
 from thbridge.recording.bag.options import DefinitionTexts
 from thbridge.recording.bag.reading.reader import recorded
-from thbridge.roles.notices import Subscribe
+from thbridge.roles.shared.notices import Subscribe
 from thbridge.ros.messages.types import STRING
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.study.study_file import (

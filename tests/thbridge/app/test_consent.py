@@ -16,8 +16,8 @@ from thbridge.hunt.events import EndReason, GameEnded, TreasuresHidden
 from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.roles.keeper.disclosed.consent import ConsentStatus
-from thbridge.roles.notices import KEEPER, ParticipantReady
-from thbridge.roles.view import DeclineConsent, GiveConsent, View
+from thbridge.roles.shared.notices import KEEPER, ParticipantReady
+from thbridge.roles.shared.view import DeclineConsent, GiveConsent, View
 from thbridge.study.study_file import ParticipantSection, Study
 from thbridge.text_protocol.wire.lines import TextMessage, encode_line, parse_line
 from thbridge.text_protocol.wire.notice import Notice, NoticeValue, encode_notice, parse_notice

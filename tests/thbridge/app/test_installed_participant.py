@@ -16,13 +16,13 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import fingerprint_of
 from thbridge.files.errors import BadFile
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.view import RequestSuggestion, SelectRoom
+from thbridge.roles.shared.view import RequestSuggestion, SelectRoom
 from thbridge.study.study_file import ParticipantSection, Study, load_study
 
 SOURCE = """
 from itertools import repeat
 
-from thbridge.roles.view import SelectRoom
+from thbridge.roles.shared.view import SelectRoom
 
 
 class Returning:

@@ -16,10 +16,10 @@ from thbridge.files.set_words import values_of
 from thbridge.hunt.codec import to_json
 from thbridge.hunt.events import DialogueOpened, DialogueSaid, JournalEntry
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
-from thbridge.roles.notices import FloorPlan
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
-from thbridge.roles.view import AnswerDialogue, OpenDialogue, ParticipantRequest, View
+from thbridge.roles.shared.notices import FloorPlan
+from thbridge.roles.shared.view import AnswerDialogue, OpenDialogue, ParticipantRequest, View
 from thbridge.study.study_file import DialogueSection, Study
 
 

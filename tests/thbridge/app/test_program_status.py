@@ -3,7 +3,7 @@
 import logging
 
 from thbridge.app.programs import ProgramStatus
-from thbridge.roles.notices import KEEPER, HideRequest
+from thbridge.roles.shared.notices import KEEPER, HideRequest
 from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage

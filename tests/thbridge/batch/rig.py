@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from thbridge.batch.batch_task import TaskOutcome
 from thbridge.batch.chunks import Shard
 from thbridge.batch.design import read_design
+from thbridge.batch.engines.batch_task import TaskOutcome
 from thbridge.batch.engines.engine import Engine, FinishedTask
 from thbridge.batch.folder import open_folder
 from thbridge.batch.sweep import EVERYTHING, SweepProgress, run_sweep

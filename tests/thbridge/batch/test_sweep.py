@@ -16,9 +16,9 @@ import pytest
 from tests.commands import thbridge
 from tests.thbridge.batch.rig import DESIGN, InlineEngine, games, run
 from thbridge.batch import tasks
-from thbridge.batch.batch_task import worker_name
 from thbridge.batch.chunks import Shard, chunks_of
 from thbridge.batch.design import read_design
+from thbridge.batch.engines.batch_task import worker_name
 from thbridge.batch.engines.engine import EngineFailed
 from thbridge.batch.engines.processes import ProcessEngine
 from thbridge.batch.folder import SweepFolder, open_folder

@@ -24,7 +24,7 @@ from thbridge.roles.keeper.disclosed.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.role import Role
+from thbridge.roles.shared.role import Role
 
 RULES = GameRules(seed=7, energy=100.0, picture_cost=5.0, identify_cost=1.0, wrong_share=1.0)
 

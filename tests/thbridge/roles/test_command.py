@@ -20,10 +20,10 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.rules import RuleReason
-from thbridge.roles.notices import KEEPER, Orders, TeamStatus
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import (
+from thbridge.roles.shared.notices import KEEPER, Orders, TeamStatus
+from thbridge.roles.shared.robot_requests import (
     CommandRequest,
     ReleaseCommand,
     StationCallBack,
@@ -33,7 +33,7 @@ from thbridge.roles.robot_requests import (
     StationTakePicture,
     TakeCommand,
 )
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     GiveUp,

@@ -8,7 +8,7 @@ from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import Commander, CommanderChanged, GameStarted, HandbackRequested, RobotDeparted
 from thbridge.hunt.game import CommandHolder, apply, begin
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import (
+from thbridge.roles.shared.robot_requests import (
     ReleaseCommand,
     StationCallBack,
     StationIdentify,
@@ -17,7 +17,7 @@ from thbridge.roles.robot_requests import (
     StationTakePicture,
     TakeCommand,
 )
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     GiveUpTreasure,

@@ -16,9 +16,9 @@ from thbridge.dialogue.moves import DialogueUtterance, Speaker, word_of
 from thbridge.hunt import rules
 from thbridge.hunt.events import EndReason, RobotDeparted
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
-from thbridge.roles.notices import KEEPER, MoveCosts
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.shared.notices import KEEPER, MoveCosts
 from thbridge.study.study_file import DialogueSection, GameSection, MannerSection, ParticipantSection, Study
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import encode_notice

@@ -2,7 +2,7 @@
 
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.hider import KEEPER_TIMEOUT, Hider
-from thbridge.roles.notices import KEEPER, HideRequest
+from thbridge.roles.shared.notices import KEEPER, HideRequest
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.notice import encode_notice
 

@@ -25,7 +25,7 @@ from thbridge.hunt.events import (
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     GiveUp,

@@ -14,11 +14,11 @@ from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import GameStarted
-from thbridge.roles import notices, view
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from thbridge.roles.notices import KEEPER
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
+from thbridge.roles.shared import notices, view
+from thbridge.roles.shared.notices import KEEPER
 from thbridge.study.study_file import Study
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage

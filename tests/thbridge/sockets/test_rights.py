@@ -16,10 +16,10 @@ from thbridge.files.keys.key_ring import KeyRing
 from thbridge.sockets import admission
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.keys import RingKeys
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.sockets.tls import server_context
 from thbridge.text_protocol.sockets import server as text_server
 from thbridge.text_protocol.sockets.client import TextClient
-from thbridge.text_protocol.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.text_protocol.sockets.server import TextServer
 from thbridge.text_protocol.wire.client import NameRegistered
 from thbridge.text_protocol.wire.lines import TextMessage

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.credentials import key_line
+from thbridge.line_splitter import LINE_LIMIT
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.records import (
     MAGIC,
@@ -18,7 +19,6 @@ from thbridge.recording.bag.records import (
     time_bytes,
 )
 from thbridge.sockets.keys import SingleKey
-from thbridge.text_protocol.wire.lines import LINE_LIMIT
 from thbridge.watching.wire import (
     MISTAKES,
     STATUS,

@@ -5,7 +5,7 @@ import dataclasses
 from tests.thbridge.roles.test_command import TAKE, Play
 from thbridge.hunt.events import RobotArrived, TreasureIdentified, TreasureLeft, TreasurePictured
 from thbridge.hunt.rooms import Room, RoomNames
-from thbridge.roles.robot_requests import ReleaseCommand
+from thbridge.roles.shared.robot_requests import ReleaseCommand
 from ui.command_line.story import print_story, tell
 
 

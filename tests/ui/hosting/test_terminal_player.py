@@ -13,13 +13,13 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, TreasureIdentified, TreasuresHidden
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from thbridge.roles.notices import FloorPlan, RoomOutline
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
+from thbridge.roles.shared.notices import FloorPlan, RoomOutline
+from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from thbridge.study.built_in import STANDARD
 from ui.hosting.terminal_player import TerminalPlayer
 from ui.model.consent_words import answer_in
-from ui.model.rules_sheet import rules_of
+from ui.model.playing.rules_sheet import rules_of
 
 ENGLISH = shipped_texts()
 QUESTION = ENGLISH.text("terminal.question")

@@ -7,8 +7,8 @@ from dataclasses import fields, is_dataclass
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.properties import properties_in_words, value_in_words
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.view import View
-from ui.model.screen import Screen
+from thbridge.roles.shared.view import View
+from ui.model.playing.screen import Screen
 
 CODES = {"act", "key", "state", "drawn", "speaker", "kind", "phase", "sound", "names", "picked", "typed", "value"}
 """Fields of screens that nobody reads; the state of a card is words, and that of a room a code."""

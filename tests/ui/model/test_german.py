@@ -12,10 +12,10 @@ from tests.thbridge.app.test_languages import english_in
 from tests.thbridge.roles.stage import RULES
 from tests.thbridge.roles.test_command import NAME, TAKE
 from tests.ui.model.language import ENGLISH_ONLY, english_on, said_by_others, shown
-from tests.ui.model.seat import Seat
-from tests.ui.model.test_arguing import ANSWERS, argued, ended
-from tests.ui.model.test_participant import play
-from tests.ui.model.views import arguing, view, with_robot, with_room
+from tests.ui.model.playing.seat import Seat
+from tests.ui.model.playing.test_arguing import ANSWERS, argued, ended
+from tests.ui.model.playing.test_participant import play
+from tests.ui.model.playing.views import arguing, view, with_robot, with_room
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting
 from thbridge.dialogue.scripted.protocols import TemplateProtocol
@@ -27,10 +27,10 @@ from thbridge.hunt.events import Commander, Condition, EndReason
 from thbridge.hunt.rules import RuleReason
 from thbridge.hunt.tour import NoTour
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from thbridge.roles.notices import PoseTelemetry, RobotMotion
-from thbridge.roles.participant_rules import KeeperReason
-from thbridge.roles.robot_requests import ReleaseCommand
-from thbridge.roles.view import (
+from thbridge.roles.shared.notices import PoseTelemetry, RobotMotion
+from thbridge.roles.shared.participant_rules import KeeperReason
+from thbridge.roles.shared.robot_requests import ReleaseCommand
+from thbridge.roles.shared.view import (
     Debrief,
     IdentificationVerdict,
     RefusalView,
@@ -38,8 +38,8 @@ from thbridge.roles.view import (
     View,
 )
 from thbridge.study.study_file import DialogueSection, Study
-from ui.model.participant import Participant
-from ui.model.screen import (
+from ui.model.playing.participant import Participant
+from ui.model.playing.screen import (
     Act,
     AgreeToTakePart,
     AnotherGame,

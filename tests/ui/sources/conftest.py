@@ -16,7 +16,7 @@ from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.recording.bag.options import Compression
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import Request
+from thbridge.roles.shared.robot_requests import Request
 from thbridge.study.study_file import RecordingSection, Study
 from thbridge.text_protocol.wire import legacy
 from ui.model.watching.tools import obstacle

@@ -3,7 +3,7 @@ from pathlib import Path
 from tests.ui.sources.conftest import STUDY, record
 from tests.ui.sources.test_bag_source import scanned
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.roles.robot_requests import Request, WizardMode
+from thbridge.roles.shared.robot_requests import Request, WizardMode
 from ui.model.watching.scene import Scene, ShownLayers
 from ui.model.watching.tools import Tools
 

@@ -14,10 +14,9 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.files.map_files import read_map
 from thbridge.hunt.properties import PropertyDrawing
-from thbridge.roles.notices import FloorPlan, RoomOutline
-from ui.model.keys import help_lines
-from ui.model.scene import RobotMark, RoomMark
-from ui.model.screen import (
+from thbridge.roles.shared.notices import FloorPlan, RoomOutline
+from ui.model.playing.keys import help_lines
+from ui.model.playing.screen import (
     Act,
     Action,
     AgreeToTakePart,
@@ -56,6 +55,7 @@ from ui.model.screen import (
     TreasurePopup,
     WaitingItem,
 )
+from ui.model.shared.scene import RobotMark, RoomMark
 
 PROJECT = Path(__file__).resolve().parents[3]
 FOOTPRINT = ((0.35, 0.0), (0.2, 0.25), (-0.3, 0.25), (-0.3, -0.25), (0.2, -0.25))

@@ -8,7 +8,7 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QTreeWidget, QTreeWidgetItem, QWidget
 from pytestqt.qtbot import QtBot
 
-from ui.model.theme import DARK, LIGHT, Palette, contrast
+from ui.model.shared.theme import DARK, LIGHT, Palette, contrast
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import apply_palette
 

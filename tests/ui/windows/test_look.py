@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtWidgets import QApplication, QMessageBox, QStyle
 from pytestqt.qtbot import QtBot
 
-from ui.model.theme import DARK, LIGHT, contrast
+from ui.model.shared.theme import DARK, LIGHT, contrast
 from ui.windows import look
 
 

@@ -11,7 +11,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.preferred import preferred
 from thbridge.files.language_texts import shipped_texts
-from ui.model.theme import DARK, LIGHT
+from ui.model.shared.theme import DARK, LIGHT
 from ui.windows import look
 from ui.windows.preferences import SettingsDialog
 

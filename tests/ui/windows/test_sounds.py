@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import QObject
 from pytestqt.qtbot import QtBot
 
-from ui.model.screen import GameSound
+from ui.model.playing.screen import GameSound
 from ui.windows.sounds import RATE, TONES, SoundPlayer, samples_of, system_player, wav_of
 
 

@@ -8,7 +8,7 @@ from PySide6.QtCore import QSize
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.windows import look
 
 

@@ -19,7 +19,7 @@ from tests.ui.windows.participant.test_window import Open
 from tests.ui.windows.templates.test_template_window import opened as open_templates
 from thbridge.hunt.rooms import RoomNames
 from ui.model.desk.messages import DeskState
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.arena.window import ArenaWindow
 from ui.windows.desk.window import DeskWindow

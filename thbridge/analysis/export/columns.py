@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from sim.numerics import elementary_arrays
 from thbridge.analysis.export import meanings as words
-from thbridge.analysis.export.gathering import GatheredRows
-from thbridge.analysis.export.layout import (
+from thbridge.analysis.fields.layout import (
     BYTES,
     DURATION,
     TEXT,
@@ -33,6 +32,7 @@ from thbridge.analysis.export.layout import (
     StringArray,
     StringField,
 )
+from thbridge.analysis.fields.rows import GatheredRows
 from thbridge.files.tables.table_files import Column, ListColumn, Values
 
 WRAPPERS = frozenset(

@@ -6,7 +6,7 @@ Units are those of REP 103 and of the comments in ROS's definitions. Fields of o
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from thbridge.analysis.export.layout import Path
+from thbridge.analysis.fields.layout import Path
 from thbridge.ros.messages.types import OWN_TEXTS
 
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from thbridge.analysis.export import meanings as words
 from thbridge.analysis.export.columns import ColumnReader, fields_of
-from thbridge.analysis.export.gathering import GatheredRows
-from thbridge.analysis.export.layout import MessageArray, MessageLayout
+from thbridge.analysis.fields.layout import MessageArray, MessageLayout
+from thbridge.analysis.fields.rows import GatheredRows
 from thbridge.files.tables.table_files import Column, Values
 from thbridge.json_text import json_of
 from thbridge.ros.messages.types import GAME_EVENT

@@ -1,1 +1,1 @@
-"""Report of a recording, ours or of other robots: its data, and the HTML page that shows them."""
+"""Report of a recording as an HTML page."""

@@ -16,7 +16,7 @@ from thbridge.api.session import HuntEvent, noted
 from thbridge.api.study import HuntStudy
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.roles.robot_requests import StationSend
+from thbridge.roles.shared.robot_requests import StationSend
 
 
 class AbstractHuntEnv(TeamEnvironment):

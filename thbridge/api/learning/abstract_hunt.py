@@ -19,7 +19,7 @@ from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
 from thbridge.roles.keeper.requests.station_requests import JudgedRequest, ruling_on
-from thbridge.roles.robot_requests import TakeCommand
+from thbridge.roles.shared.robot_requests import TakeCommand
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from thbridge.api.session import SENDER, HuntSession, inside
 from thbridge.api.snapshot import team_of
 from thbridge.api.study import HuntStudy, seeded
 from thbridge.hunt.game import GameState
-from thbridge.roles.robot_requests import CommandRequest, StationSend, TakeCommand
+from thbridge.roles.shared.robot_requests import CommandRequest, StationSend, TakeCommand
 
 TOGETHER = 10 * TICKS_PER_SECOND
 """Ticks within which a game has begun and its treasures are hidden."""

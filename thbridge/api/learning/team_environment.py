@@ -25,7 +25,7 @@ from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.rules import affordable
-from thbridge.roles.robot_requests import StationSend
+from thbridge.roles.shared.robot_requests import StationSend
 
 try:
     from gymnasium.spaces import Box, Discrete, Space

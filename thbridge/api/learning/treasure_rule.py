@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 from thbridge.hunt.game import GameState
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.robot_requests import StationIdentify, StationLeave, StationTakePicture
+from thbridge.roles.shared.robot_requests import StationIdentify, StationLeave, StationTakePicture
 
 TreasureRequest: TypeAlias = StationIdentify | StationLeave | StationTakePicture
 

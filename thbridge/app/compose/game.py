@@ -27,10 +27,10 @@ from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from thbridge.roles.keeper.keeper import GameRules, Keeper
-from thbridge.roles.notices import FloorPlan, GameTexts, RoomOutline
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import Bot, TreasureKnowledge
 from thbridge.roles.participant.installed_participant import InstalledParticipant
+from thbridge.roles.shared.notices import FloorPlan, GameTexts, RoomOutline
 from thbridge.study.study_file import DialogueSection, MannerSection, Study
 
 

@@ -15,7 +15,7 @@ from thbridge.files.plugins import PARTICIPANTS, STRATEGIES, WORDINGS, printing_
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import Bot, TreasureKnowledge
 from thbridge.roles.participant.installed_participant import InstalledParticipant, ParticipantCaller, ParticipantFactory
-from thbridge.roles.view import ParticipantRequest
+from thbridge.roles.shared.view import ParticipantRequest
 from thbridge.timing.slow_calls import ImpatientCaller, told_if_slow
 
 if TYPE_CHECKING:

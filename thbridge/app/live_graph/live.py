@@ -26,7 +26,7 @@ from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.app.session.mavros import frame_in
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.mavlink.wire.frames.frame import Frame
-from thbridge.roles.robot_requests import Request
+from thbridge.roles.shared.robot_requests import Request
 from thbridge.ros import clients, names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import pack, types, unpack

@@ -36,7 +36,7 @@ from thbridge.recording.bag.options import RecordingDetail
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.recording.bag.reading.reader import RawMessage
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.role import Role
+from thbridge.roles.shared.role import Role
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.differences import FieldDifference, differences

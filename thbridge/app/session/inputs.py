@@ -11,7 +11,7 @@ from typing import TypeAlias
 from thbridge.credentials import LOCAL, Credentials
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.outgoing import LinkId
-from thbridge.roles.robot_requests import Request
+from thbridge.roles.shared.robot_requests import Request
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.router import ConnectionId
 

@@ -20,9 +20,9 @@ from thbridge.mavlink.wire.outgoing import LinkId, VehicleStatus
 from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.roles.keeper.keeper import Keeper, ProgramRefusal
 from thbridge.roles.keeper.requests.wizard import WizardState
-from thbridge.roles.robot_requests import GameRequest, Request
-from thbridge.roles.robots_role import RobotsRole
-from thbridge.roles.role import Role
+from thbridge.roles.shared.robot_requests import GameRequest, Request
+from thbridge.roles.shared.robots_role import RobotsRole
+from thbridge.roles.shared.role import Role
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.router import (
     ClientJoined,

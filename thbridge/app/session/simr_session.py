@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from thbridge.app.session.inputs import ClientRequest, Input, MessageForwarded, NameAccepted
 from thbridge.app.session.session import TickRecord, TickRecorder
 from thbridge.roles.keeper.requests.wizard import WizardState
-from thbridge.roles.robot_requests import GameRequest, Request
+from thbridge.roles.shared.robot_requests import GameRequest, Request
 from thbridge.roles.simr.simr import SimR
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.router import Forwarded

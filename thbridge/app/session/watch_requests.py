@@ -25,7 +25,7 @@ from sim.inputs import (
 )
 from sim.parameters.reconfiguration import ParameterRejection
 from thbridge.app.session.input_records import decode_request, decode_value, encode_request
-from thbridge.roles.robot_requests import (
+from thbridge.roles.shared.robot_requests import (
     PACE_REQUESTS,
     PaceRequest,
     Pause,

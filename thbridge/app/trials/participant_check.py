@@ -21,7 +21,7 @@ from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import Bot
 from thbridge.roles.participant.installed_participant import InstalledParticipant
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.view import ParticipantRequest, View
+from thbridge.roles.shared.view import ParticipantRequest, View
 from thbridge.study.study_file import DialogueSection, Study
 
 LONGEST_GAME = 400 * TICKS_PER_SECOND

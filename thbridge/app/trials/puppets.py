@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
-from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, TeamRejection, TeamStatus
+from thbridge.roles.shared.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, TeamRejection, TeamStatus
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice

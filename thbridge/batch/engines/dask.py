@@ -10,7 +10,7 @@ from distributed import Client, as_completed
 from distributed.scheduler import KilledWorker
 from distributed.worker import get_worker
 
-from thbridge.batch.batch_task import BatchTask, TaskOutcome
+from thbridge.batch.engines.batch_task import BatchTask, TaskOutcome
 from thbridge.batch.engines.engine import EngineFailed, FinishedTask, TaskT
 
 CONNECT_SECONDS = 10.0

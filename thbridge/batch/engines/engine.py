@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
-from thbridge.batch.batch_task import BatchTask, TaskOutcome
+from thbridge.batch.engines.batch_task import BatchTask, TaskOutcome
 
 TaskT = TypeVar("TaskT", bound=BatchTask)
 

@@ -9,7 +9,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Generic, cast
 
-from thbridge.batch.batch_task import BatchTask, TaskOutcome
+from thbridge.batch.engines.batch_task import BatchTask, TaskOutcome
 from thbridge.batch.engines.engine import EngineFailed, FinishedTask, TaskT
 
 

@@ -7,7 +7,7 @@ from typing import Generic, TypeAlias
 
 import submitit
 
-from thbridge.batch.batch_task import BatchTask, TaskOutcome, worker_name
+from thbridge.batch.engines.batch_task import BatchTask, TaskOutcome, worker_name
 from thbridge.batch.engines.engine import FinishedTask, TaskT
 
 POLL_SECONDS = 1.0

@@ -18,7 +18,7 @@ from scipy import stats
 
 from sim.numerics.float_array import FloatArray
 from sim.numerics.matrices import covariance_of, solution
-from thbridge.batch.batch_task import TaskOutcome
+from thbridge.batch.engines.batch_task import TaskOutcome
 from thbridge.batch.engines.engine import Engine, EngineFailed
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.folder import ExperimentFolder

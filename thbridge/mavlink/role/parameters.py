@@ -18,7 +18,7 @@ from sim.parameters import LiveParameter, ParameterRejection, WorldParameters, l
 from sim.parameters.reconfiguration import WORLD_PREFIX
 from thbridge.mavlink.role.parameter_names import GROUPS, group_of, name_of
 from thbridge.mavlink.values.vehicle_interface import Denied, ParameterDescription, ParameterSetting
-from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
+from thbridge.roles.shared.robot_requests import ParameterValue, SetParameters, Tuning
 
 
 @dataclass(frozen=True, slots=True)

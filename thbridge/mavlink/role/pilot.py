@@ -37,9 +37,9 @@ from thbridge.mavlink.values.vehicle_interface import (
     Station,
     Target,
 )
-from thbridge.roles import failure_reasons as reasons
-from thbridge.roles.notices import RoomOutline
-from thbridge.roles.robot_requests import (
+from thbridge.roles.shared import failure_reasons as reasons
+from thbridge.roles.shared.notices import RoomOutline
+from thbridge.roles.shared.robot_requests import (
     ReleaseCommand,
     Request,
     SetParameters,

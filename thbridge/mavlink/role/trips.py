@@ -11,7 +11,7 @@ from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.mavlink.values.vehicle_interface import HelmLeg, LegState
-from thbridge.roles import failure_reasons as reasons
+from thbridge.roles.shared import failure_reasons as reasons
 from thbridge.ros.goal_owners import GoalOwner
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND

@@ -13,7 +13,7 @@ from thbridge.mavlink.values.options import VehicleOptions
 from thbridge.mavlink.vehicle.vehicle import Vehicle
 from thbridge.mavlink.wire.outgoing import LinkId, VehicleStatus
 from thbridge.mavlink.wire.traffic import OutgoingFrame
-from thbridge.roles.robot_requests import Request
+from thbridge.roles.shared.robot_requests import Request
 
 RequestSink: TypeAlias = Callable[[Request], None]
 """Takes requests to robots and game for the next tick."""

@@ -32,8 +32,8 @@ from thbridge.hunt import rules
 from thbridge.hunt.events import DialogueSaid
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room, RoomNames
-from thbridge.roles.participant_rules import Discussed
-from thbridge.roles.view import Consent, DialogueMatter, DialogueView, LastWords
+from thbridge.roles.shared.participant_rules import Discussed
+from thbridge.roles.shared.view import Consent, DialogueMatter, DialogueView, LastWords
 
 MATTERS: dict[Scenario, DialogueMatter] = {
     Scenario.SPECIFIC_ROOM: "select-room",

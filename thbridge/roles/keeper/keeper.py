@@ -47,7 +47,7 @@ from thbridge.roles.keeper.requests.station_requests import (
     sense_for_stations,
 )
 from thbridge.roles.keeper.requests.wizard import WizardState, handle_wizard_request, wizard_state
-from thbridge.roles.notices import (
+from thbridge.roles.shared.notices import (
     KEEPER,
     ConsentQuery,
     HideRequest,
@@ -62,9 +62,9 @@ from thbridge.roles.notices import (
     TeamRejection,
     TeamStatus,
 )
-from thbridge.roles.participant_rules import KeeperReason
-from thbridge.roles.robot_requests import CommandRequest, GameRequest
-from thbridge.roles.view import Debrief, DeclineConsent, GiveConsent, ParticipantRequest, PlayAgain, SendRobot
+from thbridge.roles.shared.participant_rules import KeeperReason
+from thbridge.roles.shared.robot_requests import CommandRequest, GameRequest
+from thbridge.roles.shared.view import Debrief, DeclineConsent, GiveConsent, ParticipantRequest, PlayAgain, SendRobot
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
 from thbridge.text_protocol.wire.notice import (

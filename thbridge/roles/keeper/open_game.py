@@ -28,13 +28,13 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.hunt.tour import NoTour
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.failure_reasons import CALLED_BACK
 from thbridge.roles.keeper.advice.adviser import Advice, Adviser
 from thbridge.roles.keeper.advice.neglect import decide_about_treasure, decide_to_go, neglected
 from thbridge.roles.keeper.advice.robot_facts import what_facts, where_facts
 from thbridge.roles.keeper.dialogues import MATTERS, GameDialogues
-from thbridge.roles.notices import MoveOrder
-from thbridge.roles.view import RefusalView, RequestSuggestion
+from thbridge.roles.shared.failure_reasons import CALLED_BACK
+from thbridge.roles.shared.notices import MoveOrder
+from thbridge.roles.shared.view import RefusalView, RequestSuggestion
 from thbridge.text_protocol.wire.notice import kind_of
 
 _ASK_AGAIN = 10 * TICKS_PER_SECOND

@@ -12,7 +12,7 @@ from thbridge.hunt.properties import Teller
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.reply_policy import Opinion, ReplyPolicy
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
     DialogueView,

@@ -11,7 +11,7 @@ from thbridge.dialogue.games.strategies import Attitude
 from thbridge.dialogue.other_programs import RAISED, in_a_line, told_error
 from thbridge.roles.participant.bots import TreasureKnowledge
 from thbridge.roles.participant.tabui import Player, encode_request_line
-from thbridge.roles.view import ParticipantRequest, View
+from thbridge.roles.shared.view import ParticipantRequest, View
 
 MOST_REQUESTS = 1000
 """Greatest number of requests for one view."""

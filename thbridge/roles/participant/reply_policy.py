@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from sim.numerics import noise
 from thbridge.dialogue.games.strategies import Attitude
-from thbridge.roles.view import DialogueView
+from thbridge.roles.shared.view import DialogueView
 
 MOST_REPLIES = 8
 """Replies of a sceptic in one dialogue, after which it gives in or leaves."""

@@ -6,7 +6,7 @@ from typing import Protocol
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.rooms import Room, RoomNames
-from thbridge.roles.notices import (
+from thbridge.roles.shared.notices import (
     KEEPER,
     FloorPlan,
     GameTexts,
@@ -17,7 +17,7 @@ from thbridge.roles.notices import (
     PoseTelemetry,
     Subscribe,
 )
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     DeclineConsent,
     GiveConsent,
     IdentifyTreasure,

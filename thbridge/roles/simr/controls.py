@@ -17,7 +17,7 @@ from sim.inputs import (
 )
 from sim.parameters.reconfiguration import ParameterRejection
 from sim.team import TeamSnapshot
-from thbridge.roles.robot_requests import ParameterValue, RobotRequest, SetParameters, Tuning
+from thbridge.roles.shared.robot_requests import ParameterValue, RobotRequest, SetParameters, Tuning
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
 from thbridge.ros.goal_owners import GoalOwner

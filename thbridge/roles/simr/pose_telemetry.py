@@ -16,7 +16,7 @@ from sim.numerics.float_array import FloatArray
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Activity, Ellipse, PlannedPaths, PoseTelemetry, RobotMotion
+from thbridge.roles.shared.notices import Activity, Ellipse, PlannedPaths, PoseTelemetry, RobotMotion
 from thbridge.roles.simr.polyline import needed_points
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import NoticeValue, encode_notice

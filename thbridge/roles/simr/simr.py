@@ -12,8 +12,8 @@ from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
-from thbridge.roles import failure_reasons as reasons
-from thbridge.roles.notices import (
+from thbridge.roles.shared import failure_reasons as reasons
+from thbridge.roles.shared.notices import (
     KEEPER,
     MoveCosts,
     MoveOrder,
@@ -24,14 +24,15 @@ from thbridge.roles.notices import (
     TeamRejection,
     TeamStatus,
 )
-from thbridge.roles.robot_requests import RobotRequest, Tuning
-from thbridge.roles.robots_role import RobotsRole
+from thbridge.roles.shared.robot_requests import RobotRequest, Tuning
+from thbridge.roles.shared.robots_role import RobotsRole
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS, RobotControls
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.roles.simr.travel_times import TravelTimes
+from thbridge.text_protocol.values.dialect import Dialect
 from thbridge.text_protocol.wire import canonical, legacy
-from thbridge.text_protocol.wire.canonical import Dialect, GotoPoint, MoveByHand, PoseQuery, decode_goto
+from thbridge.text_protocol.wire.canonical import GotoPoint, MoveByHand, PoseQuery, decode_goto
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
 from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 

@@ -7,7 +7,7 @@ Differs: names, types and URIs have a longest length.
 
 from __future__ import annotations
 
-from thbridge.rosgraph.wire.names import ANY_TYPE, SEPARATOR, resolve
+from thbridge.rosgraph.values.names import ANY_TYPE, SEPARATOR, resolve
 from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
 
 LONGEST_NAME = 1024

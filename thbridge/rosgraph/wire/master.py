@@ -16,6 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from thbridge.rosgraph.values.names import ANY_TYPE, SEPARATOR
 from thbridge.rosgraph.wire.arguments import (
     InvalidArgumentError,
     api_uri,
@@ -26,7 +27,6 @@ from thbridge.rosgraph.wire.arguments import (
     subgraph,
     topic_type,
 )
-from thbridge.rosgraph.wire.names import ANY_TYPE, SEPARATOR
 from thbridge.rosgraph.wire.parameter_tree import ParameterTree, updates
 from thbridge.rosgraph.wire.registrations import MAX_REGISTRATIONS, ProviderKind, Registrations
 from thbridge.rosgraph.wire.xmlrpc import MethodCall, XmlRpcValue

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from thbridge.rosgraph.wire.names import SEPARATOR, is_global, is_private, join, parts
+from thbridge.rosgraph.values.names import SEPARATOR, is_global, is_private, join, parts
 from thbridge.rosgraph.wire.xmlrpc import MAX_BYTES, MAX_DEPTH, MAX_ELEMENTS, DateTime, XmlRpcValue
 
 _REPLY_DEPTH = 8

@@ -10,14 +10,15 @@ from typing import TypeAlias
 
 from thbridge.credentials import key_line, parse_answer
 from thbridge.files.keys.key_file import ClientKey
-from thbridge.text_protocol.sockets.reconnecting import Backoff, ConnectionLost, LossReason, ReconnectingClient
+from thbridge.line_splitter import OverlongLine
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason, ReconnectingClient
 from thbridge.text_protocol.wire.client import (
     ClientSession,
     ClosedByServer,
     NameRegistered,
     SendToServer,
 )
-from thbridge.text_protocol.wire.lines import OverlongLine, TextMessage, encode_line
+from thbridge.text_protocol.wire.lines import TextMessage, encode_line
 
 _log = logging.getLogger(__name__)
 
@@ -124,7 +125,7 @@ class TextClient(ReconnectingClient):
                     case TextMessage():
                         await self._events.put(event)
                     case ClosedByServer(reason, detail):
-                        return ConnectionLost(LossReason(reason.value), detail)
+                        return ConnectionLost(LossReason[reason.name], detail)
                     case OverlongLine(length):
                         _log.warning("the server sent a line of %d bytes, which is too long; skipped", length)
 

@@ -8,19 +8,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import Enum, StrEnum
+from enum import Enum
 from typing import TypeAlias
 
 from sim.numerics.elementary import wrap_angle
+from thbridge.text_protocol.values.dialect import Dialect
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText
-
-
-class Dialect(StrEnum):
-    """The reading of ``%%goto`` that is tried first."""
-
-    LEGACY_2016 = "legacy-2016"
-    CANONICAL = "canonical"
 
 
 class MoveDirection(Enum):

@@ -7,19 +7,11 @@ registers as an extended client, answers pings and keeps the server's own lines 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, auto
 from typing import TypeAlias
 
-from thbridge.text_protocol.wire.lines import (
-    EXTENDED,
-    LineSplitter,
-    OverlongLine,
-    TextCommand,
-    TextMessage,
-    encode_line,
-    parse_tokens,
-    tokens,
-)
+from thbridge.line_splitter import LineSplitter, OverlongLine
+from thbridge.text_protocol.wire.lines import EXTENDED, TextCommand, TextMessage, encode_line, parse_tokens, tokens
 from thbridge.text_protocol.wire.notice import REFUSED, SERVER, Notice, is_notice, parse_notice
 
 _PONG_LINE = encode_line(f"{TextCommand.PONG} ")
@@ -40,8 +32,9 @@ class SendToServer:
 class ServerCloseReason(Enum):
     """Reason why the server ends the connection."""
 
-    REFUSED = "our name is already held, or the server is full"
-    STOPPED = "the server stops"
+    REFUSED = auto()
+    """Our name is already held, or the server is full."""
+    STOPPED = auto()
 
 
 @dataclass(frozen=True, slots=True)

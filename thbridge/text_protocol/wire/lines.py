@@ -11,9 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-LINE_LIMIT = 64 * 1024
-"""Longest line that is read, in bytes before its line feed."""
-
 EXTENDED = "extended"
 """Second token of a ``%%setid`` that asks for more than the protocol of 2016."""
 
@@ -141,52 +138,3 @@ def parse_tokens(parts: Sequence[str]) -> TextMessage | UnreadableText:
 def encode_line(line: str) -> bytes:
     """Return a line as bytes with its line feed; lone surrogates, which UTF-8 cannot hold, become question marks."""
     return line.encode("utf-8", errors="replace") + b"\n"
-
-
-@dataclass(frozen=True, slots=True)
-class OverlongLine:
-    """Line longer than the limit, of which nothing was kept.
-
-    Attributes:
-        length: bytes before its line feed.
-    """
-
-    length: int
-
-
-class LineSplitter:
-    """Splits a byte stream into lines, however it is cut into segments, in bounded memory.
-
-    A line ends in LF or CRLF. Bytes that are not UTF-8 become U+FFFD. Bytes after the last line feed are kept for the
-    next call and never returned as a line: the line may be incomplete.
-    """
-
-    def __init__(self, limit: int = LINE_LIMIT) -> None:
-        self._limit = limit
-        self._held = bytearray()
-        self._length = 0
-
-    def feed(self, data: bytes) -> list[str | OverlongLine]:
-        """Return the lines that `data` completes, without their line ends."""
-        *ended, rest = data.split(b"\n")
-        lines: list[str | OverlongLine] = []
-        for piece in ended:
-            self._extend(piece)
-            lines.append(self._finish())
-        self._extend(rest)
-        return lines
-
-    def _extend(self, piece: bytes) -> None:
-        self._length += len(piece)
-        if self._length <= self._limit:
-            self._held += piece
-        else:
-            self._held.clear()
-
-    def _finish(self) -> str | OverlongLine:
-        length, self._length = self._length, 0
-        if length > self._limit:
-            return OverlongLine(length)
-        line = self._held.removesuffix(b"\r").decode("utf-8", errors="replace")
-        self._held.clear()
-        return line

@@ -45,12 +45,10 @@ from functools import cached_property
 from typing import NewType, TypeAlias
 
 from thbridge.credentials import LOCAL, Credentials, Right
+from thbridge.line_splitter import LINE_LIMIT, LineSplitter, OverlongLine
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import (
     EXTENDED,
-    LINE_LIMIT,
-    LineSplitter,
-    OverlongLine,
     TextCommand,
     TextMessage,
     UnreadableText,

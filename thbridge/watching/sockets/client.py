@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from thbridge.credentials import key_line
 from thbridge.files.keys.key_file import ClientKey
-from thbridge.text_protocol.sockets.reconnecting import Backoff, ConnectionLost, LossReason, ReconnectingClient
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason, ReconnectingClient
 from thbridge.watching.wire import BagStreamReader, BrokenStream, SessionMessage, parse_status
 
 _SEGMENT = 256 * 1024

@@ -52,9 +52,9 @@ def bag_plot(
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
     """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
+    from thbridge.analysis.measured.gathering import read_games, trajectory_topics
     from thbridge.analysis.plot.figures import FigureKind, draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
-    from thbridge.analysis.report.gathering import read_games, trajectory_topics
     from thbridge.files.disk.whole import write_whole
     from thbridge.files.progress import followed
     from thbridge.hunt.refusals import RequestRefused

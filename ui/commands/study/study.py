@@ -49,7 +49,7 @@ def study_check(
         from thbridge.experiment.check import check_experiment
         from thbridge.experiment.design.advice import advice_on, people_in_words
         from thbridge.experiment.folder import ExperimentFolder
-        from thbridge.experiment.markers import why_no_markers
+        from thbridge.experiment.sockets.markers import why_no_markers
         from ui.actions.unfinished_study import finish_begun_withdrawals
         from ui.command_line.networks import check_doors
 

@@ -30,7 +30,7 @@ from thbridge.experiment.store.events import Actor, Clocks, EventKind, JsonValue
 from thbridge.experiment.trials import PracticeCount, results_of
 from thbridge.files.disk.text_files import read_bytes, read_text, text_of
 from thbridge.files.errors import BadFile
-from thbridge.roles.notices import GameTexts
+from thbridge.roles.shared.notices import GameTexts
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
 from ui.hosting.kiosk import words

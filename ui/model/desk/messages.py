@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import msgspec
 
-from ui.model.window_protocol import WindowProtocol
+from ui.model.shared.window_protocol import WindowProtocol
 
 
 class DeskCell(msgspec.Struct, frozen=True):

@@ -2,7 +2,7 @@
 
 from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.rooms import Room
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     GiveConsent,
@@ -18,8 +18,8 @@ from thbridge.roles.view import (
     TellProperty,
     View,
 )
-from ui.model.keys import shown_key
 from ui.model.playing.cards import card_sentence
+from ui.model.playing.keys import shown_key
 from ui.model.playing.memory.name_choice import NameChoice
 from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.memory.state import (
@@ -44,9 +44,7 @@ from ui.model.playing.possible import (
     why_not_picture,
     why_not_stop,
 )
-from ui.model.playing.sounds import why_silent
-from ui.model.playing.view_update import is_open, note, settle
-from ui.model.screen import (
+from ui.model.playing.screen import (
     Act,
     AgreeToTakePart,
     AnotherGame,
@@ -81,6 +79,8 @@ from ui.model.screen import (
     TypeDigit,
     TypeLetter,
 )
+from ui.model.playing.sounds import why_silent
+from ui.model.playing.view_update import is_open, note, settle
 
 TYPING = 4.0
 """Seconds after which a digit waits no longer for the next one."""

@@ -6,13 +6,13 @@ from dataclasses import replace
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import affordable
-from thbridge.roles.notices import RobotMotion
-from thbridge.roles.view import CallBack, RequestHandback, RobotView, TakeUpTreasure
-from ui.model.keys import key_of
+from thbridge.roles.shared.notices import RobotMotion
+from thbridge.roles.shared.view import CallBack, RequestHandback, RobotView, TakeUpTreasure
+from ui.model.playing.keys import key_of
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import arrival_warning, is_allowed, left_beside, undecided_beside, why_not_command
+from ui.model.playing.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot, TakeUpAgain
 from ui.model.playing.words import commanded_words, commander_in_words
-from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot, TakeUpAgain
 
 
 def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:

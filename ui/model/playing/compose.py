@@ -5,20 +5,17 @@ from dataclasses import replace
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
-from thbridge.roles.view import GiveConsent
-from ui.model.keys import HELP, WAITING_KEY, help_lines, is_letter, keyed
+from thbridge.roles.shared.view import GiveConsent
 from ui.model.playing.cards import cards, moved_cards, nothing_waits
+from ui.model.playing.keys import HELP, WAITING_KEY, help_lines, is_letter, keyed
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.popups.confirmations import confirmation
 from ui.model.playing.popups.dialogues import destination_popup, dialogue_title
 from ui.model.playing.popups.game_over import game_over_page
 from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
-from ui.model.playing.sounds import why_silent
-from ui.model.playing.tiles import dont_know, end, tiles
-from ui.model.playing.words import outcome_of, progress_of, verdict_words
-from ui.model.rules_sheet import rules_of
-from ui.model.screen import (
+from ui.model.playing.rules_sheet import rules_of
+from ui.model.playing.screen import (
     Action,
     AgreeToTakePart,
     AskAdvice,
@@ -37,6 +34,9 @@ from ui.model.screen import (
     TreasurePopup,
     WaitingItem,
 )
+from ui.model.playing.sounds import why_silent
+from ui.model.playing.tiles import dont_know, end, tiles
+from ui.model.playing.words import outcome_of, progress_of, verdict_words
 
 
 def compose(memory: ParticipantMemory, now: float) -> Screen:

@@ -5,13 +5,13 @@ import numpy as np
 from sim.common.robot_numbers import number_of
 from sim.numerics.float_array import FloatArray
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.notices import FloorPlan
-from thbridge.roles.view import View
-from ui.model.motion import DisplayedRobot
+from thbridge.roles.shared.notices import FloorPlan
+from thbridge.roles.shared.view import View
 from ui.model.playing.cards import is_in_trouble
+from ui.model.playing.motion import DisplayedRobot
+from ui.model.playing.screen import RoomTile
 from ui.model.playing.words import commander_in_words
-from ui.model.scene import RobotMark, RoomMark
-from ui.model.screen import RoomTile
+from ui.model.shared.scene import RobotMark, RoomMark
 
 
 class MapMarks:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ui.model.screen import (
+from ui.model.playing.screen import (
     Act,
     Action,
     AskForRobot,

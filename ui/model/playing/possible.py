@@ -1,7 +1,7 @@
 """Reasons why an act is not possible just now, in words for a hint.
 
-`thbridge.roles.participant_rules` decides, as it does for the keeper; here its refusals become hints. Functions called
-`why_not_...` return the reason, or None where the act is possible.
+`thbridge.roles.shared.participant_rules` decides, as it does for the keeper; here its refusals become hints. Functions
+called `why_not_...` return the reason, or None where the act is possible.
 """
 
 from dataclasses import replace
@@ -15,8 +15,8 @@ from thbridge.hunt.properties import property_named
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.rules import RuleReason
-from thbridge.roles.participant_rules import JudgedRequest, KeeperReason, Situation, judge, other_candidate
-from thbridge.roles.view import (
+from thbridge.roles.shared.participant_rules import JudgedRequest, KeeperReason, Situation, judge, other_candidate
+from thbridge.roles.shared.view import (
     CallBack,
     GiveUp,
     MeasureProperty,

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from thbridge.roles.view import View
+from thbridge.roles.shared.view import View
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
-from ui.model.screen import GameSound
+from ui.model.playing.screen import GameSound
 
 
 def why_silent(memory: ParticipantMemory, hunt: HuntMemory) -> str:

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.view import GiveUp, RequestSuggestion, RoomView, SelectRoom, View
-from ui.model.keys import keyed
+from thbridge.roles.shared.view import GiveUp, RequestSuggestion, RoomView, SelectRoom, View
+from ui.model.playing.keys import keyed
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
-from ui.model.playing.words import gained
-from ui.model.scene import decided
-from ui.model.screen import Action, AskAdvice, ChooseRoom, EndGame, RoomTile
+from ui.model.playing.screen import Action, AskAdvice, ChooseRoom, EndGame, RoomTile
+from ui.model.shared.points import gained
+from ui.model.shared.scene import decided
 
 
 def tiles(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RoomTile, ...]:

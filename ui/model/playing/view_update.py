@@ -7,8 +7,8 @@ from thbridge.hunt import rules
 from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.roles.participant_rules import Discussed
-from thbridge.roles.view import (
+from thbridge.roles.shared.participant_rules import Discussed
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     IdentifyTreasure,
     OpenDialogue,

@@ -4,7 +4,7 @@ import re
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Commander
-from thbridge.roles.view import DialogueMatter, LastWords
+from thbridge.roles.shared.view import DialogueMatter, LastWords
 
 MATTERS: dict[DialogueMatter, str] = {"select-room": "room", "take-picture": "picture", "take-treasure": "naming"}
 """Matters of dialogues as the names of texts have them."""
@@ -42,16 +42,6 @@ def commanded_words(texts: Texts, robot: int, by: Commander, name: str) -> str:
 def progress_of(texts: Texts, seconds: int, left: int, rooms: int) -> str:
     """Time played and rooms left: `Time 3:05 · 5 of 8 rooms left`."""
     return texts.text("game.progress", time=f"{seconds // 60}:{seconds % 60:02d}", left=left, count=rooms)
-
-
-def scored(score: int) -> str:
-    """A score with the typographer's minus: `20`, `−20`."""
-    return f"{score}".replace("-", "−")
-
-
-def gained(points: int) -> str:
-    """Points won or lost: `+20`, `−20`."""
-    return f"{points:+d}".replace("-", "−")
 
 
 def percent(texts: Texts, share: float) -> str:

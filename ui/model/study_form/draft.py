@@ -15,7 +15,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.study.built_in import STANDARD
 from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import Study, StudyFile, load_study_tree, study_before
-from ui.model.differences import differences
+from ui.model.shared.differences import differences
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind, editable_text, form_of, typed_as_yaml
 
 HEADER = f"""\

@@ -10,8 +10,8 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.report.tracks import deviations
-from thbridge.roles.notices import Ellipse
+from thbridge.analysis.measured.tracks import deviations
+from thbridge.roles.shared.notices import Ellipse
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import ENDED, GoalStatus
 from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus

@@ -11,8 +11,8 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.numerics.float_array import FloatArray
-from thbridge.roles.notices import Ellipse
-from ui.model.scene import RoomMark
+from thbridge.roles.shared.notices import Ellipse
+from ui.model.shared.scene import RoomMark
 
 NO_POINTS: FloatArray = np.empty((0, 2))
 NO_POSES: FloatArray = np.empty((0, 3))

@@ -15,7 +15,7 @@ from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.pack import DiagnosticStatus
 from thbridge.ros.robots import usual_first
-from ui.model.scene import RoomMark
+from ui.model.shared.scene import RoomMark
 from ui.model.watching.decode_cache import DecodeCache
 from ui.model.watching.frames import Frames
 from ui.model.watching.messages import TopicSnapshot, WatchedMessage

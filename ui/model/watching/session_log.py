@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from sim.common.robot_numbers import robot_name
-from thbridge.analysis.report.ways_made import WaysMade
+from thbridge.analysis.measured.ways_made import WaysMade
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.events import Commander
 from thbridge.hunt.rooms import RoomNames
@@ -17,8 +17,8 @@ from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.records import LogLevel
 from thbridge.ros.messages.session_records import GameEvent
-from ui.model.playing.words import gained
-from ui.model.scene import RoomState, decided
+from ui.model.shared.points import gained
+from ui.model.shared.scene import RoomState, decided
 from ui.model.watching.dialogue_log import DialogueCourse, DialogueLog
 from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind

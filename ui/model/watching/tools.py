@@ -13,7 +13,7 @@ from sim.common.traversability import inside
 from sim.inputs import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
 from sim.world.thing import Thing
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest
+from thbridge.roles.shared.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingTurn, RobotScene, Scene

@@ -28,7 +28,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.arena import Arena
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from ui.model.arena_draft import ArenaDraft, ArenaPointer, ArenaTool
-from ui.model.scene import RobotMark, RoomMark
+from ui.model.shared.scene import RobotMark, RoomMark
 from ui.windows.arena.marks import ArenaMarks
 from ui.windows.look import GAP, FoldingRow, colours, label, open_within_screen, px, spaced
 from ui.windows.map import MapView

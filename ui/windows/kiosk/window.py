@@ -10,8 +10,7 @@ from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QCloseEvent
 from PySide6.QtWidgets import QApplication, QHBoxLayout, QMainWindow, QProgressBar, QStackedWidget, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.view import GiveConsent
-from ui.model.keys import HELP
+from thbridge.roles.shared.view import GiveConsent
 from ui.model.kiosk import (
     KIOSK,
     AnswerKept,
@@ -39,6 +38,7 @@ from ui.model.kiosk import (
     WentBack,
     WentOn,
 )
+from ui.model.playing.keys import HELP
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.host_pipe import HostPipe

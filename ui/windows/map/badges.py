@@ -8,7 +8,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen, QPixmap, QPolygonF
 
 from sim.numerics.float_array import FloatArray
-from ui.model.theme import Palette
+from ui.model.shared.theme import Palette
 from ui.windows.map.lettering import text_scale
 
 LABEL_HEIGHT = 20.0

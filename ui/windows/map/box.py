@@ -7,7 +7,7 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QFont, QRegion, QTransform
 from PySide6.QtWidgets import QGraphicsSceneResizeEvent, QMenu
 
-from ui.model.theme import Palette
+from ui.model.shared.theme import Palette
 from ui.windows.map.export import repair_export
 
 MAX_SCALE = 400.0

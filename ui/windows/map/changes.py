@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim.common.geometry import Pose2
-from ui.model.scene import RobotMark, RoomMark
+from ui.model.shared.scene import RobotMark, RoomMark
 
 VISIBLE_SHIFT = 0.1
 """Least shift that shows, pixels."""

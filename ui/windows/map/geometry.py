@@ -12,7 +12,7 @@ from sim.common.geometry import Pose2
 from sim.common.traversability import inside
 from sim.numerics.float_array import FloatArray
 from thbridge.files.image_files import MOST_PIXELS
-from thbridge.roles.notices import FloorPlan
+from thbridge.roles.shared.notices import FloorPlan
 
 FREE, WALL, UNKNOWN = 0, 1, 2
 

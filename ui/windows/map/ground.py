@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QPainter, QPixmap, QTransform
 
 from sim.numerics.float_array import FloatArray
-from ui.model.scene import RoomMark
+from ui.model.shared.scene import RoomMark
 from ui.windows.map.box import MapBox
 from ui.windows.map.geometry import FREE, WALL, MapGeometry
 from ui.windows.map.item import Z_GROUND, CellImage, MapItem

@@ -11,8 +11,8 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF, QRegion, QTransform
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.footprint import radii
-from thbridge.roles.notices import Ellipse
-from ui.model.scene import RobotMark
+from thbridge.roles.shared.notices import Ellipse
+from ui.model.shared.scene import RobotMark
 from ui.windows.map.badges import Anchor, Badge, Badges, BadgeText, place_labels
 from ui.windows.map.box import MapBox
 from ui.windows.map.ground import Ground

@@ -12,9 +12,9 @@ from PySide6.QtWidgets import QGraphicsScene, QSizePolicy, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
-from thbridge.roles.notices import FloorPlan
-from ui.model.scene import RobotMark, RoomMark
-from ui.model.theme import Palette
+from thbridge.roles.shared.notices import FloorPlan
+from ui.model.shared.scene import RobotMark, RoomMark
+from ui.model.shared.theme import Palette
 from ui.windows import pointer
 from ui.windows.map.box import MapBox
 from ui.windows.map.changes import same_rooms, settled

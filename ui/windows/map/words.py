@@ -7,7 +7,7 @@ import numpy as np
 from sim.common.geometry import Pose2
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.rooms import CORRIDOR
-from ui.model.scene import VISITED, RobotMark, RoomMark
+from ui.model.shared.scene import VISITED, RobotMark, RoomMark
 from ui.windows.map.geometry import contains
 
 

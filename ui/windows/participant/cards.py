@@ -5,7 +5,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QR
 from PySide6.QtWidgets import QApplication, QSizePolicy, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts, counted
-from ui.model.screen import Action, RobotCard
+from ui.model.playing.screen import Action, RobotCard
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import (

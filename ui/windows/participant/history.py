@@ -5,7 +5,7 @@ from PySide6.QtGui import QColor, QFont, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import QFrame, QPlainTextEdit, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.screen import HistoryLine
+from ui.model.playing.screen import HistoryLine
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, font, px
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from PySide6.QtGui import QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import QWidget
 
-from ui.model.keys import act_for, is_letter
-from ui.model.screen import Act, Screen
+from ui.model.playing.keys import act_for, is_letter
+from ui.model.playing.screen import Act, Screen
 
 _NAMES = {
     **{key: key for key in f"{string.digits}{string.ascii_uppercase}?"},
@@ -16,7 +16,7 @@ _NAMES = {
     **{key: key for key in ("Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1")},
     "Return": "Enter",
 }
-"""Name of a key in `ui.model.keys`, by Qt's name of it."""
+"""Name of a key in `ui.model.playing.keys`, by Qt's name of it."""
 
 _REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
 

@@ -5,8 +5,8 @@ from PySide6.QtGui import QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QRe
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from thbridge.dialogue.wording.texts import Texts, counted
-from ui.model.scene import RoomState
-from ui.model.screen import RoomTile
+from ui.model.playing.screen import RoomTile
+from ui.model.shared.scene import RoomState
 from ui.windows.look import GAP, RADIUS, colours, font, px, smooth_painter
 from ui.windows.participant.widgets.buttons import ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, fitting, ring, sign, write

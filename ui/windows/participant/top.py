@@ -5,7 +5,7 @@ from PySide6.QtGui import QFontMetricsF, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.screen import Action, Banner
+from ui.model.playing.screen import Action, Banner
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter, spaced
 from ui.windows.participant.score import ScoreLabel

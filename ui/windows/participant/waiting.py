@@ -7,7 +7,7 @@ from PySide6.QtGui import QFontMetricsF, QPaintEvent, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.screen import WaitingItem
+from ui.model.playing.screen import WaitingItem
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace, ParticipantButton

@@ -22,10 +22,10 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.notices import FloorPlan
-from ui.model.keys import HELP, shown_key
-from ui.model.participant import Participant
-from ui.model.screen import (
+from thbridge.roles.shared.notices import FloorPlan
+from ui.model.playing.keys import HELP, shown_key
+from ui.model.playing.participant import Participant
+from ui.model.playing.screen import (
     Act,
     AskAdvice,
     ChooseRobot,
@@ -46,7 +46,7 @@ from ui.model.screen import (
     TypeDigit,
     TypeLetter,
 )
-from ui.model.theme import Palette
+from ui.model.shared.theme import Palette
 from ui.windows import pointer
 from ui.windows.look import GAP, follow_text, px, spaced
 from ui.windows.map import MapView

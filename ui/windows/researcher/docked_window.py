@@ -35,8 +35,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.model.keys import SETTINGS_KEYS
-from ui.model.theme import Palette
+from ui.model.playing.keys import SETTINGS_KEYS
+from ui.model.shared.theme import Palette
 from ui.model.watching.bookmarks import clock
 from ui.model.watching.scene import EntryKind
 from ui.model.watching.tools import Shape

@@ -15,8 +15,8 @@ from thbridge.files.errors import BadFile
 from thbridge.files.grid_files import read_grid
 from thbridge.recording.recordings import parts_of
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
-from ui.model.scene import RobotMark
-from ui.model.theme import Palette
+from ui.model.shared.scene import RobotMark
+from ui.model.shared.theme import Palette
 from ui.model.watching.bookmarks import Bookmarks, clock
 from ui.model.watching.curves import as_steps, broken
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene, ShownLayers

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.model.line_ends import plain_lines, with_line_ends_of
+from ui.model.shared.line_ends import plain_lines, with_line_ends_of
 from ui.model.study_form.draft import StudyDraft, search_fields
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind
 from ui.model.study_form.resources import NamedResource, resources_for

@@ -12,8 +12,8 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from sim.numerics.float_array import FloatArray
 from thbridge.offline.noise import PathSpread, RoomScan
+from ui.model.shared.theme import Palette
 from ui.model.study_form.noise import NoisePreview
-from ui.model.theme import Palette
 from ui.windows.look import GAP, follow_text, px
 
 _EDGE = 1.5 * GAP

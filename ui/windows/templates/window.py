@@ -34,8 +34,8 @@ from thbridge.files.template_files import DIALOGUE_TEXT, scenario_on
 from thbridge.files.treasure_files import PICTURES
 from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.treasures import name_in_words
-from ui.model.differences import differences
-from ui.model.line_ends import plain_lines, with_line_ends_of
+from ui.model.shared.differences import differences
+from ui.model.shared.line_ends import plain_lines, with_line_ends_of
 from ui.model.template_set.draft import TemplateDraft, edited_names, template_draft
 from ui.model.template_set.preview import NOWHERE, PreviewPlace, contents, place_on, sentences, translations
 from ui.model.template_set.sheet import Texts

@@ -22,7 +22,7 @@ from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.outgoing import LinkId
-from thbridge.roles.robot_requests import Request
+from thbridge.roles.shared.robot_requests import Request
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.rosgraph.wire.links import ServiceFailed

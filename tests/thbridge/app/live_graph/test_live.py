@@ -21,7 +21,7 @@ from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.mavlink.wire.traffic import Traffic
-from thbridge.roles.robot_requests import SetParameters
+from thbridge.roles.shared.robot_requests import SetParameters
 from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.stamps import stamp_ns

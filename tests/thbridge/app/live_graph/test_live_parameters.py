@@ -14,7 +14,7 @@ from thbridge.app.live_graph.live_parameters import LiveParameters
 from thbridge.app.live_graph.rate_limiter import REQUESTS_PER_TICK, RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.files.ros.definitions import Definitions
-from thbridge.roles.robot_requests import Request, SetParameters
+from thbridge.roles.shared.robot_requests import Request, SetParameters
 from thbridge.ros.messages import types
 from thbridge.ros.messages.types import service_type
 from thbridge.rosgraph.sockets.master_server import MasterServer

@@ -14,7 +14,7 @@ import pytest
 from pyarrow import parquet
 
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.measured.gathering import read_report
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
@@ -24,7 +24,7 @@ from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.view import AnswerDialogue, ParticipantRequest, View
+from thbridge.roles.shared.view import AnswerDialogue, ParticipantRequest, View
 from thbridge.ros import names
 from thbridge.ros.messages import unpack
 from thbridge.study.study_file import DialogueSection, MannerSection, Study

@@ -30,7 +30,7 @@ from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
-from thbridge.roles.view import ParticipantRequest, View
+from thbridge.roles.shared.view import ParticipantRequest, View
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.topics import RosMessage, Topic

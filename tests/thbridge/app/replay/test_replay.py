@@ -62,10 +62,10 @@ from thbridge.recording.bag.options import Compression, RecordingDetail
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writing.writer import BagWriter
-from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Subscribe
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import (
+from thbridge.roles.shared.notices import KEEPER, MoveOrder, Orders, Subscribe
+from thbridge.roles.shared.robot_requests import (
     PaceRequest,
     Pause,
     Request,

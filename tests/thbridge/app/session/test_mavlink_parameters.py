@@ -18,7 +18,7 @@ from thbridge.mavlink.role.parameters import PARAMETERS
 from thbridge.mavlink.wire.dialect import Message, decoded, mav
 from thbridge.mavlink.wire.traffic import OutgoingFrame
 from thbridge.recording.bag.reading.reader import messages
-from thbridge.roles.robot_requests import SetParameters
+from thbridge.roles.shared.robot_requests import SetParameters
 from thbridge.ros.messages import unpack
 
 REAL32 = mav.MAV_PARAM_TYPE_REAL32

@@ -19,7 +19,7 @@ from thbridge.mavlink.sockets.server import MavlinkPorts
 from thbridge.mavlink.wire.dialect import mav
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.mavlink.wire.frames.framer import parse_datagram
-from thbridge.roles.robot_requests import PaceRequest, Pause, Resume
+from thbridge.roles.shared.robot_requests import PaceRequest, Pause, Resume
 from thbridge.sockets.addresses import Address, ListeningAddress, UdpTarget
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.mavlink import MavlinkSection

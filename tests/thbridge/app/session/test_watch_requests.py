@@ -39,7 +39,7 @@ from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.input_records import decode_request
 from thbridge.app.session.watch_requests import MOST_PENDING, WatchRequest, WatchRequestHandler, request_line
-from thbridge.roles.robot_requests import (
+from thbridge.roles.shared.robot_requests import (
     REQUESTS,
     PaceRequest,
     Pause,

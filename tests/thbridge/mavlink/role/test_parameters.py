@@ -16,7 +16,7 @@ from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.mavlink.role.parameters import PARAMETERS, VehicleParameters, values_of
 from thbridge.mavlink.values.vehicle_interface import Denied, ParameterDescription, ParameterSetting
-from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
+from thbridge.roles.shared.robot_requests import ParameterValue, SetParameters, Tuning
 from thbridge.roles.simr.simr import SimR
 from thbridge.study.study_file import Study
 

@@ -40,12 +40,12 @@ from thbridge.mavlink.role.speed_limit import SpeedLimit
 from thbridge.mavlink.role.station_texts import game_texts, handback_texts
 from thbridge.mavlink.values.vehicle_interface import DenialKind, Denied, LegState, RobotReadings, Station, Target
 from thbridge.mavlink.values.vehicle_interface import ParameterSetting as Parameter
-from thbridge.roles.failure_reasons import failure_sentence
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import GameRequest, Request, SetParameters
+from thbridge.roles.shared.failure_reasons import failure_sentence
+from thbridge.roles.shared.robot_requests import GameRequest, Request, SetParameters
+from thbridge.roles.shared.view import AnswerDialogue, ParticipantRequest, RequestHandback, SelectRoom, SendRobot
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.roles.simr.simr import SimR
-from thbridge.roles.view import AnswerDialogue, ParticipantRequest, RequestHandback, SelectRoom, SendRobot
 from thbridge.ros.messages.records import SimpleGoal
 from thbridge.study.study_file import Study
 

@@ -6,7 +6,7 @@ from tests.thbridge.roles.keeper.test_arguing_robots import COLLABORATOR, Table,
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import TreasureIdentified
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
     IdentifyTreasure,

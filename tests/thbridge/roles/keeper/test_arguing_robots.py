@@ -17,8 +17,8 @@ from thbridge.files.word_files import read_language
 from thbridge.hunt.events import JournalEntry, RobotDeparted, TreasureLeft
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import WizardMode, WizardMove
-from thbridge.roles.view import (
+from thbridge.roles.shared.robot_requests import WizardMode, WizardMove
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
     DialogueView,

@@ -18,7 +18,7 @@ from thbridge.roles.keeper.dialogues import GameDialogues
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.view import AnswerDialogue, Consent, SelectRoom
+from thbridge.roles.shared.view import AnswerDialogue, Consent, SelectRoom
 
 
 def arguing(condition: DialogueCondition, *, talkative: bool, misheard: float = 0.0) -> ArguingEngine:

@@ -6,7 +6,7 @@ from msgspec import structs
 from thbridge.hunt.events import Condition
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import MAX_ATTEMPTS, MOST_TALKS, Bot, TreasureKnowledge
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
     DialogueView,

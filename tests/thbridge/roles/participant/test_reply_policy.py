@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.roles.participant.reply_policy import MOST_REPLIES, MOST_TALK, Opinion, ReplyPolicy
-from thbridge.roles.view import DialogueView
+from thbridge.roles.shared.view import DialogueView
 
 SCRIPT = ("continue", "stop")
 CLAIMED = ("accept", "challenge", "open-questions", "leave")

@@ -4,9 +4,9 @@ from msgspec import structs
 
 from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
-from thbridge.roles.notices import KEEPER
 from thbridge.roles.participant.tabui import NUMBER_PERIOD, REJOIN_PERIOD, RETRY_PERIOD, TabUI
-from thbridge.roles.view import CallBack, RefusalView, RequestSuggestion, SendRobot, View
+from thbridge.roles.shared.notices import KEEPER
+from thbridge.roles.shared.view import CallBack, RefusalView, RequestSuggestion, SendRobot, View
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import Notice, encode_notice, parse_notice
 

@@ -12,8 +12,8 @@ from sim.parameters.reconfiguration import ParameterRejection
 from tests.thbridge.roles.simr.test_simr import Driver, orders
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
-from thbridge.roles.notices import KEEPER, MoveOrder, Orders, TeamStatus
-from thbridge.roles.robot_requests import SetParameters, with_values
+from thbridge.roles.shared.notices import KEEPER, MoveOrder, Orders, TeamStatus
+from thbridge.roles.shared.robot_requests import SetParameters, with_values
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.study_file import Study

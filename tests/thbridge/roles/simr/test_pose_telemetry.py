@@ -15,10 +15,10 @@ from sim.robot.navigator.goals import Goal
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import PlannedPaths, PoseTelemetry
+from thbridge.line_splitter import LINE_LIMIT
+from thbridge.roles.shared.notices import PlannedPaths, PoseTelemetry
 from thbridge.roles.simr.pose_telemetry import PATH_PERIOD, TelemetryOptions, TelemetryPublisher, ellipse_of
 from thbridge.study.study_file import Study
-from thbridge.text_protocol.wire.lines import LINE_LIMIT
 from thbridge.text_protocol.wire.notice import decode_notice, parse_notice
 
 TICKS = range(0, 2 * PATH_PERIOD)

@@ -11,7 +11,7 @@ from sim.team import Team, TeamSnapshot
 from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import (
+from thbridge.roles.shared.notices import (
     KEEPER,
     MoveOrder,
     MoveResult,
@@ -21,7 +21,7 @@ from thbridge.roles.notices import (
     Subscribe,
     TeamStatus,
 )
-from thbridge.roles.robot_requests import SetParameters
+from thbridge.roles.shared.robot_requests import SetParameters
 from thbridge.roles.simr.pose_telemetry import POSE_PERIOD, SUBSCRIPTION_TICKS
 from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT, SimR
 from thbridge.study.study_file import Study

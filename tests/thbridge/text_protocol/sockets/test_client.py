@@ -8,8 +8,8 @@ from typing import TypeVar
 import pytest
 
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.text_protocol.sockets.client import TextClient
-from thbridge.text_protocol.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.text_protocol.sockets.server import TextServer
 from thbridge.text_protocol.wire.client import NameRegistered
 from thbridge.text_protocol.wire.lines import TextMessage

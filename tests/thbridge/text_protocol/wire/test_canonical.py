@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from thbridge.text_protocol.values.dialect import Dialect
 from thbridge.text_protocol.wire.canonical import (
     CanonicalValue,
-    Dialect,
     GotoPoint,
     MoveByHand,
     MoveDirection,

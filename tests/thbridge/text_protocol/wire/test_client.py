@@ -2,6 +2,7 @@
 
 import pytest
 
+from thbridge.line_splitter import OverlongLine
 from thbridge.text_protocol.wire.client import (
     ClientSession,
     ClosedByServer,
@@ -9,7 +10,7 @@ from thbridge.text_protocol.wire.client import (
     SendToServer,
     ServerCloseReason,
 )
-from thbridge.text_protocol.wire.lines import OverlongLine, TextMessage
+from thbridge.text_protocol.wire.lines import TextMessage
 
 SHUTDOWN = b"%%sshhuuttddoowwnn \n"
 ARRIVED = TextMessage("%%error", "SimR", "TabUI", ('"0;3"',))

@@ -21,7 +21,7 @@ from thbridge.ros.topics import GAME_EVENTS, SEND_ROBOTS, SUCCESS, RosMessage, T
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import SingleKey
-from thbridge.text_protocol.sockets.reconnecting import Backoff, ConnectionLost, LossReason
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.watching.sockets import server as watch_server
 from thbridge.watching.sockets.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.watching.sockets.history import MAX_BYTES, MAX_MESSAGES, MessageHistory

@@ -3,9 +3,9 @@ from dataclasses import replace
 import pytest
 from msgspec import structs
 
-from tests.ui.model.views import asking, refusal, view, with_robot, with_room
+from tests.ui.model.playing.views import asking, refusal, view, with_robot, with_room
 from thbridge.files.language_texts import shipped_texts
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     Consent,

@@ -3,7 +3,7 @@ from base64 import b64encode
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.roles.notices import PicturePiece
+from thbridge.roles.shared.notices import PicturePiece
 from ui.model.playing.memory.pictures import Pictures
 
 

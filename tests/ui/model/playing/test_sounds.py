@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 import pytest
 from msgspec import structs
 
-from tests.ui.model.views import asking, view, with_robot, with_room
-from thbridge.roles.view import IdentificationVerdict, View
-from ui.model.keys import act_for
-from ui.model.participant import Participant
-from ui.model.screen import GameSound, ShowHelp, SwitchSound
+from tests.ui.model.playing.views import asking, view, with_robot, with_room
+from thbridge.roles.shared.view import IdentificationVerdict, View
+from ui.model.playing.keys import act_for
+from ui.model.playing.participant import Participant
+from ui.model.playing.screen import GameSound, ShowHelp, SwitchSound
 
 
 @dataclass

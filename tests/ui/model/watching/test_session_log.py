@@ -2,7 +2,7 @@ import json
 from typing import get_args
 
 from tests.ui.model.watching.messages import StampedMessage
-from thbridge.analysis.report.values import WayMade
+from thbridge.analysis.measured.game import WayMade
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import GameEnded, HandbackRequested, TreasureIdentified, TreasurePictured, TreasureTakenUp
 from thbridge.ros import names

@@ -10,7 +10,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.traversability import inside
 from sim.inputs import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest
+from thbridge.roles.shared.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest
 from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingAdvice, PendingTurn, RobotScene, Scene, ThingScene, Wizard
 from ui.model.watching.tools import LEAST_SIZE, MOST_SIZE, ToolRefusalReason, Tools, dragged_pose, obstacle

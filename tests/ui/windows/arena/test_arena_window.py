@@ -12,7 +12,7 @@ from tests.ui.windows.walking import against_the_eye, nameless, stops
 from thbridge.files.grid_files import write_grid
 from thbridge.files.map_files import check_map, read_map, write_rooms
 from thbridge.offline.arena import Arena
-from ui.model.theme import DARK, LIGHT
+from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.arena.window import ArenaWindow
 from ui.windows.look import apply_palette
 

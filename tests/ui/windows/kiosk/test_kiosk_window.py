@@ -13,14 +13,14 @@ from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QScrollArea, QToo
 from pytestqt.qtbot import QtBot
 
 from tests.ui.languages import english_in, strings_in
-from tests.ui.model.views import view
+from tests.ui.model.playing.views import view
 from tests.ui.windows.fitting import misfits, settle
 from tests.ui.windows.preferred import preferred
 from tests.ui.windows.walking import nameless, words_in
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.files.language_texts import shipped_texts
-from thbridge.roles.notices import GameTexts
+from thbridge.roles.shared.notices import GameTexts
 from ui.hosting.kiosk.words import headed
 from ui.model.kiosk import (
     KIOSK,

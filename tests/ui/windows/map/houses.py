@@ -11,8 +11,8 @@ from sim.common.grid import FREE, OCCUPIED
 from sim.parameters import WorldParameters
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.resources import shipped
-from thbridge.roles.notices import Ellipse, FloorPlan, RoomOutline
-from ui.model.scene import RobotMark, RoomMark
+from thbridge.roles.shared.notices import Ellipse, FloorPlan, RoomOutline
+from ui.model.shared.scene import RobotMark, RoomMark
 
 FOOTPRINT = np.array(WorldParameters().footprint)
 

@@ -10,7 +10,7 @@ from PySide6.QtGui import QFont
 
 from tests.ui.windows.map.houses import robot_at
 from thbridge.files.language_texts import shipped_texts
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.windows.map.badges import SIGN_WIDTH, Anchor, Badges, BadgeText, place_labels
 from ui.windows.map.lettering import USUAL, fitting_font, text_scale
 from ui.windows.map.words import describe

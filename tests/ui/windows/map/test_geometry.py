@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from tests.ui.windows.map.houses import house_of, shipped_map
-from thbridge.roles.notices import FloorPlan
+from thbridge.roles.shared.notices import FloorPlan
 from ui.windows.map.geometry import FREE, UNKNOWN, WALL, contains, unpack
 
 

@@ -26,8 +26,8 @@ from pytestqt.qtbot import QtBot
 from sim.common.geometry import Pose2
 from tests.ui.windows.map.houses import busy_robots, house_of, robot_at, rooms_of, shipped_map
 from thbridge.files.map_files import Map
-from ui.model.scene import RoomState
-from ui.model.theme import DARK, LIGHT
+from ui.model.shared.scene import RoomState
+from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.map import MapView, rooms
 from ui.windows.map.item import Z_ABOVE, Z_FLAT, CellImage, MapItem
 from ui.windows.map.points import mapped

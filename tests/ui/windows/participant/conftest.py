@@ -9,8 +9,8 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.windows import samples
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.screen import Act, Screen
-from ui.model.theme import LIGHT
+from ui.model.playing.screen import Act, Screen
+from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QApplication, QScrollArea
 from pytestqt.qtbot import QtBot
 
 from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
-from tests.ui.model.seat import Seat
+from tests.ui.model.playing.seat import Seat
 from tests.ui.windows import samples
 from tests.ui.windows.fitting import settle
 from tests.ui.windows.participant.test_hunt import Player
@@ -17,8 +17,8 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.events import RobotDeparted
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from ui.model.screen import Action, AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext, TypeDigit
-from ui.model.theme import LIGHT
+from ui.model.playing.screen import Action, AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext, TypeDigit
+from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant.popups.dialogue import DialoguePanel

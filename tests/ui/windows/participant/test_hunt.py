@@ -8,10 +8,10 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.ui.model.seat import Seat
+from tests.ui.model.playing.seat import Seat
 from tests.ui.windows.participant.test_window import buttons, press, that_asks
 from thbridge.hunt.events import PropertyMeasured, PropertyTold
-from ui.model.screen import (
+from ui.model.playing.screen import (
     Act,
     Action,
     AnotherGame,
@@ -26,7 +26,7 @@ from ui.model.screen import (
     TakeThePicture,
     TreasurePopup,
 )
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
 

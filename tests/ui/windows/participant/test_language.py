@@ -7,12 +7,12 @@ from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.system.programs import Program, until
-from tests.ui.model.views import view
+from tests.ui.model.playing.views import view
 from tests.ui.windows.participant.test_leaving import ArrivedLink
 from tests.ui.windows.preferred import preferred
 from thbridge.files import language_texts
 from thbridge.files.language_texts import shipped_texts
-from thbridge.roles.notices import GameTexts
+from thbridge.roles.shared.notices import GameTexts
 from ui.model.lobby import LOBBY, FromHost, Offer, Preparing, Thanks
 from ui.windows.link import ParticipantLink, ReceivedEvent
 from ui.windows.participant_program import GamePage, ParticipantMainWindow

@@ -10,13 +10,13 @@ from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtWidgets import QApplication, QDialog, QLabel
 from pytestqt.qtbot import QtBot
 
-from tests.ui.model.views import view
+from tests.ui.model.playing.views import view
 from tests.ui.windows import samples
 from tests.ui.windows.participant.test_window import press
 from tests.ui.windows.preferred import preferred
 from thbridge.files.language_texts import shipped_texts
 from ui.model.lobby import Back, FromWindow, WindowClosed
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant.widgets.buttons import ActionButton

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
-from thbridge.roles.view import RequestSuggestion, View
+from thbridge.roles.shared.view import RequestSuggestion, View
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.study.study_file import ServerSection, Study
 from thbridge.text_protocol.wire import legacy

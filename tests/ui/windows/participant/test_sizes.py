@@ -17,7 +17,7 @@ from tests.ui.windows.participant.test_window import STATES, Open, covered, room
 from tests.ui.windows.preferred import preferred
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.link import ParticipantLink
 from ui.windows.participant import cards

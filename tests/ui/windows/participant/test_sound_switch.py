@@ -10,7 +10,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.participant.test_leaving import ArrivedLink, Table, at_table
 from tests.ui.windows.participant.test_window import press
-from ui.model.screen import ShowSettings
+from ui.model.playing.screen import ShowSettings
 from ui.windows import participant_program
 from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.preferences import SettingsDialog

@@ -19,7 +19,7 @@ from tests.ui.windows import samples
 from tests.ui.windows.fitting import settle
 from tests.ui.windows.participant.conftest import Opened
 from thbridge.files.language_texts import shipped_texts
-from ui.model.screen import (
+from ui.model.playing.screen import (
     Act,
     AgreeToTakePart,
     AnotherGame,
@@ -54,7 +54,7 @@ from ui.model.screen import (
     TypeDigit,
     TypeLetter,
 )
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.windows.look import GAP, font
 from ui.windows.map import MapView
 from ui.windows.participant.cards import EDGE, PAD, energy_words

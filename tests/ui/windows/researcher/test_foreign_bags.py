@@ -16,7 +16,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from tests.thbridge.offline.foreign import Robot, write, write_map
 from tests.ui.windows.walking import nameless, stops
 from thbridge.files.grid_files import read_grid
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.sources.numbers import PlottedField
 from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 from ui.windows.researcher.window import ResearcherWindow

@@ -14,7 +14,7 @@ from pytestqt.qtbot import QtBot
 from tests.ui.windows.researcher.hunts import record
 from tests.ui.windows.researcher.plotted import place_of
 from tests.ui.windows.walking import against_the_eye, nameless, stops
-from ui.model.theme import DARK, LIGHT
+from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.researcher.docks.displays import SWITCHES, MapDisplay
 from ui.windows.researcher.docks.plots import PANELS
 from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed

@@ -13,10 +13,10 @@ from pytestqt.qtbot import QtBot
 
 from sim.common.geometry import Pose2
 from tests.ui.windows.researcher.hunts import watched_hunt
-from thbridge.text_protocol.sockets.reconnecting import ConnectionLost, LossReason
+from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.watching.sockets.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.watching.wire import STATUS, SessionMessage, WatchStatus
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.model.watching.scene import RobotScene
 from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
 from ui.windows.researcher.map.tools import MapTool

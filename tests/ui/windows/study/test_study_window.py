@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.walking import against_the_eye, nameless, stops
-from ui.model.theme import DARK, LIGHT
+from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.look import apply_palette
 from ui.windows.study import StudyWindow, study_window
 from ui.windows.study.resource_list import ResourceList

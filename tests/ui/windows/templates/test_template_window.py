@@ -13,7 +13,7 @@ from pytestqt.qtbot import QtBot
 from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
 from tests.ui.windows.study.test_study_window import answering
 from tests.ui.windows.walking import against_the_eye, nameless, stops
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import apply_palette

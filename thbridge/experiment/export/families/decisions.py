@@ -42,7 +42,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.treasures import same_name
 from thbridge.roles.keeper.advice.adviser import Adviser
-from thbridge.roles.participant_rules import Discussed
+from thbridge.roles.shared.participant_rules import Discussed
 from thbridge.ros.messages.session_records import DialogueMoveRecord
 from thbridge.timing.pace_meter import TOLERANCE
 

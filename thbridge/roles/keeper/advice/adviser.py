@@ -20,7 +20,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, TourStart
 from thbridge.hunt.tour import Tour, why_no_tour
-from thbridge.roles.participant_rules import Discussed, Situation, free_to_discuss
+from thbridge.roles.shared.participant_rules import Discussed, Situation, free_to_discuss
 
 _MOST_ROOMS_COMPARED = {1: 17, 2: MOST_ROOMS_OF_A_TEAM, 3: 14, 4: 13}
 """By the number of robots, rooms left of which a robot that is asked compares all plans; of more robots 12.

@@ -16,7 +16,7 @@ from thbridge.hunt.team_tour import PlanValue, TourStart, alternatives, best_tea
 from thbridge.hunt.tour import Tour
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.keeper.advice.adviser import can_compare, start_of, tours_sending_first
-from thbridge.roles.participant_rules import Discussed, other_candidate
+from thbridge.roles.shared.participant_rules import Discussed, other_candidate
 
 _SURE, _LOST = 1.0, 0.3
 """How far a robot trusts costs from where it believes to be, and when it does not know where it is."""

@@ -7,7 +7,7 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.notices import FloorPlan, GameTexts
+from thbridge.roles.shared.notices import FloorPlan, GameTexts
 
 
 @dataclass(frozen=True, slots=True)

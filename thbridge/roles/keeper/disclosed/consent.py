@@ -4,7 +4,7 @@ from enum import Enum
 
 from thbridge.hunt.events import ConsentGiven
 from thbridge.hunt.game import GameState
-from thbridge.roles.view import GiveConsent
+from thbridge.roles.shared.view import GiveConsent
 
 
 class ConsentStatus(Enum):

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from thbridge.hunt.game import GameState
 from thbridge.hunt.team_tour import TourStart, best_score, most_rooms_shared_out
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from thbridge.roles.view import Debrief, RoomDebrief
+from thbridge.roles.shared.view import Debrief, RoomDebrief
 
 
 def debrief_of(state: GameState, from_starts: Sequence[Sequence[float]], briefing: Briefing) -> Debrief:

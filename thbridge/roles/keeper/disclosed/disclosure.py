@@ -13,7 +13,7 @@ from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.dialogues import GameDialogues
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from thbridge.roles.view import Debrief, IdentificationVerdict, RefusalView, RobotView, RoomView, View
+from thbridge.roles.shared.view import Debrief, IdentificationVerdict, RefusalView, RobotView, RoomView, View
 
 _HAVE_LAST_WORD: Mapping[DialogueCondition, Literal["both", "participant", "robot"]] = {
     DialogueCondition.COLLABORATOR: "both",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from thbridge.roles.notices import FloorPlan, RoomOutline
+from thbridge.roles.shared.notices import FloorPlan, RoomOutline
 
 MOST_PACKED = 40_000
 """Characters of packed cells beyond which the map's resolution is halved."""

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from thbridge.roles.notices import PicturePiece
-from thbridge.roles.view import View
+from thbridge.roles.shared.notices import PicturePiece
+from thbridge.roles.shared.view import View
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import Notice, encode_notice
 

@@ -15,8 +15,8 @@ from thbridge.hunt.properties import labelled, named_by_labels
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.participant_rules import KeeperReason
-from thbridge.roles.view import DialogueMatter, IdentifyTreasure, SendRobot, SenseTreasure, TakePicture
+from thbridge.roles.shared.participant_rules import KeeperReason
+from thbridge.roles.shared.view import DialogueMatter, IdentifyTreasure, SendRobot, SenseTreasure, TakePicture
 from thbridge.text_protocol.wire import canonical, legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, UnreadableText
 from thbridge.text_protocol.wire.notice import kind_of

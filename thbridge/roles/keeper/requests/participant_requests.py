@@ -9,8 +9,8 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.participant_rules import Situation, judge, place
-from thbridge.roles.view import (
+from thbridge.roles.shared.participant_rules import Situation, judge, place
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     GiveUp,

@@ -9,8 +9,8 @@ from thbridge.hunt.game import CommandHolder, GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.participant_rules import KeeperReason
-from thbridge.roles.robot_requests import (
+from thbridge.roles.shared.participant_rules import KeeperReason
+from thbridge.roles.shared.robot_requests import (
     CommandRequest,
     ReleaseCommand,
     StationCallBack,
@@ -20,7 +20,7 @@ from thbridge.roles.robot_requests import (
     StationTakePicture,
     TakeCommand,
 )
-from thbridge.roles.view import SendRobot
+from thbridge.roles.shared.view import SendRobot
 from thbridge.text_protocol.wire.notice import kind_of
 
 JudgedRequest: TypeAlias = (

@@ -14,7 +14,7 @@ from thbridge.roles.keeper.advice.adviser import Advice, possible_rooms
 from thbridge.roles.keeper.dialogues import HeldTurn
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.keeper.requests.participant_requests import suggest_or_await
-from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
+from thbridge.roles.shared.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
 
 
 @dataclass(frozen=True, slots=True)

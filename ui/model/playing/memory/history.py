@@ -6,9 +6,10 @@ from typing import Literal
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import Teller, values_in_words
-from thbridge.roles.view import DialogueView, LastWords, RobotView, RoomView, View
-from ui.model.playing.words import outcome_of, scored, verdict_words
-from ui.model.screen import HistoryLine
+from thbridge.roles.shared.view import DialogueView, LastWords, RobotView, RoomView, View
+from ui.model.playing.screen import HistoryLine
+from ui.model.playing.words import outcome_of, verdict_words
+from ui.model.shared.points import scored
 
 MAX_LINES = 500
 """Lines kept."""

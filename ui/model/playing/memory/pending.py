@@ -3,8 +3,8 @@
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.roles.participant_rules import Situation, revealed
-from thbridge.roles.view import (
+from thbridge.roles.shared.participant_rules import Situation, revealed
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     GiveConsent,

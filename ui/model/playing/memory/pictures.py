@@ -3,7 +3,7 @@
 import binascii
 from base64 import b64decode
 
-from thbridge.roles.notices import PicturePiece
+from thbridge.roles.shared.notices import PicturePiece
 
 MOST_BYTES = 1 << 28
 """Of all pictures of a game and their pieces; a hundred rooms have as much, with pictures as large as they may be."""

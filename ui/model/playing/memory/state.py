@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.rooms import Room
-from thbridge.roles.notices import FloorPlan, RobotMotion
-from thbridge.roles.participant_rules import Situation, revealed
-from thbridge.roles.view import DialogueView, LastWords, RequestSuggestion, SelectRoom, View
+from thbridge.roles.shared.notices import FloorPlan, RobotMotion
+from thbridge.roles.shared.participant_rules import Situation, revealed
+from thbridge.roles.shared.view import DialogueView, LastWords, RequestSuggestion, SelectRoom, View
 from thbridge.timing.wall_clock import utc_now
 from ui.model.playing.memory.connection import ConnectionStatus
 from ui.model.playing.memory.history import GameHistory
@@ -17,7 +17,7 @@ from ui.model.playing.memory.name_choice import NameChoice
 from ui.model.playing.memory.pending import PendingRequests
 from ui.model.playing.memory.pictures import Pictures
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, PopupQueue, TreasureItem
-from ui.model.screen import GameSound
+from ui.model.playing.screen import GameSound
 
 
 @dataclass(frozen=True, slots=True)

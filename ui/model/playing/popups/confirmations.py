@@ -1,6 +1,6 @@
 """Questions that ask for confirmation before steps that cannot be undone."""
 
-from ui.model.keys import question_keys
+from ui.model.playing.keys import question_keys
 from ui.model.playing.memory.state import (
     EndGameEarly,
     HuntMemory,
@@ -10,8 +10,8 @@ from ui.model.playing.memory.state import (
     ParticipantMemory,
     Reroute,
 )
-from ui.model.playing.words import scored
-from ui.model.screen import Action, Cancel, Confirm, Confirmation
+from ui.model.playing.screen import Action, Cancel, Confirm, Confirmation
+from ui.model.shared.points import scored
 
 
 def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | None:

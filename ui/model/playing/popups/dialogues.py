@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from thbridge.roles.view import DialogueView, LastWords, SelectRoom
-from ui.model.keys import BACK, WAITING_KEY, choice_keys, keyed
+from thbridge.roles.shared.view import DialogueView, LastWords, SelectRoom
+from ui.model.playing.keys import BACK, WAITING_KEY, choice_keys, keyed
 from ui.model.playing.memory.history import SpokenLine, says, spoken
 from ui.model.playing.memory.popup_queue import DestinationItem
 from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.possible import energy_warning
+from ui.model.playing.screen import Action, DialoguePopup, GiveAnswer, ShowNext
 from ui.model.playing.words import MATTERS, outcome_of
-from ui.model.screen import Action, DialoguePopup, GiveAnswer, ShowNext
 
 OVERRIDE = "override"
 """Word for the answer with which the participant decides against the robot's advice."""

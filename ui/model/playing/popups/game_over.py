@@ -3,11 +3,12 @@
 from collections.abc import Iterable
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.view import Debrief, PlayAgain, RoomDebrief, RoomView, View
-from ui.model.keys import keyed
+from thbridge.roles.shared.view import Debrief, PlayAgain, RoomDebrief, RoomView, View
+from ui.model.playing.keys import keyed
 from ui.model.playing.memory.state import HuntMemory
-from ui.model.playing.words import scored, verdict_words
-from ui.model.screen import AnotherGame, GameOverPage, GoOnFromGame
+from ui.model.playing.screen import AnotherGame, GameOverPage, GoOnFromGame
+from ui.model.playing.words import verdict_words
+from ui.model.shared.points import scored
 
 
 def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:

@@ -7,8 +7,8 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import TreasureIdentified, TreasureLeft
 from thbridge.hunt.properties import Teller, TreasureProperty
 from thbridge.hunt.rooms import Room
-from thbridge.roles.view import Consent, GiveUpTreasure, MeasureProperty, OpenDialogue, RoomView, View
-from ui.model.keys import keyed
+from thbridge.roles.shared.view import Consent, GiveUpTreasure, MeasureProperty, OpenDialogue, RoomView, View
+from ui.model.playing.keys import keyed
 from ui.model.playing.memory.history import spoken
 from ui.model.playing.memory.pictures import Pictures
 from ui.model.playing.memory.popup_queue import TreasureItem
@@ -22,8 +22,7 @@ from ui.model.playing.possible import (
     why_not_picture,
     why_not_work,
 )
-from ui.model.playing.words import outcome_of, percent, verdict_words
-from ui.model.screen import (
+from ui.model.playing.screen import (
     Action,
     AskWhatItIs,
     DialoguePopup,
@@ -37,6 +36,7 @@ from ui.model.screen import (
     TreasureFact,
     TreasurePopup,
 )
+from ui.model.playing.words import outcome_of, percent, verdict_words
 
 PICTURE_TIMEOUT = 5.0
 """Seconds after which a picture that was taken will not come any more; its sender may not have it."""

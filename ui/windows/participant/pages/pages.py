@@ -16,8 +16,8 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.keys import keyed, shown_key
-from ui.model.screen import Action, AgreeToTakePart, Confirmation, DeclineToTakePart, GameOverPage, ShowHelp
+from ui.model.playing.keys import keyed, shown_key
+from ui.model.playing.screen import Action, AgreeToTakePart, Confirmation, DeclineToTakePart, GameOverPage, ShowHelp
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace

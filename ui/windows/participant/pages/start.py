@@ -5,7 +5,7 @@ from PySide6.QtGui import QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.keys import HELP, SETTINGS_KEYS, help_line, shown_key
+from ui.model.playing.keys import HELP, SETTINGS_KEYS, help_line, shown_key
 from ui.windows import look
 from ui.windows.look import GAP, spaced
 from ui.windows.participant.pages.pages import HelpSheet, page_keys

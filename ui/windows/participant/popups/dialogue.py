@@ -4,7 +4,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.screen import DialoguePopup
+from ui.model.playing.screen import DialoguePopup
 from ui.windows import look
 from ui.windows.look import GAP, px, spaced
 from ui.windows.participant.popups.finding import PICTURE, TreasureFacts, TreasurePicture, find_size

@@ -14,8 +14,8 @@ from PySide6.QtWidgets import (
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import PropertyDrawing
-from ui.model.keys import shown_key
-from ui.model.screen import Act, Action, EnlargePicture, TellOfIt, TreasureFact
+from ui.model.playing.keys import shown_key
+from ui.model.playing.screen import Act, Action, EnlargePicture, TellOfIt, TreasureFact
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.screen import PickName, TreasurePopup
+from ui.model.playing.screen import PickName, TreasurePopup
 from ui.windows import look
 from ui.windows.look import GAP, px, spaced
 from ui.windows.participant.popups.finding import (

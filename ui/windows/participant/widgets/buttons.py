@@ -8,8 +8,8 @@ from PySide6.QtGui import QFocusEvent, QFont, QFontMetricsF, QHideEvent, QHoverE
 from PySide6.QtWidgets import QBoxLayout, QPushButton, QSizePolicy, QToolTip, QWidget
 
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.keys import shown_key
-from ui.model.screen import Act, Action
+from ui.model.playing.keys import shown_key
+from ui.model.playing.screen import Act, Action
 from ui.windows import pointer
 from ui.windows.look import GAP, Size, colours, font, px, smooth_painter
 from ui.windows.participant.widgets import focus

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QResizeEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from sim.numerics.float_array import FloatArray
-from ui.model.theme import Palette
+from ui.model.shared.theme import Palette
 from ui.windows.look import follow_text, font, label, px
 from ui.windows.words_of_others import shown
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Protocol
 
 from sim.common.grid import OccupancyGrid
-from thbridge.roles.robot_requests import PaceRequest, Request
+from thbridge.roles.shared.robot_requests import PaceRequest, Request
 from ui.model.watching.scene import Scene, ShownLayers
 from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog

@@ -8,10 +8,10 @@ from pathlib import Path
 from sim.common.grid import OccupancyGrid
 from thbridge.app.session.watch_requests import request_line
 from thbridge.files.map_files import MapRoom
-from thbridge.roles.robot_requests import Pause, Resume, SetRate, Step
+from thbridge.roles.shared.robot_requests import Pause, Resume, SetRate, Step
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import MAP_FRAME
-from thbridge.text_protocol.sockets.reconnecting import ConnectionLost, LossReason
+from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.watching.sockets.client import WatchClient, WatchConnected
 from thbridge.watching.wire import SessionMessage, WatchStatus, parse_status
 from ui.model.watching.frames import Frames

@@ -19,7 +19,7 @@ from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.tour import NoTour, best_tour
 from thbridge.roles.keeper.advice.adviser import Adviser
-from thbridge.roles.participant_rules import Discussed
+from thbridge.roles.shared.participant_rules import Discussed
 
 ADVISER = Adviser()
 FAR = 40.0

@@ -11,8 +11,8 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import RoomAdvised
 from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.participant.tabui import RETRY_PERIOD, TabUI
-from thbridge.roles.robot_requests import WizardAdvice
-from thbridge.roles.view import AnswerDialogue, ParticipantRequest, RequestSuggestion, View
+from thbridge.roles.shared.robot_requests import WizardAdvice
+from thbridge.roles.shared.view import AnswerDialogue, ParticipantRequest, RequestSuggestion, View
 
 UNSURE = RequestSuggestion(0)
 ERRING = Adviser(error_rate=1.0, says_confidence=True, confidence_bias=0.8)

@@ -38,7 +38,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue, TourStart
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.keeper.advice.robot_facts import what_facts, where_facts
-from thbridge.roles.participant_rules import Discussed
+from thbridge.roles.shared.participant_rules import Discussed
 
 ROOMS, VISIT = 4, 3.0
 costs_of_a_move = st.integers(5, 60).map(float)

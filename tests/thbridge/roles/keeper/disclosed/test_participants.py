@@ -33,10 +33,10 @@ from thbridge.roles.keeper.disclosed.participants import (
     Participants,
 )
 from thbridge.roles.keeper.keeper import Keeper
-from thbridge.roles.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import REJOIN_PERIOD, RENEWAL_PERIOD, TabUI
-from thbridge.roles.view import (
+from thbridge.roles.shared.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     Debrief,

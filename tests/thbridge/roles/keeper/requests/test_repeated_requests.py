@@ -13,9 +13,9 @@ from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.roles.keeper.advice.adviser import Adviser
-from thbridge.roles.notices import ParticipantReady
 from thbridge.roles.participant.tabui import encode_request_line
-from thbridge.roles.robot_requests import (
+from thbridge.roles.shared.notices import ParticipantReady
+from thbridge.roles.shared.robot_requests import (
     GameRequest,
     ReleaseCommand,
     StationCallBack,
@@ -27,7 +27,7 @@ from thbridge.roles.robot_requests import (
     WizardMode,
     WizardMove,
 )
-from thbridge.roles.view import (
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     CallBack,
     GiveUp,

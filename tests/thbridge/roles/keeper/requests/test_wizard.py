@@ -13,8 +13,8 @@ from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
-from thbridge.roles.view import (
+from thbridge.roles.shared.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
+from thbridge.roles.shared.view import (
     AnswerDialogue,
     GiveUp,
     ParticipantRequest,

@@ -11,7 +11,7 @@ from pytestqt.qtbot import QtBot
 from tests.ui.windows.preferred import preferred
 from thbridge.files.language_texts import shipped_texts
 from ui.model.lobby import ChooseLanguage, FromWindow, Offer
-from ui.model.rules_sheet import rules_lines
+from ui.model.playing.rules_sheet import rules_lines
 from ui.windows.participant import StartPage
 from ui.windows.participant.pages.pages import KeyCap
 from ui.windows.participant_program import ParticipantMainWindow

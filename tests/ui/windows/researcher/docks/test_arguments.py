@@ -14,7 +14,7 @@ from tests.ui.model.watching.test_dialogue_log import watched
 from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
 from tests.ui.windows.walking import nameless
 from thbridge.dialogue.portrait import DialoguePortrait, PortrayedArgument
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.model.watching.dialogue_log import DialogueCourse
 from ui.model.watching.dialogue_rows import DialogueList
 from ui.windows import look

@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
 from pytestqt.qtbot import QtBot
 
-from ui.model.theme import DARK, LIGHT
+from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.look import apply_palette
 from ui.windows.researcher.docks.log import MAX_ROWS, LogModel, LogRow, LogView
 

@@ -10,7 +10,7 @@ from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.researcher.plotted import place_of
-from ui.model.theme import DARK, LIGHT
+from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.researcher.docks.plots import MOST_POINTS, PANELS, Plots, RobotCurves, thinned
 
 

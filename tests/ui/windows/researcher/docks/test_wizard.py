@@ -6,7 +6,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
 from thbridge.hunt.rooms import RoomNames
-from ui.model.theme import LIGHT
+from ui.model.shared.theme import LIGHT
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows import look
 from ui.windows.map import MapView

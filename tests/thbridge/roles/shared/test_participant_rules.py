@@ -1,0 +1,136 @@
+"""What a window tells from its view alone, the keeper says too: a random games, with any requests now and then."""
+
+from copy import deepcopy
+from dataclasses import replace
+from random import Random
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.thbridge.roles.stage import RULES, Stage
+from tests.thbridge.roles.test_hunt import Script
+from thbridge.hunt.events import Condition
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.roles.participant.tabui import TabUI, encode_request_line
+from thbridge.roles.shared.participant_rules import judge, revealed
+from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend, TakeCommand
+from thbridge.roles.shared.view import (
+    AnswerDialogue,
+    CallBack,
+    GiveUp,
+    GiveUpTreasure,
+    IdentifyTreasure,
+    OpenDialogue,
+    RequestHandback,
+    RequestSuggestion,
+    SelectRoom,
+    SendRobot,
+    SenseTreasure,
+    TakePicture,
+    TakeUpTreasure,
+    View,
+)
+from thbridge.text_protocol.wire.notice import Notice, parse_notice
+
+ROBOTS, ROOMS = range(2), range(1, 9)
+
+
+def any_request(chance, view):
+    """Any request, more often than not about a room that a robot has to do with."""
+    robot = chance.choice(ROBOTS)
+    mover = view.robots[robot]
+    room = chance.choice([*ROOMS, *[mover.moving_to or mover.place or 1] * 8])
+    matter = chance.choice(("take-picture", "take-treasure"))
+    return chance.choice(
+        (
+            *(SelectRoom(robot, room), OpenDialogue(robot, matter, room)) * 2,
+            *(RequestSuggestion(robot), CallBack(robot), RequestHandback(robot)),
+            *(GiveUpTreasure(room), TakeUpTreasure(room), GiveUp(1)),
+        )
+    )
+
+
+def any_step(chance, view):
+    robot = chance.choice(ROBOTS)
+    request = any_request(chance, view)
+    return chance.choice(
+        (
+            *("go along",) * 16,
+            *("go along" if isinstance(request, GiveUp) else request,) * 8,
+            *("refuse", "slow", "fast", "fast"),
+            *((TakeCommand(robot, "QGC"),), *((ReleaseCommand(robot),),) * 3),
+            *((TakeCommand(robot, "QGC"), StationSend(robot, chance.choice(ROOMS)), ReleaseCommand(robot)),) * 2,
+            *((robot, chance.choice(list(Condition))), *((robot, Condition.WELL),) * 3),
+            *((robot, "/rviz"), *((robot, None),) * 3),
+        )
+    )
+
+
+def play(stage, player, step):
+    view, puppets = stage.view(), stage.puppets
+    player.wish = ()
+    match step:
+        case "slow" | "fast":
+            puppets.ticks = 400 if step == "slow" else 5
+        case "go along" | "refuse":
+            choice = 0 if step == "go along" else -1
+            player.wish = (
+                *(
+                    AnswerDialogue(talk.dialogue, talk.turn, choice % len(talk.choices))
+                    for talk in view.dialogues
+                    if talk.choices
+                ),
+                *(SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.sensed),
+                *(agreed_request(consent) for consent in view.consents),
+            )
+        case (TakeCommand() | ReleaseCommand(), *_):
+            for request in step:
+                stage.session.ask("station", request)
+        case (robot, Condition() as condition):
+            puppets.conditions[robot] = condition
+        case (robot, researcher):
+            puppets.researchers = tuple(researcher if number == robot else None for number in ROBOTS)
+        case _:
+            player.wish = (step,)
+    stage.tabui.poll_player()
+    stage.run(12)
+    player.wish = ()
+    stage.tabui.poll_player()
+    stage.run(50)
+
+
+def agreed_request(consent):
+    match consent.matter:
+        case "select-room":
+            return SendRobot(consent.robot, consent.room)
+        case "take-picture":
+            return TakePicture(consent.room)
+        case "take-treasure":
+            return IdentifyTreasure(consent.room, "Pink can")
+
+
+def keeper_refuses(stage, request):
+    """Reason for which the keeper refuses a request now, or None; the game goes on as if nobody had asked."""
+    asked = deepcopy(stage.keeper)
+    notices = [parse_notice(line) for line in asked.step(len(stage.tick_records), [encode_request_line(request)])]
+    views = [View.of_notice(each) for each in notices if isinstance(each, Notice) and each.kind == "View"]
+    assert len(views) < 2
+    refusal = views[0].refusal if views else stage.view().refusal
+    return None if refusal == stage.view().refusal else refusal.reason
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10**9), st.sampled_from((25.0, 60.0, 100.0)))
+def test_what_the_view_says_is_possible_the_keeper_grants_and_nothing_else(seed, energy):
+    chance = Random(seed)
+    player = Script()
+    stage = Stage(participant=TabUI(player), rules=replace(RULES, energy=energy))
+    stage.run(60)
+    for _ in range(40):
+        play(stage, player, any_step(chance, stage.view()))
+        known = revealed(stage.view())
+        for _ in range(3):
+            request = any_request(chance, stage.view())
+            ruling = judge(known, request)
+            reason = ruling.reason if isinstance(ruling, RequestRefused) else None
+            assert keeper_refuses(stage, request) == reason, request

@@ -1,0 +1,1 @@
+"""Messages read field by field, by the definitions in the bag."""

@@ -1,0 +1,1 @@
+"""Measurements from a recording, ours or of other robots: paths, errors, deviations, events, dialogues."""

@@ -1,0 +1,346 @@
+"""Collects a report from the messages of a bag: true and estimated paths, energy, game events, utterances.
+
+Only messages are used, so it works on bags of other robots, too, and lists what is missing in them. A recording may
+hold several games; each has a report of its own, since robots are put back and energy and score begin anew.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.grid import OccupancyGrid
+from sim.common.robot_numbers import namespace_of, robot_name
+from sim.numerics.float_array import FloatArray
+from thbridge.analysis.measured.batches import MessageBatches
+from thbridge.analysis.measured.dialogues import DialogueGatherer
+from thbridge.analysis.measured.game import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
+from thbridge.analysis.measured.game_starts import OF_A_GAME, game_start
+from thbridge.analysis.measured.tracks import FOUND_BY_NAME, SeriesByTopic, TrajectoryTopics, deviations
+from thbridge.files.errors import BadFile
+from thbridge.hunt.event_words import event_in_words, kind_in_words
+from thbridge.hunt.rooms import RoomNames
+from thbridge.json_text import json_of
+from thbridge.recording.bag.reading.reader import RawMessage, info
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.goal_status import GoalStatusCode
+from thbridge.ros.messages.identification import is_md5
+from thbridge.ros.messages.plausible import is_plausible
+from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
+from thbridge.ros.messages.unpack import PoseInFrame
+from thbridge.ros.names import MAP, ROOMS, THINGS
+from thbridge.ros.robots import usual_first
+
+OUTCOMES: dict[int, str] = {
+    GoalStatusCode.SUCCEEDED: "arrived",
+    GoalStatusCode.ABORTED: "no path",
+    GoalStatusCode.PREEMPTED: "cancelled",
+}
+
+_TF_OLD = "tf/tfMessage"
+"""The older type of tf, with the same fields as tf2's."""
+
+
+TRAJECTORIES = (types.POSE_STAMPED, types.POSE_WITH_COVARIANCE, types.ODOMETRY)
+"""Types of topics that may be named as trajectories."""
+
+
+def trajectory_topics(bag: Path, truth: str | None, estimate: str | None) -> TrajectoryTopics:
+    """The topics that somebody names as a robot's trajectories, `--truth` and `--estimate`.
+
+    Raises:
+        BadFile: the bag has no such topic, or one of another type; or it cannot be read.
+    """
+    if truth is None and estimate is None:
+        return FOUND_BY_NAME
+    kinds = {topic.name: topic.msgtype for topic in info(bag).topics if topic.messages}
+    offered = [name for name, msgtype in kinds.items() if msgtype in TRAJECTORIES]
+    for option, name in (("--truth", truth), ("--estimate", estimate)):
+        if name is None or name in offered:
+            continue
+        problem = f"it is of type {kinds[name]}" if name in kinds else "there is no such topic in the bag"
+        remedy = f"name one of {', '.join(offered)}" if offered else f"only {', '.join(TRAJECTORIES)} will do"
+        raise BadFile(bag, f"{name}: {problem}", remedy, key=option)
+    return TrajectoryTopics(truth, estimate)
+
+
+def read_report(
+    messages: Iterable[RawMessage], grid: OccupancyGrid | None = None, named: TrajectoryTopics = FOUND_BY_NAME
+) -> Report:
+    """The report of a bag's messages, oldest first; those that cannot be read are left out and listed.
+
+    Args:
+        messages: the messages of the bag.
+        grid: the map, in place of the bag's own.
+        named: the topics of a robot's trajectories, where somebody has named them.
+    """
+    builder = ReportBuilder(named)
+    for message in messages:
+        builder.take(message)
+    return builder.report(grid)
+
+
+def read_games(
+    messages: Iterable[RawMessage], grid: OccupancyGrid | None = None, named: TrajectoryTopics = FOUND_BY_NAME
+) -> tuple[Report, ...]:
+    """The report of each game in a bag, in order; of a bag without games one of the whole. Arguments as `read_report`.
+
+    What was recorded before the first game belongs to it, and what comes between two games to the earlier one.
+    """
+    return tuple(builder.report(grid) for builder in gather_games(messages, named))
+
+
+def gather_games(messages: Iterable[RawMessage], named: TrajectoryTopics = FOUND_BY_NAME) -> list["ReportBuilder"]:
+    """Gather what the reports of `read_games` are made of: most of it on disk, where a report is in memory."""
+    builders = [ReportBuilder(named)]
+    for message in messages:
+        start = game_start(message)
+        if start is not None:
+            if builders[-1].has_game:
+                builders.append(builders[-1].next_game(start.stamp_ns))
+            builders[-1].game = start.number
+        former = len(builders) > 1 and message.stamp_ns == builders[-1].first_ns and message.msgtype not in OF_A_GAME
+        builders[-2 if former else -1].take(message)
+    return builders
+
+
+class ReportBuilder:
+    """Collects the contents of messages by type.
+
+    Attributes:
+        first_ns: stamp from which times count: of the first message, or of the beginning of the game.
+        game: number of the game that began; None before.
+    """
+
+    def __init__(self, named: TrajectoryTopics = FOUND_BY_NAME) -> None:
+        self.first_ns: int | None = None
+        self.game: int | None = None
+        self._begins = 0.0
+        self._last_ns = 0
+        self._series = SeriesByTopic(named)
+        self._session: SessionRecord | None = None
+        self._grids: dict[str, OccupancyGrid] = {}
+        self._score: ScoreRecord | None = None
+        self._timeline: list[TimelineEntry] = []
+        self._inputs = 0
+        self._outlines: defaultdict[str, list[FloatArray]] = defaultdict(list)
+        self._rooms = RoomNames()
+        self._dialogues = DialogueGatherer()
+        self._unread: dict[str, str] = {}
+        self._batches = MessageBatches(self._series, self._unread, self._seconds_of)
+        self._handlers: dict[str, Callable[[float, str, bytes], None]] = {
+            types.POSE_WITH_COVARIANCE: self._pose_with_covariance,
+            types.POSE_STAMPED: self._pose,
+            types.BATTERY_STATE: self._battery,
+            types.MOVE_BASE_GOAL: self._goal,
+            types.MOVE_BASE_RESULT: self._result,
+            types.OCCUPANCY_GRID: self._map,
+            types.SESSION: self._take_session,
+            types.SCORE: self._take_score,
+            types.MARKER_ARRAY: self._things,
+            types.GAME_EVENT: self._event,
+            types.UTTERANCE: self._utterance,
+            types.DIALOGUE_MOVE: self._dialogue_move,
+            types.DIALOGUE_STATE: self._dialogue_state,
+            types.INPUT: self._input,
+            types.DIAGNOSTIC_ARRAY: self._diagnoses,
+        }
+
+    @property
+    def has_game(self) -> bool:
+        """True when a game began, or one that began before the recording was under way."""
+        return self.game is not None or self._score is not None
+
+    def next_game(self, begins_ns: int) -> "ReportBuilder":
+        """The builder of the next game of the recording: with session, map and rooms, which are recorded once."""
+        builder = ReportBuilder(self._series.named)
+        builder.first_ns = builder._last_ns = begins_ns
+        builder._begins = self._begins + self._seconds(begins_ns)
+        builder._session, builder._grids, builder._rooms = self._session, self._grids, self._rooms
+        return builder
+
+    def _seconds(self, stamp_ns: int) -> float:
+        """Seconds since times count."""
+        return 0.0 if self.first_ns is None else (stamp_ns - self.first_ns) / 1e9
+
+    def _seconds_of(self, stamps_ns: NDArray[np.int64]) -> FloatArray:
+        """Seconds since times count, of many stamps."""
+        seconds: FloatArray = (stamps_ns - (self.first_ns or 0)) / 1e9
+        return seconds
+
+    def take(self, message: RawMessage) -> None:
+        """Take in a message."""
+        if self.first_ns is None:
+            self.first_ns = message.stamp_ns
+        self._last_ns = max(self._last_ns, message.stamp_ns)
+        msgtype = types.TFMESSAGE if message.msgtype == _TF_OLD else message.msgtype
+        handler = self._handlers.get(msgtype)
+        if handler is None and not self._batches.takes(msgtype):
+            return
+        if message.md5 != types.plain_definition(msgtype).md5 and is_md5(message.md5):
+            self._unread[message.topic] = f"{message.topic} holds another release's {message.msgtype}"
+            return
+        if handler is None:
+            self._batches.add(message.stamp_ns, message.topic, msgtype, message.data)
+            return
+        try:
+            handler(self._seconds(message.stamp_ns), message.topic, message.data)
+        except ValueError as error:
+            self._unread[message.topic] = f"{message.topic} holds a message that cannot be read: {error}"
+
+    def report(self, grid: OccupancyGrid | None) -> Report:
+        """The report, on a map in place of the bag's own if one is given."""
+        duration = self._seconds(self._last_ns)
+        self._batches.flush()
+        tracks = self._series.thinned_tracks(duration)
+        left_out = (*self._series.left_out_sentences(), *(fault for track in tracks for fault in track.faults))
+        grid = grid or next((self._grids[name] for name in usual_first(self._grids, (MAP.strip("/"),))), None)
+        return Report(
+            duration,
+            self._session,
+            grid,
+            tracks,
+            tuple(_thing(name, outlines) for name, outlines in self._outlines.items()),
+            tuple(self._timeline),
+            self._score,
+            self._inputs,
+            (*self._unread.values(), *left_out, *self._missing(tracks, grid)),
+            self.game,
+            self._begins,
+            self._rooms,
+            self._dialogues.dialogues(),
+            left_out,
+        )
+
+    def _missing(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
+        if grid is None:
+            yield "There is no map: nobody published /map (nav_msgs/OccupancyGrid)."
+        if not tracks:
+            yield "There are no robots: no topic of type nav_msgs/Odometry, no odom frame in /tf."
+
+        def without(part: Callable[[Track], FloatArray]) -> str:
+            return ", ".join(track.label for track in tracks if not len(part(track)))
+
+        if names := without(lambda track: track.truth):
+            yield f"No true path of {names}: no topic base_pose_ground_truth, nor any that is called the truth."
+        if names := without(lambda track: track.estimate):
+            yield f"No estimated path of {names}: neither map -> odom in /tf nor a topic amcl_pose."
+        if names := without(lambda track: track.energy):
+            yield f"No energy of {names}: no topic of type sensor_msgs/BatteryState."
+        if not self._timeline:
+            yield "No events and no talk: neither /hunt/events nor /dialogue/utterances."
+        if self._score is None:
+            yield "No score: nobody published /hunt/score."
+
+    def _pose_with_covariance(self, time: float, topic: str, data: bytes) -> None:
+        self._add_pose(time, topic, unpack.pose_with_covariance(data))
+
+    def _pose(self, time: float, topic: str, data: bytes) -> None:
+        self._add_pose(time, topic, unpack.pose_stamped(data))
+
+    def _add_pose(self, time: float, topic: str, message: PoseInFrame) -> None:
+        poses = self._series.poses.get(topic)
+        if poses is None:
+            poses = self._series.poses[topic] = self._series.poses_of(message.frame, "")
+        pose = message.pose
+        if not is_plausible(pose.x, pose.y, pose.theta):
+            self._series.left_out[topic] += 1
+            return
+        stamp = self._seconds(message.stamp_ns) if message.stamp_ns else math.nan
+        poses.add(time, stamp, pose)
+        if (row := deviations(time, message.covariance)) is not None:
+            _, position, heading = row
+            poses.deviations.extend((time, stamp, position, heading))
+
+    def _battery(self, time: float, topic: str, data: bytes) -> None:
+        message = unpack.battery_state(data)
+        left = message.charge if math.isfinite(message.charge) else 100.0 * message.percentage
+        if is_plausible(left):
+            self._series.energy[topic].extend((time, left))
+
+    def _goal(self, time: float, topic: str, data: bytes) -> None:
+        self._series.goals[_action(topic)][unpack.move_base_goal(data).goal_id] = time
+
+    def _result(self, time: float, topic: str, data: bytes) -> None:
+        message = unpack.move_base_result(data)
+        start = self._series.goals[_action(topic)].pop(message.goal_id, None)
+        if start is not None:
+            outcome = OUTCOMES.get(message.status, f"status {message.status}")
+            self._series.attempts[_action(topic)].append(GoalAttempt(start, time, outcome, message.text))
+
+    def _map(self, time: float, topic: str, data: bytes) -> None:
+        if "costmap" not in topic:
+            self._grids[topic] = unpack.occupancy_grid(data)
+
+    def _things(self, time: float, topic: str, data: bytes) -> None:
+        if topic == THINGS:
+            for name, outline in unpack.outlines(data):
+                if len(self._series.plausible(topic, outline)) == len(outline):
+                    self._outlines[name].append(outline)
+        elif topic == ROOMS:
+            self._rooms = RoomNames.of(unpack.room_labels(data).items())
+
+    def _take_session(self, time: float, topic: str, data: bytes) -> None:
+        self._session = unpack.session(data)
+
+    def _take_score(self, time: float, topic: str, data: bytes) -> None:
+        self._score = unpack.score(data)
+
+    def _event(self, time: float, topic: str, data: bytes) -> None:
+        event = unpack.game_event(data)
+        who = "" if event.robot is None else robot_name(event.robot)
+        if event.kind == "carried" and event.robot is not None:
+            self._series.carried[namespace_of(event.robot)].append(time)
+        text, points = _event_text(event)
+        self._timeline.append(TimelineEntry(time, kind_in_words(event.kind), who, event.room, text, points))
+
+    def _utterance(self, time: float, topic: str, data: bytes) -> None:
+        message: UtteranceRecord = unpack.utterance(data)
+        self._dialogues.take_utterance(message)
+        robot = robot_name(message.robot)
+        who = robot if message.speaker == "robot" else f"participant to {robot}"
+        who += " (by a wizard)" if message.author == "wizard" else ""
+        self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))
+
+    def _dialogue_move(self, time: float, topic: str, data: bytes) -> None:
+        move = unpack.dialogue_move(data)
+        self._dialogues.take_move(time, move)
+        if move.heard:
+            self._timeline.append(TimelineEntry(time, "misheard", robot_name(move.robot), None, f"“{move.heard}”"))
+        if move.fault and not move.is_booked:
+            self._timeline.append(TimelineEntry(time, "strategy failed", robot_name(move.robot), None, move.fault))
+
+    def _dialogue_state(self, time: float, topic: str, data: bytes) -> None:
+        self._dialogues.take_state(unpack.dialogue_state(data))
+
+    def _diagnoses(self, time: float, topic: str, data: bytes) -> None:
+        self._series.ways_made.take(time, unpack.diagnostic_array(data))
+
+    def _input(self, time: float, topic: str, data: bytes) -> None:
+        self._inputs += unpack.outside_input(data).kind in {"said", "received", "asked"}
+
+
+def _action(topic: str) -> str:
+    """The name of the action of a topic of goals or results, with a slash at its end."""
+    return topic.rpartition("/")[0] + "/"
+
+
+def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:
+    middles = np.array([(outline[:-1] if len(outline) > 1 else outline).mean(axis=0) for outline in outlines])
+    moved = np.hypot(*np.diff(middles, axis=0).T) > 0.0
+    return ObstacleTrack(name, outlines[0], middles[np.concatenate(([True], moved))])
+
+
+def _event_text(event: GameEvent) -> tuple[str, int | None]:
+    """An event's plain JSON values as text for people, and its points."""
+    try:
+        fields = json_of(event.json)
+    except ValueError:
+        return event.json, None
+    if not isinstance(fields, dict):
+        return event.json, None
+    points = fields.get("points")
+    return event_in_words(event.kind, fields, besides="points"), points if isinstance(points, int) else None

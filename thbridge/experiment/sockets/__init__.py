@@ -1,0 +1,1 @@
+"""Markers for other recorders, sent over the network."""

@@ -1,0 +1,1 @@
+"""Messages, rules and interfaces that the programs of the game share."""

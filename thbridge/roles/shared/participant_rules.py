@@ -1,0 +1,228 @@
+"""Rules for the participant's requests: the game's own, and those about what robots and participant talk about.
+
+`judge` answers "may the participant do this?" for everybody. The keeper asks it about the game itself; a window asks
+it about the part of the game that its view reveals (`revealed`), so that it offers what the keeper will grant. That
+part has all that these rules read, except two facts of a few ticks or of programs of 2016: whether Hider is still
+about to hide the treasures, and whether a Hider of 2016 keeps them to itself.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple, TypeAlias
+
+from sim.common.robot_numbers import robot_name
+from thbridge.hunt import rules
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import Commander, EndReason, GameEnded, GameStarted
+from thbridge.hunt.game import CommandHolder, GameState, RobotState, RoomState
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.tour import why_no_tour
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.shared.view import (
+    CallBack,
+    Consent,
+    DialogueMatter,
+    DialogueView,
+    GiveUp,
+    GiveUpTreasure,
+    MeasureProperty,
+    OpenDialogue,
+    RequestHandback,
+    RequestSuggestion,
+    RobotView,
+    RoomView,
+    SelectRoom,
+    TakeUpTreasure,
+    TellProperty,
+    View,
+)
+
+JudgedRequest: TypeAlias = (
+    SelectRoom
+    | RequestSuggestion
+    | OpenDialogue
+    | GiveUpTreasure
+    | TakeUpTreasure
+    | MeasureProperty
+    | TellProperty
+    | GiveUp
+    | CallBack
+    | RequestHandback
+)
+
+
+class KeeperReason(StrEnum):
+    """Reason of the keeper for a refusal of what the game's own rules allow."""
+
+    NO_CONSENSUS = "no-consensus"
+    NOT_READY = "not-ready"
+    UNDER_DISCUSSION = "under-discussion"
+    NO_PATH = "no-path"
+    NOT_AGREED = "not-agreed"
+    STOPPED = "stopped"
+
+
+class Discussed(NamedTuple):
+    """Subject that robot and participant talk about, or have agreed on and not carried out yet."""
+
+    robot: int
+    matter: DialogueMatter
+    room: int
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """All that decides about a request.
+
+    Attributes:
+        state: of the game.
+        discussed: matters of open dialogues, then those of agreements.
+        awaits_treasures: Hider is about to hide them; until then no robot is sent.
+    """
+
+    state: GameState
+    discussed: tuple[Discussed, ...]
+    awaits_treasures: bool = False
+
+
+def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
+    """Return a refusal, or events: of what the participant asks to talk about, those that would follow an agreement."""
+    state = now.state
+    match request:
+        case SelectRoom(robot, room):
+            return _select(now, robot, place(room))
+        case RequestSuggestion(robot):
+            return _immovable(now, robot) or _no_advice(now, robot) or ()
+        case OpenDialogue(robot, matter, room):
+            return _discuss(state, robot, matter, place(room))
+        case GiveUpTreasure(room):
+            return rules.leave(state, place(room))
+        case TakeUpTreasure(room):
+            return rules.take_up(state, place(room))
+        case MeasureProperty(room, name):
+            return rules.measure(state, place(room), name)
+        case TellProperty(room, name, value):
+            return rules.tell(state, place(room), name, value)
+        case GiveUp():
+            return rules.give_up(state)
+        case CallBack(robot):
+            return _call_back(state, robot)
+        case RequestHandback(robot):
+            return rules.ask_back(state, robot)
+
+
+def other_candidate(discussed: Sequence[Discussed], room: Room, robot: int) -> int | None:
+    """Return another robot with which it is discussed or agreed that it goes to this room, or None."""
+    others = (about.robot for about in discussed if (about.matter, about.room) == ("select-room", room.people))
+    return next((other for other in others if other != robot), None)
+
+
+def free_to_discuss(now: Situation, robot: int) -> list[Room]:
+    """Return the rooms that are neither visited nor reserved, nor discussed with other robots."""
+    return [room for room in now.state.free_rooms if other_candidate(now.discussed, room, robot) is None]
+
+
+def place(number: int) -> Room:
+    """Return the place of a number as people count. A negative one becomes the corridor, which every rule refuses."""
+    return Room(max(number, 0))
+
+
+def revealed(view: View) -> Situation:
+    """Return the situation as far as a view reveals it; what it does not reveal is empty, and no rule here reads it."""
+    matters: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
+    started = GameStarted(
+        seed=0,
+        game=view.game,
+        robots=len(view.robots),
+        energy=0.0,
+        picture_cost=view.picture_cost,
+        identify_cost=view.identify_cost,
+        wrong_share=0.0,
+        costs=CostMatrix.of_plain(view.costs),
+        properties=view.properties,
+    )
+    state = GameState(
+        started=started,
+        treasures=tuple(
+            TreasureKind({each.name: "" for each in view.properties}, 0, "", room.picture or "") for room in view.rooms
+        ),
+        robots=tuple(_robot(view, robot) for robot in view.robots),
+        rooms=tuple(_room(room) for room in view.rooms),
+        score=view.score,
+        # Rules read only whether a game has ended; a view of a later release may give a reason unknown here.
+        ended=None if view.over is None else GameEnded(EndReason.GIVEN_UP, view.score),
+        agreed=view.consent is None,
+        by_position=view.by_position,
+    )
+    return Situation(state, tuple(Discussed(about.robot, about.matter, about.room) for about in matters))
+
+
+def _select(now: Situation, robot: int, room: Room) -> rules.Ruling:
+    ruling = _immovable(now, robot) or rules.move(now.state, robot, room)
+    other = other_candidate(now.discussed, room, robot)
+    if isinstance(ruling, RequestRefused) or other is None:
+        return ruling
+    return RequestRefused(KeeperReason.UNDER_DISCUSSION, f"You are talking with {robot_name(other)} about {room}.")
+
+
+def _immovable(now: Situation, robot: int) -> RequestRefused | None:
+    """Return the reason why this robot cannot make any move, or None."""
+    if now.awaits_treasures:
+        return RequestRefused(KeeperReason.NOT_READY, "The treasures are not hidden yet.")
+    ruling = rules.move(now.state, robot, next(iter(now.state.free_rooms), Room(1)))
+    about_the_room = {rules.RuleReason.NOT_ENOUGH_ENERGY, rules.RuleReason.ALREADY_VISITED, rules.RuleReason.NOT_A_MOVE}
+    return ruling if isinstance(ruling, RequestRefused) and ruling.reason not in about_the_room else None
+
+
+def _no_advice(now: Situation, robot: int) -> RequestRefused | None:
+    """Return the reason why there is no room that this robot could suggest, or None."""
+    adviser = now.state.robots[robot]
+    return why_no_tour(now.state.costs_from(robot), adviser.at, free_to_discuss(now, robot), adviser.energy)
+
+
+def _discuss(state: GameState, robot: int, matter: str, room: Room) -> rules.Ruling:
+    if not state.has_room(room) or state.decider(room) != robot:
+        return RequestRefused(rules.RuleReason.NOBODY_THERE, f"This robot does not stand in {room}.")
+    if matter == "take-picture":
+        return rules.picture(state, room)
+    # The name is still open; whether naming is allowed and can be paid is not.
+    return rules.identify(state, room, "", 0)
+
+
+def _call_back(state: GameState, robot: int) -> rules.Ruling:
+    if not state.has_robot(robot) or state.robots[robot].bound_for is None:
+        return rules.fail(state, robot, "", 0.0)
+    return rules.commanded_by_other(state, robot, Commander.PARTICIPANT) or ()
+
+
+def _robot(view: View, robot: RobotView) -> RobotState:
+    going = robot.moving_to
+    command = CommandHolder(robot.commander, robot.commander_name)
+    intervenes = robot.commander is Commander.RESEARCHER
+    return RobotState(
+        at=Room(robot.place),
+        energy=robot.energy,
+        bound_for=None if going is None else Room(going),
+        paid=0.0 if going is None else view.costs_from(robot)[going] or 0.0,
+        costs=tuple(math.inf if cost is None else cost for cost in robot.costs) or None,
+        condition=robot.condition,
+        holder=CommandHolder() if intervenes else command,
+        intervention=command if intervenes else None,
+    )
+
+
+def _room(room: RoomView) -> RoomState:
+    visited = room.state == "visited"
+    return RoomState(
+        visited=visited,
+        sensed=room.sensed,
+        told=room.told,
+        image=room.picture,
+        points=None if room.verdict is None else room.verdict.points,
+        name=None if room.verdict is None else room.verdict.name,
+        left=room.left,
+        finder=room.robot if visited else None,
+    )

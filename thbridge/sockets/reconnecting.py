@@ -1,0 +1,134 @@
+"""Client's side of a TCP connection that is made again after every loss."""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from enum import Enum
+from typing import NoReturn
+
+from thbridge.files.errors import reason_of
+from thbridge.files.keys.key_file import ClientKey
+from thbridge.sockets.admission import is_own
+from thbridge.sockets.tls import UntrustedServer, check_server, client_context
+
+
+class LossReason(Enum):
+    """Reason why there is no connection to the server."""
+
+    UNREACHABLE = "the server cannot be reached"
+    BROKEN = "the connection broke"
+    UNTRUSTED = "the server is not the one that the key is for"
+    REFUSED = "our name is already held, or the server is full"
+    STOPPED = "the server stops"
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectionLost:
+    """Loss of the connection; the client keeps trying. One event for each change of the reason."""
+
+    reason: LossReason
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Backoff:
+    """Delays between attempts to connect, and the timeout of a connection, seconds.
+
+    Attributes:
+        initial: delay before the first reconnection; doubles at each further one.
+        maximum: longest delay between two attempts.
+        timeout: time without a byte from the server (which pings idle clients every 15 s) until the connection counts
+            as broken.
+    """
+
+    initial: float = 0.25
+    maximum: float = 5.0
+    timeout: float = 45.0
+
+
+class ReconnectingClient(ABC):
+    """Connects to a server, again and again until `run` is cancelled.
+
+    Args:
+        host: host of the server.
+        port: port of the server.
+        backoff: delays between two attempts.
+        segment: bytes that are read at a time.
+        key: key that is shown to the server; None for none, which is for servers of this machine.
+        may_be_plain: a key without a fingerprint is shown to servers of this machine without encryption.
+    """
+
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        backoff: Backoff,
+        segment: int,
+        key: ClientKey | None = None,
+        *,
+        may_be_plain: bool = False,
+    ) -> None:
+        self._host = host
+        self._port = port
+        self._backoff = backoff
+        self._segment = segment
+        self._key = key
+        plain = key is None or (may_be_plain and key.fingerprint is None and is_own(host))
+        self._context = None if key is None or plain else client_context(key)
+        self._writer: asyncio.StreamWriter | None = None  # while the server has accepted us
+        self._reason: LossReason | None = None
+
+    async def run(self) -> NoReturn:
+        """Keep connected for ever."""
+        delay = self._backoff.initial
+        while True:
+            loss = await self._converse()
+            if self._reason is None:
+                delay = self._backoff.initial
+            if loss.reason is not self._reason:
+                self._reason = loss.reason
+                await self._lost(loss)
+            await asyncio.sleep(delay)
+            delay = min(2.0 * delay, self._backoff.maximum)
+
+    def _accepted(self, writer: asyncio.StreamWriter) -> None:
+        """Note that the server has accepted us."""
+        self._writer = writer
+        self._reason = None
+
+    @abstractmethod
+    async def _lost(self, loss: ConnectionLost) -> None:
+        """Report a loss for a new reason."""
+
+    @abstractmethod
+    async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
+        """Exchange messages until the connection ends; return the reason."""
+
+    async def _converse(self) -> ConnectionLost:
+        """Connect once and exchange messages until the connection ends, for any reason."""
+        try:
+            async with asyncio.timeout(self._backoff.timeout):
+                reader, writer = await asyncio.open_connection(
+                    self._host, self._port, limit=self._segment, ssl=self._context
+                )
+        except ssl.SSLCertVerificationError as error:
+            return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port}: {error.verify_message}")
+        except ssl.SSLError as error:
+            return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port} speaks no TLS ({error.reason})")
+        except (OSError, UnicodeError, OverflowError) as error:
+            reason = reason_of(error) if isinstance(error, OSError) else str(error)
+            return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {reason}")
+        try:
+            if self._key is not None and self._context is not None:
+                check_server(writer.transport, self._key)
+            return await self._listen(reader, writer)
+        except UntrustedServer as error:
+            return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port}: {error}")
+        except OSError as error:
+            return ConnectionLost(LossReason.BROKEN, str(error))
+        finally:
+            self._writer = None
+            writer.close()

@@ -1,0 +1,10 @@
+"""Dialects of the text protocol."""
+
+from enum import StrEnum
+
+
+class Dialect(StrEnum):
+    """The reading of ``%%goto`` that is tried first."""
+
+    LEGACY_2016 = "legacy-2016"
+    CANONICAL = "canonical"

@@ -1,0 +1,300 @@
+"""Table of keys: buttons get their labels from it, and the help sheet its lines.
+
+Keys are named as on the keyboard: "Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1", a
+digit, a capital letter, "Ctrl+" and a capital letter, "?".
+
+While a pop-up asks for the name of a treasure, letters belong to its list, wherever the focus is; see `is_for_list`.
+"""
+
+import string
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from thbridge.dialogue.wording.texts import Texts
+from ui.model.playing.screen import (
+    Act,
+    Action,
+    AgreeToTakePart,
+    AnotherGame,
+    AskAdvice,
+    AskForRobot,
+    AskWhatItIs,
+    Cancel,
+    Confirm,
+    DeclineToTakePart,
+    DialoguePopup,
+    EndGame,
+    EnlargePicture,
+    FinishNumber,
+    FitMap,
+    FollowRobot,
+    GoOnFromGame,
+    LeaveTreasure,
+    NextRobot,
+    Phase,
+    PickName,
+    Screen,
+    ShowHelp,
+    ShowNext,
+    ShowSettings,
+    StopRobot,
+    SubmitName,
+    SwitchSound,
+    TakeThePicture,
+    TakeUpAgain,
+    TreasurePopup,
+    TypeDigit,
+    TypeLetter,
+)
+
+SETTINGS_KEYS = "Ctrl+,"
+"""Keys that open the settings in each window."""
+
+
+@dataclass(frozen=True, slots=True)
+class KeyBinding:
+    """Keys that do one act.
+
+    Attributes:
+        keys: the first is the one printed on the button.
+        act: the act.
+        does: key of the text about the act, for the help sheet.
+    """
+
+    keys: tuple[str, ...]
+    act: Act
+    does: str
+
+
+PLAYING = (
+    KeyBinding(("Tab",), NextRobot(1), "keys.next_robot"),
+    KeyBinding(("Shift+Tab",), NextRobot(-1), "keys.robot_before"),
+    KeyBinding(("D", "?"), AskAdvice(), "keys.advice"),
+    KeyBinding(("X",), StopRobot(), "keys.stop"),
+    KeyBinding(("B",), AskForRobot(), "keys.ask_back"),
+    KeyBinding(("Ctrl+P",), TakeThePicture(), "keys.picture"),
+    KeyBinding(("Ctrl+I",), EnlargePicture(), "keys.enlarge"),
+    KeyBinding(("Enter", "Ctrl+N"), SubmitName(), "keys.name"),
+    KeyBinding(("Ctrl+K",), AskWhatItIs(), "keys.unsure"),
+    KeyBinding(("Ctrl+L",), LeaveTreasure(), "keys.leave"),
+    KeyBinding(("Ctrl+Z",), TakeUpAgain(), "keys.take_up"),
+    KeyBinding(("Esc", "W"), ShowNext(), "keys.aside"),
+    KeyBinding(("F",), FollowRobot(), "keys.follow"),
+    KeyBinding(("A",), FitMap(), "keys.whole_map"),
+    KeyBinding(("M",), SwitchSound(), "keys.sound"),
+    KeyBinding((SETTINGS_KEYS,), ShowSettings(), "keys.settings"),
+    KeyBinding(("E",), EndGame(), "keys.end"),
+)
+"""Keys while the game goes on. While letters belong to a list, Ctrl and the letter does what the letter does."""
+
+CONSENT = (
+    KeyBinding(("A",), AgreeToTakePart(), "keys.agree"),
+    KeyBinding(("N",), DeclineToTakePart(), "keys.decline"),
+)
+OVER = (
+    KeyBinding(("A",), AnotherGame(), "keys.play_again"),
+    KeyBinding(("Enter",), GoOnFromGame(), "keys.go_on"),
+)
+"""Keys once the game is over, one for each of the ways on; the page offers one of them."""
+HELP = KeyBinding(("F1", "H"), ShowHelp(), "keys.help")
+
+WAITING_KEY = "W"
+"""The second key of `ShowNext`: for a button that shows what waits, "Esc" would be a riddle."""
+
+_TABLES = (PLAYING, CONSENT, OVER, (HELP,))
+_CTRL = "Ctrl+"
+_TAKEN = frozenset((*(key for binding in (*PLAYING, HELP) for key in binding.keys), "L", "N", "P"))
+"""Keys that no answer gets: with Ctrl, L, N and P are keys of the pop-up that dialogues take the place of."""
+BACK = "close-questions"
+"""Word for the answer that leads from the questions back to the other answers."""
+_STEPS = ("Up", "Down", "Home", "End")
+
+
+def question_keys(texts: Texts) -> tuple[KeyBinding, KeyBinding]:
+    """Keys while the program asks for confirmation, letters of the language; all others are ignored then."""
+    return (
+        KeyBinding((texts.text("keys.letter_of_yes"),), Confirm(), "keys.yes"),
+        KeyBinding((texts.text("keys.letter_of_no"), "Esc"), Cancel(), "keys.no"),
+    )
+
+
+def key_of(act: Act) -> str:
+    """The key to print on the button of an act; empty when it has none of its own."""
+    return next((binding.keys[0] for table in _TABLES for binding in table if binding.act == act), "")
+
+
+def keyed(act: Act, label: str, enabled: bool = True, hint: str = "", pending: bool = False) -> Action:
+    """The action of an act, with its own key."""
+    return Action(act, label, key_of(act), enabled, hint, pending)
+
+
+def choice_keys(choices: Sequence[str], acts: Sequence[str] = ()) -> tuple[str, ...]:
+    """A key for each answer that may be given.
+
+    Args:
+        choices: sentences. Each gets a letter of its first word if one is free: C for Continue.
+        acts: words for what the choices do, of robots that argue: their answers are numbered, and Esc leads back.
+    """
+    if acts:
+        return tuple("Esc" if act == BACK else str(number) for number, act in enumerate(acts, start=1))
+    taken = set(_TAKEN)
+    keys = []
+    for text in choices:
+        candidates = [*(letter for letter in text.upper() if letter in string.ascii_uppercase), *string.ascii_uppercase]
+        key = next((letter for letter in candidates if letter not in taken), "")
+        taken.add(key)
+        keys.append(key)
+    return tuple(keys)
+
+
+def act_for(key: str, screen: Screen) -> Act | None:
+    """The act of a key while a screen is shown; None if it has none.
+
+    Args:
+        key: as the module names keys.
+        screen: the screen that the participant sees.
+    """
+    if is_for_list(key, screen):
+        return TypeLetter(" " if key == "Space" else key.casefold())
+    if key in HELP.keys or (screen.help and key == "Esc"):
+        return HELP.act
+    if screen.help:
+        # The sheet covers what the other keys are for.
+        return None
+    if screen.confirmation is not None:
+        answers = screen.confirmation.yes, screen.confirmation.no
+        return Cancel() if key == "Esc" else next((answer.act for answer in answers if answer.key == key), None)
+    if screen.enlarged is not None:
+        return EnlargePicture() if key in ("Esc", "Enter", "Space", key_of(EnlargePicture())) else None
+    match screen.phase:
+        case Phase.CONSENT:
+            return _bound(key, CONSENT)
+        case Phase.OVER:
+            act = _bound(key, OVER)
+            return act if screen.ending is not None and screen.ending.again.act == act else None
+        case Phase.PLAYING:
+            return _playing(key, screen)
+        case Phase.CONNECTING:
+            return None
+
+
+def is_for_list(key: str, screen: Screen) -> bool:
+    """Return True when a key is a letter of a name in the list shown, or a blank within one."""
+    pop = screen.popup
+    if not isinstance(pop, TreasurePopup) or not pop.asks_for_name or _is_covered(screen):
+        return False
+    return is_letter(key) or (key == "Space" and bool(pop.typed))
+
+
+def _is_covered(screen: Screen) -> bool:
+    """Return True while something lies above the pop-up."""
+    return screen.confirmation is not None or bool(screen.help) or screen.enlarged is not None
+
+
+def is_letter(key: str) -> bool:
+    """Return True for the key of a letter alone."""
+    return len(key) == 1 and key.isalpha()
+
+
+def shown_key(texts: Texts, key: str) -> str:
+    """Return a key as people read it, such as "Strg+P" for "Ctrl+P"."""
+    *held, last = [key] if len(key) == 1 else key.split("+")
+    return "+".join(_key_name(texts, each) for each in (*held, last))
+
+
+def help_line(texts: Texts, binding: KeyBinding) -> tuple[str, str]:
+    """Return a line of the help sheet: (keys, what they do)."""
+    keys = [shown_key(texts, key) for key in binding.keys]
+    both = keys[0] if len(keys) == 1 else texts.text("keys.one_or_other", key=keys[0], other_key=keys[1])
+    return both, texts.text(binding.does)
+
+
+def help_lines(
+    texts: Texts, rooms: int, silent: str = "", *, properties: bool = False, numbered: bool = False
+) -> tuple[tuple[str, str], ...]:
+    """The help sheet: (keys, what they do).
+
+    Args:
+        texts: of the window's language.
+        rooms: number of rooms; 0 before there is a game.
+        properties: True when robots can be asked to sense more, or the participant to tell it.
+        numbered: True when answers to robots are numbered.
+        silent: why there can be no sound, which stands in place of what its key does; empty when there can be.
+    """
+    enter, ctrl = shown_key(texts, "Enter"), shown_key(texts, "Ctrl")
+
+    def listed(*keys: str) -> str:
+        return ", ".join(shown_key(texts, key) for key in keys)
+
+    lines = []
+    if rooms:
+        number = texts.text("keys.room_of_two_digits", key=enter) if rooms > 9 else texts.text("keys.room")
+        lines.append((texts.text("keys.one_to_other", key="1", other_key=str(rooms)), number))
+    for binding in PLAYING:
+        keys, does = help_line(texts, binding)
+        lines.append((keys, silent if silent and isinstance(binding.act, SwitchSound) else does))
+    if numbered:
+        lines.append((texts.text("keys.one_to_other", key="1", other_key="5"), texts.text("keys.numbered_answer")))
+        lines.append((listed("Up", "Down"), texts.text("keys.through_answers", key=enter)))
+        lines.append((listed("PageUp", "PageDown"), texts.text("keys.through_talk")))
+        lines.append((listed("Esc"), texts.text("keys.back_from_questions")))
+    else:
+        lines.append((enter, texts.text("keys.first_answer")))
+    lines.append((texts.text("keys.letters"), texts.text("keys.name_letters")))
+    lines.append((listed(*_STEPS), texts.text("keys.name_steps")))
+    if properties:
+        lines.append((texts.text("keys.with_number", key=ctrl), texts.text("keys.property_number")))
+    lines.append((texts.text("keys.with_letter", key=ctrl), texts.text("keys.letter_meanwhile")))
+    lines += [help_line(texts, binding) for binding in (*question_keys(texts), HELP)]
+    return tuple(lines)
+
+
+def _key_name(texts: Texts, key: str) -> str:
+    name = f"keys.key_{key.lower()}"
+    return texts.text(name) if texts.has(name) else key
+
+
+def _bound(key: str, table: Sequence[KeyBinding]) -> Act | None:
+    return next((binding.act for binding in table if key in binding.keys), None)
+
+
+def _playing(key: str, screen: Screen) -> Act | None:
+    if len(key) == 1 and key in string.digits:
+        return _digit(int(key), screen)
+    if screen.typed and key in ("Enter", "Esc"):
+        return FinishNumber() if key == "Enter" else Cancel()
+    match screen.popup:
+        case DialoguePopup(choices=choices):
+            if key == "Enter":
+                return choices[0].act if choices else None
+            answer = next((choice.act for choice in choices if choice.key == key), None)
+            if answer is not None:
+                return answer
+        case TreasurePopup() as pop if pop.asks_for_name:
+            if key in _STEPS:
+                return _step(key, pop)
+            if (of_a_fact := next((act.act for act in pop.acts if act.key == key), None)) is not None:
+                return of_a_fact
+            return _bound(key, PLAYING) or _bound(key.removeprefix(_CTRL), (*PLAYING, HELP))
+        case TreasurePopup() if key == "Enter":
+            return ShowNext()
+        case _:
+            pass
+    return _bound(key, PLAYING)
+
+
+def _digit(digit: int, screen: Screen) -> Act | None:
+    """A digit of a room's number; while answers are numbered, an answer, unless a number has been begun before."""
+    pop = screen.popup
+    if not isinstance(pop, DialoguePopup) or not pop.numbered or screen.typed:
+        return TypeDigit(digit)
+    return pop.choices[digit - 1].act if 0 < digit <= len(pop.choices) else None
+
+
+def _step(key: str, pop: TreasurePopup) -> Act | None:
+    if not pop.names:
+        return None
+    if key in ("Home", "End") or pop.picked not in pop.names:
+        return PickName(pop.names[0 if key in ("Home", "Down") else -1])
+    step = 1 if key == "Down" else -1
+    return PickName(pop.names[(pop.names.index(pop.picked) + step) % len(pop.names)])

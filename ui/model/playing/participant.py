@@ -1,0 +1,263 @@
+"""View model of the participant's window: messages of the game become a screen, and acts become requests."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.files.language_texts import shipped_texts
+from thbridge.roles.participant.tabui import ParticipantUpdate
+from thbridge.roles.shared.notices import FloorPlan, GameTexts, PicturePiece, PlannedPaths, PoseTelemetry, RobotMotion
+from thbridge.roles.shared.view import ParticipantRequest, View
+from thbridge.timing.wall_clock import utc_now
+from ui.model.playing.acts import do
+from ui.model.playing.compose import compose, next_change, with_motions
+from ui.model.playing.marks import MapMarks
+from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
+from ui.model.playing.memory.state import DrawnState, ParticipantMemory
+from ui.model.playing.motion import MotionPlayback
+from ui.model.playing.offers import offer
+from ui.model.playing.screen import Act, RoomTile, Screen
+from ui.model.playing.sounds import why_silent
+from ui.model.playing.view_update import open_requests, receive_tick, receive_view
+from ui.model.shared.scene import RobotMark, RoomMark
+
+
+class Participant:
+    """The view model of the participant's window.
+
+    It takes messages of the game and acts of the participant, and gives the screen to show and the requests to send.
+    Times called `now` are monotonic seconds that never run backwards, with one exception: a message may have come a
+    little before the last look at the screen.
+
+    Args:
+        time_of_day: returns the time of day, for the record of an agreement to take part.
+        sound_on: True when the participant wants sounds.
+        can_sound: True where there is something to play them with.
+        once: True where one game is played, and something else follows.
+        texts: until the game has told its own; None: English.
+    """
+
+    def __init__(
+        self,
+        time_of_day: Callable[[], str] = utc_now,
+        texts: Texts | None = None,
+        *,
+        sound_on: bool = True,
+        can_sound: bool = True,
+        once: bool = False,
+    ) -> None:
+        self._memory = ParticipantMemory(
+            texts=shipped_texts() if texts is None else texts,
+            time_of_day=time_of_day,
+            sound_on=sound_on,
+            can_sound=can_sound,
+            once=once,
+        )
+        self._playback = MotionPlayback()
+        self._marks: MapMarks | None = None
+        self._screen: Screen | None = None
+        self._rooms: tuple[RoomMark, ...] = ()
+        # Tiles and shapes of the last marks of the rooms.
+        self._marked: tuple[tuple[RoomTile, ...], MapMarks | None] = ((), None)
+        # Time by which the screen is made again; at once after a message or an act.
+        self._due = -math.inf
+        # Robots whose motions are newer than the screen, and whether the time played is. Both come many times a second
+        # and change little in it.
+        self._moved: set[int] = set()
+        self._ticked = False
+
+    @property
+    def floor_plan(self) -> FloorPlan | None:
+        """Floor plan of the game; None until it has come."""
+        return self._memory.floor_plan
+
+    @property
+    def texts(self) -> Texts:
+        """All that is read in the window: in the game's language, once it is known."""
+        return self._memory.texts
+
+    @property
+    def followed(self) -> int | None:
+        """The robot to keep in the middle of the map."""
+        return self._memory.followed
+
+    @property
+    def why_silent(self) -> str:
+        """The reason why there can be no sound, as a sentence; empty when there can be, or nobody knows yet."""
+        memory = self._memory
+        return "" if memory.hunt is None else why_silent(memory, memory.hunt)
+
+    @property
+    def leaving(self) -> bool:
+        """True once the participant has agreed to close the window."""
+        return self._memory.leaving
+
+    @property
+    def sound_on(self) -> bool:
+        """True while the participant wants sounds."""
+        return self._memory.sound_on
+
+    def receive(self, level: ParticipantUpdate, now: float) -> None:
+        """Take a message of the game."""
+        memory = self._memory
+        match level:
+            case View():
+                if level.robots and (level.ready or memory.hunt is not None):
+                    receive_view(memory, level, now)
+            case GameTexts():
+                memory.texts = level.texts() or memory.texts
+                if memory.hunt is not None:
+                    memory.hunt.texts = memory.texts
+            case FloorPlan():
+                if level != memory.floor_plan:
+                    memory.floor_plan, self._marks = level, MapMarks(level)
+            case PicturePiece():
+                memory.pictures.receive(level)
+            case PoseTelemetry():
+                self._playback.receive(level, now)
+                self._ticked |= memory.hunt is not None and receive_tick(memory.hunt, level.tick)
+                if not self._receive_motions(level.motions, now):
+                    return
+            case PlannedPaths():
+                self._playback.receive(level, now)
+                return
+        self._due = -math.inf
+
+    def connected(self, now: float) -> None:
+        """Note that the game is reached, for the first time or again."""
+        self._memory.connection.connected(now)
+        self._due = -math.inf
+
+    def lost(self, sentence: str, now: float) -> None:
+        """Note that the game is not reached, or not any more.
+
+        Args:
+            sentence: why, for people; may be empty.
+            now: monotonic seconds.
+        """
+        memory = self._memory
+        if not memory.connection.is_lost and memory.hunt is not None:
+            texts = memory.texts
+            memory.history.announce(f"{texts.text('game.connection_lost')} {texts.text('game.reconnecting')}")
+        memory.connection.lose(sentence, now)
+        self._due = -math.inf
+
+    def do(self, act: Act, now: float) -> None:
+        """Do an act of the participant, who looks at the last screen.
+
+        An act that this screen does not offer, or whose object has gone since, does nothing; an act that is offered but
+        not possible just now shows the reason.
+        """
+        offered = None if self._screen is None else offer(self._screen, act)
+        if offered is not None and offered.pending:
+            return
+        do(self._memory, act, now)
+        self._due = -math.inf
+
+    def screen(self, now: float) -> Screen:
+        """The screen to show now: the very same object while nothing changed."""
+        memory = self._memory
+        if self._screen is not None and now < self._due:
+            if self._moved or self._ticked:
+                self._screen = with_motions(self._screen, memory, self._moved)
+                self._moved, self._ticked = set(), False
+            return self._screen
+        if now >= memory.typed_until:
+            memory.typed, memory.typed_until = "", math.inf
+        drawn = self._drawn()
+        fresh = compose(memory, now)
+        if fresh.confirmation is not None and drawn.pending_step != memory.last_drawn.pending_step:
+            memory.history.announce(f"{fresh.confirmation.title} {fresh.confirmation.text}")
+        elif fresh.popup is not None and drawn.subject != memory.last_drawn.subject:
+            memory.history.announce(fresh.popup.title)
+        memory.last_drawn = drawn
+        fresh = self._sounding(self._announcing(fresh))
+        self._due = next_change(memory, now)
+        self._moved, self._ticked = set(), False
+        if fresh != self._screen:
+            self._screen = fresh
+        return self._screen or fresh
+
+    def rooms(self, now: float) -> tuple[RoomMark, ...]:
+        """The rooms on the map, as the last screen has them: the very same object while nothing changed."""
+        tiles = (self._screen or self.screen(now)).tiles
+        if self._marked[0] is not tiles or self._marked[1] is not self._marks:
+            self._marked = (tiles, self._marks)
+            self._rooms = () if self._marks is None else self._marks.rooms(tiles)
+        return self._rooms
+
+    def robots(self, now: float) -> tuple[RobotMark, ...]:
+        """The robots on the map, in this frame."""
+        hunt = self._memory.hunt
+        if self._marks is None or hunt is None:
+            return ()
+        return self._marks.robots(hunt.texts, self._playback.at(now), hunt.view, self._memory.selected)
+
+    def requests(self) -> tuple[ParticipantRequest, ...]:
+        """All requests to the game, oldest first; each is to be sent again until it is not in here any more."""
+        return () if self._memory.hunt is None else open_requests(self._memory.hunt)
+
+    def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
+        """Take the robots' motions; return True when they change more of the screen than cards."""
+        memory = self._memory
+        was_still = memory.connection.is_still(now)
+        memory.connection.receive(now)
+        before, memory.motions = memory.motions, self._until_arrived(motions)
+        if was_still or len(before) != len(memory.motions):
+            return True
+        moved = [robot for robot, pair in enumerate(zip(before, memory.motions, strict=True)) if _differ(*pair)]
+        self._moved.update(moved)
+        # A question may be about the energy that comes back to a robot on its way.
+        return bool(moved) and self._screen is not None and self._screen.confirmation is not None
+
+    def _until_arrived(self, motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
+        """The motions, but a robot that came to rest is at the end of its path until the view shows it at its goal."""
+        hunt, before = self._memory.hunt, self._memory.motions
+        if hunt is None or not len(motions) == len(before) == len(hunt.view.robots):
+            return motions
+        return tuple(
+            old if new.doing == "resting" and robot.moving_to is not None else new
+            for robot, old, new in zip(hunt.view.robots, before, motions, strict=True)
+        )
+
+    def _announcing(self, fresh: Screen) -> Screen:
+        """Return the screen with the newest announcement, or else with the last one."""
+        announcement = self._memory.history.take_announcements()
+        before = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announcement_number)
+        announcement, number = (announcement, before[1] + 1) if announcement else before
+        return replace(fresh, announcement=announcement, announcement_number=number)
+
+    def _sounding(self, fresh: Screen) -> Screen:
+        """Return the screen with the most important of the newest sounds, or else with the last one."""
+        memory = self._memory
+        heard = memory.sounds if memory.sound_on and memory.hunt is not None and memory.hunt.view.sound else []
+        before = (None, 0) if self._screen is None else (self._screen.sound, self._screen.sound_number)
+        sound, number = (max(heard), before[1] + 1) if heard else before
+        memory.sounds.clear()
+        return replace(fresh, sound=sound, sound_number=number)
+
+    def _drawn(self) -> DrawnState:
+        hunt = self._memory.hunt
+        if hunt is None:
+            return DrawnState()
+        item = hunt.popups.shown
+        match item:
+            case DestinationItem(robot):
+                dialogue = hunt.destination_dialogue(robot)
+            case TreasureItem():
+                dialogue = hunt.treasure_dialogue(item)
+            case None:
+                dialogue = None
+        turn = None if dialogue is None else (dialogue.dialogue, dialogue.turn)
+        return DrawnState(item, turn, hunt.pending_step, hunt.view.game, hunt.picked)
+
+
+def _differ(one: RobotMotion, other: RobotMotion) -> bool:
+    """Return True when two motions of a robot look different on its card."""
+    return (one.doing, one.waits_for, round(one.progress, 2), one.makes_way_for) != (
+        other.doing,
+        other.waits_for,
+        round(other.progress, 2),
+        other.makes_way_for,
+    )

@@ -1,0 +1,106 @@
+"""Rules of the game in sentences, for the sheet that F1 opens and for players at a terminal."""
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.hunt.properties import Teller, TreasureProperty
+from thbridge.roles.shared.view import View
+from ui.model.playing.words import percent
+
+
+def rules_of(texts: Texts, view: View) -> tuple[str, ...]:
+    """The rules with the numbers of a game, as far as its participant is told them."""
+    # Column 0 is the corridor, where no robot can be sent.
+    moves = [cost for row in view.costs for cost in row[1:] if cost is not None]
+    return rules_lines(
+        texts,
+        picture_cost=view.picture_cost,
+        identify_cost=view.identify_cost,
+        wrong_share=view.wrong_share,
+        moves=(min(moves), max(moves)) if moves else None,
+        by_position=view.by_position,
+        properties=view.properties,
+        has_last_word=view.has_last_word,
+    )
+
+
+def rules_lines(
+    texts: Texts,
+    *,
+    picture_cost: float,
+    identify_cost: float,
+    energy: float | None = None,
+    wrong_share: float | None = None,
+    moves: tuple[float, float] | None = None,
+    by_position: bool = False,
+    properties: Sequence[TreasureProperty] = (),
+    has_last_word: Literal["both", "participant", "robot"] | None = None,
+) -> tuple[str, ...]:
+    """The rules with the numbers of a study.
+
+    Args:
+        texts: of the players' language.
+        picture_cost: energy of a picture.
+        identify_cost: energy of naming a treasure.
+        energy: of each robot at the start; None where it is not known.
+        wrong_share: share of a treasure's points that a wrong name costs; None where it is not told.
+        moves: least and most energy of a move between two places; None where it is not known.
+        by_position: moves are priced by length and turns from where the robot stands; `moves` are those between rooms.
+        properties: of treasures.
+        has_last_word: decides in the end where robots argue; None where they do not.
+    """
+    start = "" if energy is None else f"{texts.text('rules.start', energy=energy)} "
+    decision = () if has_last_word is None else (texts.text(f"rules.decision_of_{has_last_word}"),)
+    return (
+        texts.text("rules.goal"),
+        f"{start}{_costs(texts, picture_cost, identify_cost, moves, by_position=by_position)}",
+        *_more(texts, properties),
+        f"{texts.text('rules.right')} {_wrong(texts, wrong_share)}",
+        *decision,
+        texts.text("rules.one_visit"),
+        texts.text("rules.called_back"),
+        texts.text("rules.end"),
+    )
+
+
+def _costs(texts: Texts, picture: float, naming: float, moves: tuple[float, float] | None, *, by_position: bool) -> str:
+    if moves is None:
+        return texts.text("rules.costs_by_position" if by_position else "rules.costs", picture=picture, naming=naming)
+    return texts.text(
+        "rules.costs_from_room_to_room" if by_position else "rules.costs_between",
+        least=moves[0],
+        most=moves[1],
+        picture=picture,
+        naming=naming,
+    )
+
+
+def _more(texts: Texts, properties: Sequence[TreasureProperty]) -> Iterator[str]:
+    """Sentences on what is found out of a treasure beyond what a robot senses as it finds it."""
+    measured = [
+        texts.clause("rules.sensed_one", property=texts.noun(each.label), cost=each.cost)
+        for each in properties
+        if each.is_measured
+    ]
+    if measured:
+        yield texts.text("rules.sensed", properties=texts.listed(measured))
+    told = [
+        texts.clause("rules.told_one", property=texts.noun(each.label))
+        for each in properties
+        if each.told_by is Teller.PERSON
+    ]
+    if told:
+        yield texts.text("rules.told", properties=texts.listed(told))
+
+
+def _wrong(texts: Texts, share: float | None) -> str:
+    match share:
+        case None:
+            return texts.text("rules.wrong_may_lose")
+        case 0.0:
+            return texts.text("rules.wrong_loses_none")
+        case 1.0:
+            return texts.text("rules.wrong_loses_all")
+        case _:
+            return texts.text("rules.wrong_loses_share", share=percent(texts, share))
