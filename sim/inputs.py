@@ -23,8 +23,8 @@ class SendGoal:
 
 
 @dataclass(frozen=True, slots=True)
-class WithdrawGoal:
-    """Withdraw a robot's goal."""
+class CancelGoal:
+    """Cancel a robot's goal (actionlib: cancel)."""
 
     robot: int
 
@@ -157,7 +157,7 @@ class ReviveRobot:
 
 TeamInput = (
     SendGoal
-    | WithdrawGoal
+    | CancelGoal
     | DriveManually
     | SetPoseEstimate
     | GlobalLocalization
@@ -176,7 +176,7 @@ TeamInput = (
 
 TEAM_INPUTS: dict[str, type[TeamInput]] = {
     "Go": SendGoal,
-    "Halt": WithdrawGoal,
+    "Halt": CancelGoal,
     "Drive": DriveManually,
     "Localize": SetPoseEstimate,
     "Globalize": GlobalLocalization,

@@ -18,6 +18,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import Neighbour
 from sim.common.robot_numbers import namespace_of
 from sim.inputs import (
+    CancelGoal,
     ClearCostmaps,
     DriveManually,
     GlobalLocalization,
@@ -35,7 +36,6 @@ from sim.inputs import (
     SetSoftwareParameters,
     SetWorldParameters,
     TeamInput,
-    WithdrawGoal,
 )
 from sim.numerics import noise
 from sim.numerics.float_array import FloatArray
@@ -45,7 +45,7 @@ from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.global_planning.wave import Workspace
 from sim.robot.installed_parts import InstalledParts
 from sim.robot.localization.amcl import Amcl
-from sim.robot.localization.estimate import Localizer, carried_on
+from sim.robot.localization.estimate import Localizer, propagated
 from sim.robot.localization.fake_localization import FakeLocalization
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.recovery import RecoveryProgress
@@ -270,7 +270,7 @@ class Team:
         return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
 
     def _step_robots(self, tick: int, requested: bool) -> tuple[RobotOutput, ...]:
-        """Step those robots for which anything is due; the others are carried on.
+        """Step those robots for which anything is due; the outputs of the others are propagated.
 
         A request may concern any of them, and so does a change in who broadcasts, or asks others to clear its path.
         """
@@ -291,7 +291,7 @@ class Team:
                 self._corrections[index] = correction.x, correction.y, correction.theta
             else:
                 if not believed:
-                    believed = carried_on(self._corrections, state.odom_poses).tolist()
+                    believed = propagated(self._corrections, state.odom_poses).tolist()
                     twists = state.odom_twists.tolist()
                 sense = partial(self._sensors.sense, state, index)
                 output = robot.skip(tick, believed[index], twists[index], sense)
@@ -337,7 +337,7 @@ class Team:
         match item:
             case (
                 SendGoal(robot)
-                | WithdrawGoal(robot)
+                | CancelGoal(robot)
                 | DriveManually(robot)
                 | SetPoseEstimate(robot)
                 | GlobalLocalization(robot)
@@ -349,7 +349,7 @@ class Team:
             case SendGoal(robot, goal):
                 self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.go(goal)
-            case WithdrawGoal(robot):
+            case CancelGoal(robot):
                 self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.cancel()
             case DriveManually(robot):

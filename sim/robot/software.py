@@ -40,8 +40,8 @@ class RobotOutput:
         return self.estimate.lost
 
 
-class CarriedOutput(RobotOutput):
-    """Output in a tick in which nothing was due: that of the last step, carried on by odometry.
+class PropagatedOutput(RobotOutput):
+    """Output in a tick in which nothing was due: that of the last step, propagated by odometry.
 
     Its parts are made when somebody looks at them, which in most ticks nobody does.
     """
@@ -49,15 +49,15 @@ class CarriedOutput(RobotOutput):
     _parts: tuple[RobotOutput, int, Sequence[float], Sequence[float], Callable[[], Observations]]
 
     @classmethod
-    def carried(
+    def of(
         cls,
         left: RobotOutput,
         tick: int,
         base_in_map: Sequence[float],
         twist: Sequence[float],
         sense: Callable[[], Observations],
-    ) -> "CarriedOutput":
-        """Carry an output on.
+    ) -> "PropagatedOutput":
+        """Propagate an output.
 
         Args:
             left: the output of the last step, but for what holds in its own tick alone.
@@ -160,10 +160,10 @@ class Robot:
     def skip(
         self, tick: int, base_in_map: Sequence[float], twist: Sequence[float], sense: Callable[[], Observations]
     ) -> RobotOutput:
-        """One tick in which nothing is due. See `CarriedOutput.carried` for the arguments."""
+        """One tick in which nothing is due. See `PropagatedOutput.of` for the arguments."""
         self.navigator.skip(tick)
         self._skipped = True
-        return CarriedOutput.carried(self._left, tick, base_in_map, twist, sense)
+        return PropagatedOutput.of(self._left, tick, base_in_map, twist, sense)
 
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
         """Take in what others broadcast before the last tick, if no step was due in that."""

@@ -9,6 +9,7 @@ import pytest
 
 from sim.common.observations import Twist
 from sim.inputs import (
+    CancelGoal,
     ClearCostmaps,
     DriveManually,
     GlobalLocalization,
@@ -19,12 +20,11 @@ from sim.inputs import (
     ReviveRobot,
     SendGoal,
     SetPoseEstimate,
-    WithdrawGoal,
 )
 from sim.numerics.noise_arrays import NoiseStream
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
-from sim.robot.software import CarriedOutput
+from sim.robot.software import PropagatedOutput
 from sim.team import START_COVARIANCE, Team
 from sim.world.thing import Thing
 from thbridge.files.map_files import read_map
@@ -62,7 +62,7 @@ def requests(seed: int, robots: int, tick: int):
     crate = Thing("crate", ((0.15, 0.15), (-0.15, 0.15), (-0.15, -0.15), (0.15, -0.15)), place)
     kinds = [
         *[SendGoal(robot, Goal(tick, place))] * 6,
-        WithdrawGoal(robot),
+        CancelGoal(robot),
         DriveManually(robot, Twist(0.2, 0.3), 30),
         KillRobot(robot),
         *[ReviveRobot(each) for each in range(robots)],
@@ -94,8 +94,8 @@ def test_a_team_whose_robots_skip_ticks_does_what_one_does_that_steps_them_all(s
         for robot in stepping._robots:
             robot.next_due = 0
         one, other = skipping.step(inputs), stepping.step(inputs)
-        skipped += sum(isinstance(output, CarriedOutput) for output in one.robots)
-        assert not any(isinstance(output, CarriedOutput) for output in other.robots)
+        skipped += sum(isinstance(output, PropagatedOutput) for output in one.robots)
+        assert not any(isinstance(output, PropagatedOutput) for output in other.robots)
         # Most ticks nobody looks at: what is then not made must not be missed.
         if tick % 7 in {0, 1, 3}:
             assert [*parts(one.robots)] == [*parts(other.robots)], tick
@@ -108,5 +108,5 @@ def test_a_robot_that_stands_is_stepped_for_its_scans_and_costmaps_alone():
     team = team_of([PARTICLES] * 4, 1)
     for _ in range(100):
         team.step()
-    skipped = [sum(isinstance(output, CarriedOutput) for output in team.step().robots) for _ in range(500)]
+    skipped = [sum(isinstance(output, PropagatedOutput) for output in team.step().robots) for _ in range(500)]
     assert sum(skipped) > 0.75 * 4 * 500

@@ -40,14 +40,14 @@ class CutResult:
     Attributes:
         path: the new bag.
         messages: number of messages in it.
-        carried: number of latched messages among them that were recorded before the piece.
+        latched: number of latched messages among them that were recorded before the piece.
         start_ns: stamp at which the piece begins.
         end_ns: stamp of its last message.
     """
 
     path: Path
     messages: int
-    carried: int
+    latched: int
     start_ns: int
     end_ns: int
 
@@ -84,11 +84,11 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
         # The session goes along whatever is chosen: it has the conditions of all the rest.
         sessions = {topic.name for topic in found.topics if topic.msgtype == SESSION}
         chosen = None if piece.topics is None else sessions.union(piece.topics)
-        messages, carried, last_ns = _copy(bag, chosen, start_ns, end_ns, target)
+        messages, latched, last_ns = _copy(bag, chosen, start_ns, end_ns, target)
         target.close()
         if not messages:
             raise BadFile(bag, "nothing is in this piece", "choose other times or topics")
-    return CutResult(out, messages, carried, start_ns, last_ns)
+    return CutResult(out, messages, latched, start_ns, last_ns)
 
 
 def _check_topics(bag: Path, wanted: Collection[str] | None, there: Collection[str]) -> None:
@@ -101,9 +101,9 @@ def _check_topics(bag: Path, wanted: Collection[str] | None, there: Collection[s
 def _copy(
     bag: Path, topics: Collection[str] | None, start_ns: int, end_ns: int, target: BagFile
 ) -> tuple[int, int, int]:
-    """Copy the messages. Return their number, the number of carried ones among them, and the last stamp."""
+    """Copy the messages. Return their number, the number of latched ones among them, and the last stamp."""
     latched: dict[BagConnection, bytes] = {}
-    messages = carried = 0
+    messages = early_messages = 0
     last_ns = start_ns
     for publisher, stamp_ns, data in recorded(bag, topics, start_ns):
         if stamp_ns > end_ns:
@@ -114,12 +114,12 @@ def _copy(
             continue
         for early, early_data in latched.items():
             target.write(early, start_ns, early_data)
-            carried += 1
+            early_messages += 1
         latched.clear()
         target.write(publisher, stamp_ns, data)
         messages += 1
         last_ns = stamp_ns
     for early, early_data in latched.items():
         target.write(early, start_ns, early_data)
-        carried += 1
-    return messages + carried, carried, last_ns
+        early_messages += 1
+    return messages + early_messages, early_messages, last_ns

@@ -14,9 +14,9 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.common.robot_numbers import number_of
-from sim.inputs import GlobalLocalization, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, WithdrawGoal
+from sim.inputs import CancelGoal, GlobalLocalization, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
 from sim.robot.navigator.goals import GoalReached, GoalResult, NoPath
-from sim.robot.software import CarriedOutput
+from sim.robot.software import PropagatedOutput
 from sim.team import TeamSnapshot
 from thbridge.api.errors import HuntError, told
 from thbridge.api.participant import HuntParticipant, QueuePlayer, checked_index, whole
@@ -234,7 +234,7 @@ class HuntSession:
         self._finished = self._ending.reached(self._session)
         for robot, output in enumerate(snapshot.robots):
             # One that was carried on has neither, and would be made by the look.
-            if not isinstance(output, CarriedOutput):
+            if not isinstance(output, PropagatedOutput):
                 if (scan := output.observations.scan) is not None:
                     self._scans[robot] = scan.ranges
                 if (result := output.navigation.result) is not None:
@@ -336,8 +336,8 @@ class HuntSession:
         self._ask(goal)
 
     def cancel_goal(self, robot: int) -> None:
-        """Withdraw a robot's goal."""
-        self._ask(WithdrawGoal(self._index(robot)))
+        """Cancel a robot's goal."""
+        self._ask(CancelGoal(self._index(robot)))
 
     def drive(self, robot: int, linear: float, angular: float) -> None:
         """Drive a robot by hand for half a second, or until the next such command: m/s, rad/s (ROS: cmd_vel)."""

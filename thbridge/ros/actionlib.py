@@ -19,7 +19,7 @@ from typing import TypeAlias, assert_never
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
-from sim.inputs import SendGoal, WithdrawGoal
+from sim.inputs import CancelGoal, SendGoal
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
 from sim.robot.navigator.navigation import Navigation
 from thbridge.ros.goal_owners import GoalOwner, recorded_number
@@ -128,7 +128,7 @@ class MoveBaseServer:
         self._dead = False
         self._outgoing: list[ActionServerMessage] = []
 
-    def take(self, tick: int, requests: Iterable[ActionRequest]) -> list[SendGoal | WithdrawGoal]:
+    def take(self, tick: int, requests: Iterable[ActionRequest]) -> list[SendGoal | CancelGoal]:
         """Read the requests of clients, before the robots' tick.
 
         Args:
@@ -238,13 +238,13 @@ class MoveBaseServer:
 
     # Effects on the navigator
 
-    def _execute(self) -> list[SendGoal | WithdrawGoal]:
+    def _execute(self) -> list[SendGoal | CancelGoal]:
         current, entry = self._current, self._next
         if entry is None or entry is current or entry.status in ENDED:
             self._next = current
             if current is not None and current.status is GoalStatusCode.PREEMPTING and self._halted is not current:
                 self._halted = current
-                return [WithdrawGoal(self._robot)]
+                return [CancelGoal(self._robot)]
             return []
         # A new goal preempts the present one. If it cannot be driven to, the robot must stop all the same, because
         # the goal before it has ended.
@@ -259,7 +259,7 @@ class MoveBaseServer:
             self._end(entry, GoalStatusCode.PREEMPTED, "")
         else:
             return [SendGoal(self._robot, entry.target)]
-        return [WithdrawGoal(self._robot)] if drives else []
+        return [CancelGoal(self._robot)] if drives else []
 
     def _replace_current(self, entry: _Entry) -> None:
         if self._current is not None and self._current.is_active:

@@ -7,7 +7,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICK
 from sim.common.robot_numbers import namespace_of, robot_name
 from sim.robot.navigator.navigation import NavigatorState
-from sim.robot.software import CarriedOutput, RobotOutput
+from sim.robot.software import PropagatedOutput, RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.ros.actionlib import ActionRequest, ActionServerMessage, GoalEnded, GoalSet
 from thbridge.ros.messages.goal_status import GoalStatusCode
@@ -82,12 +82,12 @@ class RobotDiagnostics:
         if dead:
             return
         # Carried on are only robots that know where they are, as in the tick before.
-        if not isinstance(output, CarriedOutput) and output.estimate.lost != self._lost:
+        if not isinstance(output, PropagatedOutput) and output.estimate.lost != self._lost:
             self._lost = output.estimate.lost
             text = "the robot does not know where it is" if self._lost else "the robot knows where it is"
             yield LogLine(LogLevel.WARN if self._lost else LogLevel.INFO, self._localiser, text)
         # Carried on are only robots whose localizers work, as in the tick before.
-        fault = "" if isinstance(output, CarriedOutput) else output.estimate.fault
+        fault = "" if isinstance(output, PropagatedOutput) else output.estimate.fault
         if fault and fault != self._fault:
             yield LogLine(LogLevel.ERROR, self._localiser, fault)
         self._fault = fault

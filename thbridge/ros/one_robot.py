@@ -12,7 +12,7 @@ from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 from sim.robot.navigator.navigation import Navigation
-from sim.robot.software import CarriedOutput, RobotOutput
+from sim.robot.software import PropagatedOutput, RobotOutput
 from thbridge.ros.actionlib import (
     FEEDBACK_PERIOD,
     STATUS_PERIOD,
@@ -125,13 +125,13 @@ class RobotPublisher:
         self._server.take(tick, requests)
         return self._server.follow(tick, None if dead else output.navigation)
 
-    def is_quiet(self, tick: int, motion: Motion, carried: CarriedOutput) -> bool:
+    def is_quiet(self, tick: int, motion: Motion, output: PropagatedOutput) -> bool:
         """Return True when this output gives no message but truth and odometry.
 
         That is so between two turns of what is said periodically, while the navigator goes on as before; the caller
         looks after what many robots share: `SHARED_PERIODS`, requests, and what is true of them.
         """
-        navigation = carried.navigation
+        navigation = output.navigation
         return (
             navigation is self._navigation
             and (navigation.goal is None or tick - self._command_tick < COMMAND_PERIOD)
@@ -144,7 +144,7 @@ class RobotPublisher:
     ) -> Iterator[tuple[Topic, bytes]]:
         """Yield the messages of a robot in one tick; it must not be dead.
 
-        Parts of an output that is carried on are made when they are looked at, and are looked at only where a message
+        Parts of a propagated output are made when they are looked at, and are looked at only where a message
         needs them.
 
         Args:
@@ -156,7 +156,7 @@ class RobotPublisher:
         """
         topics, robot, navigation = self.topics, self._robot, output.navigation
         believed = pack.header(tick, MAP_FRAME) + base if base else b""
-        stepped = not isinstance(output, CarriedOutput)
+        stepped = not isinstance(output, PropagatedOutput)
         if stepped:
             yield from self._errors(motion.poses[robot], output, believed)
         yield topics.odom, motion.odometry[robot]

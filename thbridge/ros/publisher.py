@@ -10,7 +10,7 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND, LaserMount
 from sim.common.polygons import NO_POLYGONS, unpack_polygons
-from sim.robot.software import CarriedOutput, RobotOutput
+from sim.robot.software import PropagatedOutput, RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.ros.actionlib import ActionRequest, ActionServerMessage
 from thbridge.ros.diagnostics import RobotDiagnostics
@@ -239,7 +239,7 @@ class TeamPublisher:
         return frozenset(
             index
             for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True))
-            if isinstance(output, CarriedOutput) and robot.is_quiet(snapshot.tick, motion, output)
+            if isinstance(output, PropagatedOutput) and robot.is_quiet(snapshot.tick, motion, output)
         )
 
     def _localise(
@@ -257,7 +257,7 @@ class TeamPublisher:
         bases: list[Pose2] = []
         for index, told in goals.items():
             robot, output = self._robots[index], outputs[index]
-            if isinstance(output, CarriedOutput) and robot.odom_in_map is not None:
+            if isinstance(output, PropagatedOutput) and robot.odom_in_map is not None:
                 if told:
                     telling.append(index)
                     bases.append(output.neighbour.base_in_map)

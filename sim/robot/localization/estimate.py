@@ -22,7 +22,7 @@ class Estimate:
 
     Attributes:
         tick: the one it holds for.
-        base_in_map: the robot's pose: the last correction, carried on by odometry.
+        base_in_map: the robot's pose: the last correction, propagated by odometry.
         odom_in_map: the correction itself, what tf publishes as map -> odom.
         covariance: (3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2.
         particles: (n, 3) poses in the map; (0, 3) where the localiser has none.
@@ -66,8 +66,8 @@ def read_only(array: FloatArray) -> FloatArray:
 
 
 @njit(cache=True)
-def carried_on(corrections: FloatArray, odometry: FloatArray) -> FloatArray:
-    """(n, 3) poses in the map, by (n, 3) poses of odom in the map and in odom; `Pose2.compose`, to the bit."""
+def propagated(corrections: FloatArray, odometry: FloatArray) -> FloatArray:
+    """Propagated poses in the map, (n, 3), of poses of odom in the map and in odom: `Pose2.compose`, to the bit."""
     out = np.empty_like(odometry)
     for i in range(odometry.shape[0]):
         c, s = elementary.cos_sin(corrections[i, 2])

@@ -15,7 +15,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
-from sim.inputs import DriveManually, SendGoal, WithdrawGoal
+from sim.inputs import CancelGoal, DriveManually, SendGoal
 from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from tests.peers.crashes import run_peer, skipping_if_crashed
@@ -194,7 +194,7 @@ async def _drive(folder: Path, bag: Path) -> None:
             assert end.reason == "no_way"
             await ticks.tick(SendGoal(0, far))
             await ticks.until_active()
-            await ticks.tick(WithdrawGoal(0))
+            await ticks.tick(CancelGoal(0))
             assert await ticks.ended() == Cancelled(far)
             before = ticks.snapshot.robots[0].estimate.base_in_map.x
             await ticks.tick(DriveManually(0, Twist(1.0, 0.0), 25))

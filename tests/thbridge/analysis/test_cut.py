@@ -26,7 +26,7 @@ def test_a_piece_has_what_lies_between_and_what_was_latched_before(tmp_path: Pat
     carried = [(topic, start, data) for topic, _, data in whole if topic in ("/map", "/tf_static")]
     between = [message for message in whole if start <= message[1] <= START + 15 * STEP]
     assert said == carried + between
-    assert (done.messages, done.carried, done.start_ns, done.end_ns) == (20, 2, start, START + 15 * STEP)
+    assert (done.messages, done.latched, done.start_ns, done.end_ns) == (20, 2, start, START + 15 * STEP)
 
 
 def test_of_what_was_latched_the_last_is_kept(tmp_path: Path) -> None:
@@ -99,7 +99,7 @@ def test_the_end_before_the_first_message_of_the_rest(tmp_path: Path) -> None:
     planted.entries.append(Entry(SCAN_LINE, START + 100 * STEP, scan_message(START + 100 * STEP)))
     bag = write(tmp_path / "a.bag", planted)
     done = cut(bag, CutRange(5.0, 6.0), tmp_path / "b.bag")
-    assert (done.messages, done.carried) == (2, 2)
+    assert (done.messages, done.latched) == (2, 2)
 
 
 @pytest.mark.parametrize(

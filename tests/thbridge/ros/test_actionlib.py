@@ -7,7 +7,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
-from sim.inputs import SendGoal, WithdrawGoal
+from sim.inputs import CancelGoal, SendGoal
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
 from sim.robot.navigator.navigation import Navigation
 from thbridge.ros.actionlib import (
@@ -37,7 +37,7 @@ class Robot:
         self.tick = 0
         self.goal: Goal | None = None
         self.results: list[GoalResult] = []
-        self.inputs: list[SendGoal | WithdrawGoal] = []
+        self.inputs: list[SendGoal | CancelGoal] = []
 
     def go(self, goal: Goal) -> None:
         self.halt()
@@ -138,7 +138,7 @@ def test_a_goal_is_taken_back_by_name_by_time_and_with_all(cancel: CancelRequest
     robot = Robot()
     robot.step(goal("a", 1, 2 * SECOND))
     messages = robot.step(cancel)
-    assert robot.inputs == [WithdrawGoal(0)]
+    assert robot.inputs == [CancelGoal(0)]
     assert [dict(entries)["a"] for entries in lists(messages)] == [GoalStatusCode.PREEMPTING, GoalStatusCode.PREEMPTED]
     assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
 
@@ -192,7 +192,7 @@ def test_a_goal_that_cannot_be_used_is_aborted_and_stops_the_robot() -> None:
     robot.step(goal("a", 1))
     messages = robot.step(GoalRequest(0, "b", 0, None, 2, "its quaternion is none"))
     assert ends(messages) == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ABORTED)]
-    assert robot.inputs == [WithdrawGoal(0)]
+    assert robot.inputs == [CancelGoal(0)]
     last = [item for item in messages if isinstance(item, GoalEnded)][-1]
     assert last.entry.text == "its quaternion is none"
 

@@ -13,7 +13,7 @@ from sim.inputs import KillRobot, ReviveRobot, SendGoal, SetCharge
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.view import CostmapView
 from sim.robot.navigator.goals import Cancelled, Goal
-from sim.robot.software import CarriedOutput, RobotOutput
+from sim.robot.software import PropagatedOutput, RobotOutput
 from sim.team import Team, TeamSnapshot
 from sim.world.thing import Thing
 from sim.world.things import ThingState, polygons_of
@@ -230,7 +230,7 @@ def test_robots_that_are_carried_on_say_what_they_would_if_they_had_been_stepped
     for tick in range(1, 200):
         snapshot = team.step(inputs.get(tick, ()))
         said = seen.tick(snapshot)
-        outputs = [output for output in snapshot.robots if isinstance(output, CarriedOutput)]
+        outputs = [output for output in snapshot.robots if isinstance(output, PropagatedOutput)]
         carried += len(outputs)
         looked_at += sum("observations" in vars(output) for output in outputs)
         whole = tuple(

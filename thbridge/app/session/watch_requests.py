@@ -10,6 +10,7 @@ from typing import TypeAlias, get_args
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import (
+    CancelGoal,
     ClearCostmaps,
     GlobalLocalization,
     KidnapRobot,
@@ -21,7 +22,6 @@ from sim.inputs import (
     ReviveRobot,
     SendGoal,
     SetPoseEstimate,
-    WithdrawGoal,
 )
 from sim.parameters.reconfiguration import ParameterRejection
 from thbridge.app.session.input_records import decode_request, decode_value, encode_request
@@ -65,7 +65,7 @@ MOST_STEPS = 600 * TICKS_PER_SECOND
 
 WatchRequest: TypeAlias = (
     SendGoal
-    | WithdrawGoal
+    | CancelGoal
     | SimpleGoal
     | CancelRequest
     | VelocityCommand

@@ -16,7 +16,7 @@ from sim.common.grid import OCCUPIED, UNKNOWN
 from sim.common.observations import Twist
 from sim.common.robot_numbers import robot_name
 from sim.common.traversability import TraversabilityMap, inside
-from sim.inputs import DriveManually, SendGoal, WithdrawGoal
+from sim.inputs import CancelGoal, DriveManually, SendGoal
 from sim.numerics import elementary
 from sim.team import TeamSnapshot
 from thbridge.hunt import rules
@@ -163,7 +163,7 @@ class Pilot:
         """See `VehicleInterface`."""
         self._give_up(reasons.STOPPED)
         self._stop_move()
-        self._ask(WithdrawGoal(self._robot))
+        self._ask(CancelGoal(self._robot))
 
     def drive(self, twist: Twist) -> Denied | None:
         """See `VehicleInterface`; it aborts a leg or a move of the game in progress."""

@@ -87,8 +87,8 @@ class MavlinkServer:
         """Close all ports; TCP peers have a moment to read the last frames."""
         await self._opened.aclose()
         self._links.store_timestamps()
-        carried = self._links.totals
-        told = f"{carried.received} frames came in, {carried.sent} went out, {carried.unsent} could not be sent"
-        if carried.dropped:
-            told += f", {carried.dropped} came too fast"
-        _log.log(logging.WARNING if carried.unsent or carried.dropped else logging.INFO, "MAVLink: %s", told)
+        totals = self._links.totals
+        told = f"{totals.received} frames came in, {totals.sent} went out, {totals.unsent} could not be sent"
+        if totals.dropped:
+            told += f", {totals.dropped} came too fast"
+        _log.log(logging.WARNING if totals.unsent or totals.dropped else logging.INFO, "MAVLink: %s", told)

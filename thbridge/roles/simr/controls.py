@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import (
+    CancelGoal,
     DriveManually,
     PutThing,
     RemoveThing,
@@ -13,7 +14,6 @@ from sim.inputs import (
     SetSoftwareParameters,
     SetWorldParameters,
     TeamInput,
-    WithdrawGoal,
 )
 from sim.parameters.reconfiguration import ParameterRejection
 from sim.team import TeamSnapshot
@@ -116,7 +116,7 @@ class RobotControls:
         match item:
             case DriveManually(robot, _, ticks):
                 self._by_hand[robot] = _ManualDrive(ticks, researcher)
-            case SendGoal(robot) | WithdrawGoal(robot):
+            case SendGoal(robot) | CancelGoal(robot):
                 self._by_hand.pop(robot, None)
         self._inputs.append(item)
 

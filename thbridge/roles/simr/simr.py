@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
-from sim.inputs import DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput, WithdrawGoal
+from sim.inputs import CancelGoal, DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput
 from sim.numerics import elementary
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
@@ -238,7 +238,7 @@ class SimR(RobotsRole):
             if order is not None and order.move != self._last_move(robot):
                 self._go(robot, order)
             elif order is None and robot in self._moves:
-                self._inputs.append(WithdrawGoal(robot))
+                self._inputs.append(CancelGoal(robot))
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
 
     def _begin(self, orders: Orders, *, again: bool) -> None:
@@ -254,7 +254,7 @@ class SimR(RobotsRole):
         else:
             return
         for robot, pose in enumerate(places):
-            self._inputs += [WithdrawGoal(robot), PlaceRobot(robot, pose)]
+            self._inputs += [CancelGoal(robot), PlaceRobot(robot, pose)]
 
     def _place(self, robot: int, room: int) -> Pose2:
         return self._game_map.starts[robot] if room == 0 else self._game_map.goals[Room(room).wire]

@@ -37,7 +37,7 @@ _REASONS: tuple[tuple[str, NoPathReason], ...] = (
 
 
 @dataclass(frozen=True, slots=True)
-class SetGoal:
+class OutgoingGoal:
     """A goal to send to the server."""
 
     goal_id: GoalId
@@ -45,7 +45,7 @@ class SetGoal:
 
 
 @dataclass(frozen=True, slots=True)
-class CancelGoal:
+class OutgoingCancel:
     """A cancel request to send to the server, for the goal of this id."""
 
     name: str
@@ -90,7 +90,7 @@ class MoveBaseClient:
     """
 
     def __init__(self, prefix: str, stale_ns: int = STALE_NS) -> None:
-        self.outgoing: list[SetGoal | CancelGoal] = []
+        self.outgoing: list[OutgoingGoal | OutgoingCancel] = []
         self.results: list[GoalResult] = []
         self.resent = 0
         self._prefix = prefix
@@ -141,7 +141,7 @@ class MoveBaseClient:
         current = self._current
         if current is not None and current.cancelled_ns is None:
             current.cancelled_ns = now_ns
-            self.outgoing.append(CancelGoal(current.goal_id.id))
+            self.outgoing.append(OutgoingCancel(current.goal_id.id))
 
     def receive_goal(self, name: str, base_in_map: Pose2, now_ns: int) -> None:
         """Take in a goal of another client."""
@@ -229,7 +229,7 @@ class MoveBaseClient:
         seconds, nanoseconds = divmod(self._stamp_ns, 1_000_000_000)
         goal_id = GoalId(f"{self._prefix}{self._sent}-{seconds}.{nanoseconds:09d}", self._stamp_ns)
         self._current = _ActiveGoal(goal, goal_id, now_ns, again)
-        self.outgoing.append(SetGoal(goal_id, goal.base_in_map))
+        self.outgoing.append(OutgoingGoal(goal_id, goal.base_in_map))
 
     def _finish(self, result: GoalResult) -> None:
         self._current = None
@@ -258,7 +258,7 @@ class MoveBaseClient:
                 continue
             if name not in waiting or now_ns - waiting[name] >= CANCEL_RETRY_NS:
                 waiting[name] = now_ns
-                self.outgoing.append(CancelGoal(name))
+                self.outgoing.append(OutgoingCancel(name))
         self._last_cancel_ns = waiting
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
 from sim.common.robot_numbers import namespace_of, robot_name
-from sim.inputs import DriveManually, SendGoal, SetPoseEstimate, WithdrawGoal
+from sim.inputs import CancelGoal, DriveManually, SendGoal, SetPoseEstimate
 from sim.numerics import elementary, elementary_arrays
 from sim.numerics.float_array import FloatArray
 from sim.robot.navigator.navigation import Navigation
@@ -27,12 +27,12 @@ from thbridge.ros.messages.goal_status import GoalId
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.names import frame_name
 from thbridge.ros.remote.changes import RobotPart
-from thbridge.ros.remote.goals import CancelGoal, MoveBaseClient, SetGoal
+from thbridge.ros.remote.goals import MoveBaseClient, OutgoingCancel, OutgoingGoal
 from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.pose import STALE_NS, RemotePose
 from thbridge.ros.topics import RosMessage, Topic
 
-RemoteInput = SendGoal | WithdrawGoal | DriveManually | SetPoseEstimate
+RemoteInput = SendGoal | CancelGoal | DriveManually | SetPoseEstimate
 """Inputs that real robots accept."""
 
 COMMAND_NS = 100_000_000
@@ -156,7 +156,7 @@ class RemoteRobot:
             case SendGoal(_, goal):
                 self._stop_driving(now_ns)
                 self._goals.go(goal, now_ns)
-            case WithdrawGoal():
+            case CancelGoal():
                 self._stop_driving(now_ns)
                 self._goals.halt(now_ns)
             case DriveManually(_, command, ticks):
@@ -316,10 +316,10 @@ class RemoteRobot:
         message, self._goals.outgoing = self._goals.outgoing, []
         for item in message:
             match item:
-                case SetGoal(goal_id, base_in_map):
+                case OutgoingGoal(goal_id, base_in_map):
                     data = pack.move_base_goal(tick_of(now_ns), goal_id, self.names.map_frame, base_in_map)
                     self._publish(self._set_goal, data, now_ns)
-                case CancelGoal(name):
+                case OutgoingCancel(name):
                     self._publish(self._cancel, pack.goal_id(GoalId(name, 0)), now_ns)
                 case _:
                     assert_never(item)

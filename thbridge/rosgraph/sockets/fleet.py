@@ -11,13 +11,13 @@ import numpy as np
 from sim.common.robot_numbers import robot_name
 from sim.inputs import (
     TEAM_INPUTS,
+    CancelGoal,
     DriveManually,
     PlaceRobot,
     SendGoal,
     SetCharge,
     SetPoseEstimate,
     TeamInput,
-    WithdrawGoal,
 )
 from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
@@ -216,7 +216,7 @@ class Fleet:
 
     def _take(self, item: TeamInput, now_ns: int) -> None:
         match item:
-            case SendGoal(robot) | WithdrawGoal(robot) | DriveManually(robot) | SetPoseEstimate(robot):
+            case SendGoal(robot) | CancelGoal(robot) | DriveManually(robot) | SetPoseEstimate(robot):
                 self._robots[robot].take(item, now_ns)
             case SetCharge():
                 pass  # The keeper counts the game's energy; a real battery cannot be set.

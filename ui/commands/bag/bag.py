@@ -156,8 +156,8 @@ def bag_cut_command(
     if as_json:
         print_json(msgspec.to_builtins(done, enc_hook=str))
     elif new != STANDARD_OUTPUT:
-        carried = f", {done.carried} of them latched before" if done.carried else ""
-        say(f"Cut {done.messages} messages into {done.path}{carried}.")
+        latched = f", {done.latched} of them latched before" if done.latched else ""
+        say(f"Cut {done.messages} messages into {done.path}{latched}.")
 
 
 @bag_app.command("to-mcap")

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.inputs import (
+    CancelGoal,
     ClearCostmaps,
     DriveManually,
     GlobalLocalization,
@@ -29,7 +30,6 @@ from sim.inputs import (
     SetPoseEstimate,
     SetSoftwareParameters,
     SetWorldParameters,
-    WithdrawGoal,
 )
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
@@ -64,7 +64,7 @@ SURE = np.diag([0.1, 0.1, 0.01])
 CRATE = Thing("crate", ((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), HERE)
 GRANTED: list[WatchRequest] = [
     SendGoal(0, Goal(3, HERE)),
-    WithdrawGoal(1),
+    CancelGoal(1),
     SimpleGoal(0, HERE, 3),
     CancelRequest(0, "", 0),
     VelocityCommand(1, Twist(0.2, 0.0)),

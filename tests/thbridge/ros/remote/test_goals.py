@@ -12,9 +12,9 @@ from thbridge.ros.remote.goals import (
     LOST_TIMEOUT_NS,
     PREEMPTION_WINDOW_NS,
     UNLISTED_TIMEOUT_NS,
-    CancelGoal,
     MoveBaseClient,
-    SetGoal,
+    OutgoingCancel,
+    OutgoingGoal,
     reason_of,
 )
 from thbridge.ros.remote.pose import STALE_NS
@@ -37,8 +37,8 @@ class Server:
 
     def sent(self) -> list[str]:
         outgoing, self.client.outgoing = self.client.outgoing, []
-        self.cancels = [item.name for item in outgoing if isinstance(item, CancelGoal)]
-        return [item.goal_id.id for item in outgoing if isinstance(item, SetGoal)]
+        self.cancels = [item.name for item in outgoing if isinstance(item, OutgoingCancel)]
+        return [item.goal_id.id for item in outgoing if isinstance(item, OutgoingGoal)]
 
     def go(self, goal: Goal = GOAL) -> str:
         self.client.go(goal, self.now)
@@ -134,7 +134,7 @@ def test_a_newer_goal_ends_the_older_one_whose_end_is_then_nobodys(server):
 def test_stamps_of_goals_rise_even_within_one_moment(server):
     server.client.go(GOAL, server.now)
     server.client.go(GOAL, server.now)
-    first, second = (item.goal_id for item in server.client.outgoing if isinstance(item, SetGoal))
+    first, second = (item.goal_id for item in server.client.outgoing if isinstance(item, OutgoingGoal))
     assert first.stamp_ns < second.stamp_ns
     assert first.id != second.id
 

@@ -7,7 +7,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery, LaserMount, Scan, Twist
-from sim.inputs import DriveManually, SendGoal, SetPoseEstimate, WithdrawGoal
+from sim.inputs import CancelGoal, DriveManually, SendGoal, SetPoseEstimate
 from sim.robot.navigator.goals import Goal, GoalReached
 from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
@@ -141,7 +141,7 @@ def test_a_halt_stops_driving_at_once_and_the_end_of_the_program_stops_everythin
     rig.robot.take(DriveManually(1, Twist(0.3, 0.0), 100), rig.now)
     rig.step(3)
     rig.sent()
-    rig.robot.take(WithdrawGoal(1), rig.now)
+    rig.robot.take(CancelGoal(1), rig.now)
     ((topic, data),) = rig.sent()
     assert (topic, unpack.twist(data)) == ("/robot2/cmd_vel", STANDSTILL)
     rig.robot.take(SendGoal(1, GOAL), rig.now)
