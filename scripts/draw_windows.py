@@ -51,7 +51,7 @@ ABOUT = (
 )
 SCREEN = (1920, 1080)
 """Width and height of the screen, logical pixels; windows keep within it. That of `offscreen` is 800 x 800."""
-SETTLE_TIMEOUT = 10.0
+SETTLE_TIMEOUT = 120.0
 """Seconds that a window may need to come to rest."""
 
 
