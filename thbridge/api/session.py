@@ -54,7 +54,7 @@ from thbridge.roles.shared.robot_requests import (
     TakeCommand,
 )
 from thbridge.roles.shared.view import ParticipantRequest
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.records import InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.things import Shape, ThingEntry
 

@@ -15,8 +15,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 from thbridge.dialogue.moves import Scenario
+from thbridge.dialogue.scripted.reserved_words import word_fault
 from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template
-from thbridge.dialogue.words import word_fault
 from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.regular_files import as_on_disk, open_regular
 from thbridge.files.errors import BadFile, FaultCollection

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sim.parameters import param
-from thbridge.dialogue.words import WORDS
+from thbridge.dialogue.scripted.reserved_words import WORDS
 from thbridge.files.disk.inside import fault_of_name
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.template_lines import count_in, first_line, numbered_lines

@@ -22,7 +22,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import CancelGoal, SendGoal
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
 from sim.robot.navigator.navigation import Navigation
-from thbridge.ros.goal_owners import GoalOwner, recorded_number
+from thbridge.ros.messages.goal_owners import GoalOwner, recorded_number
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 from thbridge.ros.messages.stamps import stamp_ns

@@ -21,7 +21,7 @@ from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from tests.peers.crashes import run_peer, skipping_if_crashed
 from tests.peers.ros.beside import knows
 from thbridge.recording.bag.writing.writer import BagWriter
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.reconfigure import described
 from thbridge.ros.remote.robot import RemoteRobot

@@ -20,7 +20,7 @@ from thbridge.ros.actionlib import (
     MoveBaseServer,
     StatusList,
 )
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 

@@ -13,7 +13,7 @@ from thbridge.credentials import LOCAL
 from thbridge.json_text import json_of
 from thbridge.mavlink.wire.dialect import name_of
 from thbridge.roles.shared.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
-from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
+from thbridge.ros.messages.goal_owners import GoalOwner, owned_number, recorded_number
 from thbridge.ros.messages.records import GoalRequest, SimpleGoal
 from thbridge.ros.messages.session_records import InputRecord
 

@@ -42,7 +42,7 @@ from thbridge.roles.shared.robot_requests import (
 )
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.clients import FARTHEST, is_covariance
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.topics import RosMessage
 from thbridge.study.things import fault_of_thing

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 from sim.numerics import noise
 from thbridge.dialogue.moves import Ask, Continue, DecideAlone, Dialogue, Move, OfferedSentence, Scenario, Speaker, Stop
+from thbridge.dialogue.scripted.reserved_words import fill_known, words_of
 from thbridge.dialogue.sentences import is_filled
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.dialogue.words import fill_known, words_of
 from thbridge.hunt.properties import TreasureProperty
 
 _CONFIDENCE = "£confidence£"

@@ -12,7 +12,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.mavlink.values.vehicle_interface import HelmLeg, LegState
 from thbridge.roles.shared import failure_reasons as reasons
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND
 """Ticks without observations after which a robot counts as silent, and without news of a goal after which it fails."""

@@ -20,7 +20,7 @@ from sim.team import TeamSnapshot
 from thbridge.roles.shared.robot_requests import ParameterValue, RobotRequest, SetParameters, Tuning
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 
 MANUAL_DRIVE_TICKS = TICKS_PER_SECOND // 2

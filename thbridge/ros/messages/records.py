@@ -10,7 +10,7 @@ from enum import IntEnum
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.numerics.float_array import FloatArray
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import (
     DialogueMoveRecord,
     DialogueStateRecord,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from sim.common.geometry import Pose2
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath, NoPathReason
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.remote.pose import STALE_NS
 

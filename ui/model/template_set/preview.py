@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from thbridge.dialogue.moves import DialogueTopic, Scenario
+from thbridge.dialogue.scripted.reserved_words import fill_known, words_of
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.dialogue.words import fill_known, words_of
 from thbridge.files.language_texts import ENGLISH, shipped_texts
 from thbridge.files.map_files import Map
 from thbridge.files.map_times import read_map_times

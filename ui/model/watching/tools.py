@@ -14,7 +14,7 @@ from sim.inputs import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveTh
 from sim.world.thing import Thing
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.shared.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 

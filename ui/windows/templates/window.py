@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from thbridge.dialogue.words import allowed_words
+from thbridge.dialogue.scripted.reserved_words import allowed_words
 from thbridge.files.disk.edited_file import TextOnDisk, read_edited, write_edited
 from thbridge.files.disk.inside import path_inside
 from thbridge.files.disk.whole import write_whole

@@ -33,8 +33,8 @@ from thbridge.app.session.inputs import (
 from thbridge.credentials import LOCAL, PLAIN, Credentials, Right
 from thbridge.mavlink.wire.frames.frame import Frame
 from thbridge.roles.shared.robot_requests import Request
-from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages import pack, unpack
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.records import GoalRequest, SimpleGoal
 from thbridge.ros.messages.session_records import InputRecord
 from thbridge.text_protocol.wire.lines import TextMessage, tokens

@@ -54,7 +54,7 @@ from thbridge.roles.shared.robot_requests import (
     WizardRequest,
 )
 from thbridge.roles.simr.controls import RobotControls
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.study_file import Study
 from thbridge.timing.pacer import Pacer

@@ -4,9 +4,9 @@ import pytest
 
 from tests.thbridge.roles.stage import Stage, engine
 from thbridge.dialogue.moves import Ask, Dialogue, DialogueTopic, Scenario
+from thbridge.dialogue.scripted.reserved_words import WORDS, word_fault, words_of
 from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template, TemplatePhrasing
 from thbridge.dialogue.sentences import fill
-from thbridge.dialogue.words import WORDS, word_fault, words_of
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.hunt.rooms import Room, RoomNames

@@ -4,7 +4,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
-from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.remote.goals import (
     CANCEL_RETRY_NS,

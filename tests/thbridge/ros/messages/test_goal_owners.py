@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
+from thbridge.ros.messages.goal_owners import GoalOwner, owned_number, recorded_number
 
 
 @pytest.mark.parametrize(
