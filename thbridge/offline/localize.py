@@ -77,6 +77,7 @@ class LocalizationResult:
         skipped: number of scans left out, by reason.
         cpu_seconds: processor time of the filter's updates, without reading the bag.
         scan_faults: changes of the scans' clock, and scans with a stamp that does not fit the others.
+        unstamped: number of scans with a stamp of 0, whose time of recording is used.
         time_offset: of odometry to scans, by the stamps that `odometry` had; None where it cannot be found.
     """
 
@@ -86,6 +87,7 @@ class LocalizationResult:
     skipped: Mapping[SkipReason, int]
     cpu_seconds: float
     scan_faults: tuple[RecordedFault, ...]
+    unstamped: int
     time_offset: TimeOffset | None
 
     @property
@@ -133,7 +135,7 @@ def localize(
     updates: list[FilterUpdate] = []
     skipped: Counter[SkipReason] = Counter()
     last: Estimate | None = None
-    given, latest_ns, received_ns, cpu_seconds = 0, 0, 0, 0.0
+    given, unstamped, latest_ns, received_ns, cpu_seconds = 0, 0, 0, 0, 0.0
     stamps: list[_ScanStamp] = []
     frame = frame_name(laser.first.frame)
     for tick, read in enumerate(scans):
@@ -144,6 +146,7 @@ def localize(
         if frame_name(read.scan.frame) != frame:
             skipped[SkipReason.OTHER_LASER] += 1
             continue
+        unstamped += read.scan.stamp_ns == 0
         stamps.append(_ScanStamp(read.received_ns, read.stamp_ns))
         if latest_ns - CLOCK_STEP_NS <= read.stamp_ns <= latest_ns:
             skipped[SkipReason.NOT_NEWER] += 1
@@ -170,7 +173,8 @@ def localize(
         reasons = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
         return RequestRefused("no-usable-scan", f"No scan could be used: {reasons or 'there are none'}.")
     offset = headings.time_offset(odometry) if headings is not None else None
-    return LocalizationResult(tuple(updates), last, given, dict(skipped), cpu_seconds, _faults_of(stamps), offset)
+    faults = _faults_of(stamps)
+    return LocalizationResult(tuple(updates), last, given, dict(skipped), cpu_seconds, faults, unstamped, offset)
 
 
 def _faults_of(stamps: Iterable[_ScanStamp]) -> tuple[RecordedFault, ...]:

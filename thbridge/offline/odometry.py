@@ -45,12 +45,17 @@ class OdometryTrack:
     Attributes:
         faults: what was left out or joined.
         begin_ns: time of recording of the first sample.
+        unstamped: number of samples with a stamp of 0, whose time of recording is used.
     """
 
     def __init__(self, samples: Iterable[OdometrySample], max_speed: float | None = None) -> None:
         """Judge samples in the order of recording; see `sound_odometry`."""
         samples = list(samples)
-        sound = sound_odometry(samples, max_speed)
+        self.unstamped = sum(sample.stamp_ns == 0 for sample in samples)  # of integers
+        sound = sound_odometry(
+            (sample if sample.stamp_ns else sample._replace(stamp_ns=sample.received_ns) for sample in samples),
+            max_speed,
+        )
         self.begin_ns = samples[0].received_ns if samples else 0
         self.faults = sound.faults
         self._runs, self._missed = sound.runs, sound.missed

@@ -128,6 +128,8 @@ def open_recording(
     track = OdometryTrack(steps, max_odom_speed)
     if not len(track):
         raise BadFile(path, "there is no odometry in it", "name another topic by --odom-topic", key=source)
+    if track.unstamped:
+        notices.append(unstamped_sentence(source, track.unstamped))
     notices += fault_sentences(source, track.faults, track.begin_ns)
 
     if laser_in_base is None:
@@ -206,20 +208,25 @@ def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
         yield StampedScan(scan.stamp_ns or raw.stamp_ns, raw.stamp_ns, scan)
 
 
+def unstamped_sentence(topic: str, count: int) -> str:
+    """The sentence on messages without a stamp."""
+    return f"{topic}: stamped 0, so that the time of recording is used: {count}."
+
+
 def _odometry_of_topic(path: Path, topic: str) -> tuple[list[OdometrySample], str]:
-    """All odometry of a topic, and its child frame. Zero stamps are replaced by the time of recording."""
+    """All odometry of a topic, and its child frame."""
     steps = []
     child = ""
     for raw in messages(path, (topic,)):
         read = _decoded(raw, unpack.odometry, path)
         child = child or read.child_frame
-        steps.append(OdometrySample(raw.stamp_ns, read.stamp_ns or raw.stamp_ns, read.pose))
+        steps.append(OdometrySample(raw.stamp_ns, read.stamp_ns, read.pose))
     return steps, child
 
 
 def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> list[OdometrySample]:
     return [
-        OdometrySample(raw.stamp_ns, stamp_ns or raw.stamp_ns, pose)
+        OdometrySample(raw.stamp_ns, stamp_ns, pose)
         for raw in messages(path, topics)
         for stamp_ns, (parent, child, pose) in _decoded(raw, unpack.transforms, path)
         if (frame_name(parent), frame_name(child)) == edge

@@ -23,7 +23,7 @@ from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, localize
 from thbridge.offline.localizers import recorded_localizer, warm_up
-from thbridge.offline.recording import LocalizationBag
+from thbridge.offline.recording import LocalizationBag, unstamped_sentence
 from thbridge.offline.scan_headings import ScanHeadings
 from thbridge.offline.time_offset import TimeOffset
 from thbridge.offline.tum import tum_line
@@ -181,8 +181,10 @@ def localized_as_json(
         "scans": result.scans,
         "skipped": {str(reason): count for reason, count in result.skipped.items()},
         "scan_topic": recording.scan_topic,
+        "scans_unstamped": result.unstamped,
         "scan_faults": [_fault_as_json(fault) for fault in result.scan_faults],
         "odometry": recording.odometry_source,
+        "odometry_unstamped": recording.odometry.unstamped,
         "odometry_faults": [_fault_as_json(fault) for fault in recording.odometry.faults],
         "time_offset": None
         if offset is None
@@ -222,6 +224,8 @@ def show_localized(recording: LocalizationBag, result: LocalizationResult, appli
     show(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
     for reason, count in result.skipped.items():
         show(f"{count} scans were left out: {reason}.")
+    if result.unstamped:
+        show(unstamped_sentence(recording.scan_topic, result.unstamped))
     for sentence in fault_sentences(recording.scan_topic, result.scan_faults, recording.odometry.begin_ns):
         show(sentence)
     show(offset_sentence(result.time_offset, applied))

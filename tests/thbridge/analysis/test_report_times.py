@@ -73,11 +73,32 @@ def test_a_truth_that_is_recorded_late_is_compared_by_its_stamps(tmp_path: Path)
 
 
 @pytest.mark.parametrize(
+    ("truth_late", "estimate_late"),
+    [(lambda _: 0, lambda _: LATE), (lambda n: (3 + 5 * (n % 2)) * TENTH, lambda _: 0)],
+    ids=["the estimate is late", "the truth comes out of order"],
+)
+def test_whatever_is_recorded_late_is_compared_by_its_stamps(
+    truth_late: Callable[[int], int], estimate_late: Callable[[int], int], tmp_path: Path
+) -> None:
+    entries = []
+    for number in range(60):
+        ns, x = BEGIN + number * TENTH, 0.05 * number
+        entries += [
+            entry("/amcl_pose", ns + estimate_late(number), ns, x),
+            entry("/vicon/pose", ns + truth_late(number), ns, x),
+        ]
+    track = track_of(tmp_path, Planted(sorted(entries, key=lambda each: each.ns)))
+    assert len(track.errors) == 60
+    assert track.errors[:, 1].max() == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
     ("stamp_of_truth", "reason"),
     [
         (lambda ns: 0, "are stamped 0"),
         (lambda ns: ns - HOUR, "are 3600.5 s before the time of recording"),
         (lambda ns: ns + HOUR, "are 3599.5 s after the time of recording"),
+        (lambda ns: ns + 2 * LATE, "are 0.5 s after the time of recording"),
         (lambda ns: BEGIN, "have one stamp for many poses"),
         (lambda ns: ns - 8 * TENTH * (ns > BEGIN + 30 * TENTH) * 10, "are of a clock that was set"),
     ],
@@ -134,6 +155,48 @@ def test_odometry_that_is_set_to_0_goes_on_from_there(tmp_path: Path) -> None:
     assert [len(piece) for piece in pieces(track.odometry, track.reset)] == [30, 30]
     (told,) = track.faults
     assert "resets to 0" in told
+
+
+WRONG = {"first": {0: 1000.0}, "last": {59: 1000.0}, "two at once": {30: 1000.0, 31: -700.0}}
+
+
+@pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
+def test_outliers_anywhere_are_not_driven_and_named(wrong: dict[int, float], tmp_path: Path) -> None:
+    track = driven([(at, of, wrong.get(at, x)) for at, of, x in straight()], tmp_path)
+    assert track.distance == pytest.approx((59 - ({0, 59} & wrong.keys() != set())) * 0.05)
+    (told,) = track.faults
+    assert f"cannot have driven there: {len(wrong)} (" in told
+
+
+@pytest.mark.parametrize(
+    ("moved", "reason"),
+    [(lambda at: -1.0 * (at >= 20) - 1.0 * (at >= 40), "resets to 0"), (lambda at: 30.0 * (at >= 30), "jumps of the")],
+    ids=["twice", "elsewhere"],
+)
+def test_odometry_that_is_set_again_or_elsewhere_goes_on(
+    moved: Callable[[int], float], reason: str, tmp_path: Path
+) -> None:
+    track = driven([(at, of, x + moved(at)) for at, of, x in straight()], tmp_path)
+    assert track.distance == pytest.approx((59 - len(track.reset)) * 0.05)
+    (told,) = track.faults
+    assert reason in told
+    assert f": {len(track.reset)} (" in told
+
+
+@pytest.mark.parametrize("rounds", [3, 4])
+def test_a_drive_that_is_played_in_a_loop_is_driven_as_often(rounds: int, tmp_path: Path) -> None:
+    samples = [(at + 60 * number, of, x) for number in range(rounds) for at, of, x in straight()]
+    assert driven(samples, tmp_path).distance == pytest.approx(rounds * 59 * 0.05)
+
+
+def test_an_estimate_that_jumps_is_not_driven_and_named(tmp_path: Path) -> None:
+    entries = []
+    for number in range(60):
+        ns = BEGIN + number * TENTH
+        entries.append(entry("/amcl_pose", ns, ns, 0.05 * number + 8.0 * (number >= 30)))
+    track = track_of(tmp_path, Planted(entries))
+    assert track.distance == pytest.approx(58 * 0.05)
+    assert "the estimate jumps 1 times, where the robot was not driven" in track.sources
 
 
 def test_a_drive_that_is_played_again_is_driven_twice_without_the_way_back(tmp_path: Path) -> None:

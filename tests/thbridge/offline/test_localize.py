@@ -131,6 +131,16 @@ def test_a_clock_that_is_set_back_and_scans_with_odd_stamps_are_named(tmp_path: 
     ]
 
 
+@pytest.mark.parametrize("every", [1, 4])
+def test_scans_that_are_not_stamped_are_used_and_counted(every: int, tmp_path: Path) -> None:
+    unstamped = range(0, 61, every)
+    zero = {number: -(START_NS + number * PERIOD_NS) for number in unstamped}
+    truth = write(tmp_path / "a.bag", Robot(stamp_offsets=zero))
+    done = follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", None))
+    assert (done.unstamped, done.skipped, done.scan_faults) == (len(unstamped), {}, ())
+    assert done.last.base_in_map.distance(truth[-1]) < 0.15
+
+
 def test_a_laser_pose_that_is_given_wins(tmp_path: Path) -> None:
     robot = Robot(tf=False)
     truth = write(tmp_path / "a.bag", robot)

@@ -63,12 +63,12 @@ def test_a_long_gap_has_no_odometry() -> None:
 def test_of_two_with_the_same_stamp_the_last_holds() -> None:
     track = OdometryTrack(
         [
-            OdometrySample(0, 0, Pose2(0, 0, 0)),
-            OdometrySample(1, 0, Pose2(1, 0, 0)),
-            OdometrySample(2, SECOND, Pose2(2, 0, 0)),
+            OdometrySample(SECOND, SECOND, Pose2(0, 0, 0)),
+            OdometrySample(SECOND + 1, SECOND, Pose2(1, 0, 0)),
+            OdometrySample(SECOND + 2, 2 * SECOND, Pose2(2, 0, 0)),
         ]
     )
-    assert x_at(track, 0) == 1.0
+    assert x_at(track, SECOND) == 1.0
 
 
 def test_a_clock_that_was_set_back_begins_a_new_run() -> None:
@@ -100,3 +100,11 @@ def test_what_is_not_finite_is_left_out() -> None:
 
 def test_no_odometry_at_all() -> None:
     assert OdometryTrack([]).at(0, 0) is None
+
+
+@pytest.mark.parametrize("every", [1, 5])
+def test_messages_that_are_not_stamped_are_of_the_time_of_recording(every: int) -> None:
+    steps = straight(SECOND, 20)
+    track = OdometryTrack(step._replace(stamp_ns=0) if not n % every else step for n, step in enumerate(steps))
+    assert (track.unstamped, track.faults) == (20 // every, ())
+    assert x_at(track, 2 * SECOND) == 1.0

@@ -4,7 +4,8 @@ from collections import Counter
 from collections.abc import Iterator
 
 from thbridge.analysis.check.finding import (
-    STAMPED_POSES,
+    EVO_TYPES,
+    TF_TYPES,
     BagStructure,
     BagTool,
     CheckedMessage,
@@ -122,21 +123,22 @@ class HeaderStampOffset:
 
 
 class RecordedLate:
-    """Finds topics recorded much later than their stamps: tools that go by the time of recording pair them wrongly.
+    """Finds topics whose stamps are far from the time of recording: tools that go by the latter pair them wrongly.
 
-    Latched topics and static transforms are left out, as by `HeaderStampOffset`, which finds clocks that differ.
+    They are recorded late, or stamped ahead of it, which one clock cannot give. Latched topics and static transforms
+    are left out, as by `HeaderStampOffset`, which finds greater differences; so are transforms that amcl stamps ahead.
     """
 
     def __init__(self) -> None:
-        self._late: OccurrenceCounter[str] = OccurrenceCounter()
+        self._off: OccurrenceCounter[tuple[str, bool]] = OccurrenceCounter()
         self._count: Counter[str] = Counter()
-        self._sum_ns: Counter[str] = Counter()
+        self._sum_ns: Counter[tuple[str, bool]] = Counter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Listen to every topic that is neither latched nor of static transforms."""
         if _is_sent_once(source):
             return None
-        topic = source.topic
+        topic, may_be_ahead = source.topic, source.msgtype in TF_TYPES
 
         def check(message: CheckedMessage) -> None:
             headers = message.reading.headers
@@ -144,45 +146,58 @@ class RecordedLate:
                 return
             self._count[topic] += 1
             late_ns = message.stamp_ns - headers[0][0]
-            if LATE * 1e9 <= late_ns <= TF_CACHE * 1e9:
-                self._late.add(topic, message.stamp_ns)
-                self._sum_ns[topic] += late_ns
+            if LATE * 1e9 <= abs(late_ns) <= TF_CACHE * 1e9 and not (may_be_ahead and late_ns < 0):
+                self._off.add((topic, late_ns > 0), message.stamp_ns)
+                self._sum_ns[topic, late_ns > 0] += abs(late_ns)
 
         return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """Yield one finding for each topic of which most messages are late."""
-        for topic, first, count in self._late.items():
+        """Yield one finding for each topic of which most messages are late, or ahead."""
+        for (topic, late), first, count in self._off.items():
             if count < LEAST_LATE or 2 * count <= self._count[topic]:
                 continue
-            late = self._sum_ns[topic] / count / 1e9
-            what = f"messages are recorded {late:.2f} s after their stamps on average"
-            remedy = "compare topics by the stamps of headers, as `thbridge report` and evo do"
-            tools = (BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
-            yield Finding("recorded-late", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
+            seconds = self._sum_ns[topic, late] / count / 1e9
+            if late:
+                rule, what = "recorded-late", f"messages are recorded {seconds:.2f} s after their stamps on average"
+                remedy = "compare topics by the stamps of headers, as `thbridge report` and evo do"
+                tools: tuple[BagTool, ...] = (BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
+            else:
+                rule, what = "stamped-ahead", f"stamps are {seconds:.2f} s after the time of recording on average"
+                remedy = "set the clocks of all computers by one server (NTP, chrony) and record again"
+                tools = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER, BagTool.EVO)
+            yield Finding(rule, FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 
 
 class TrajectoryStamps:
-    """Finds header stamps that are zero, go back or repeat: evo needs rising ones."""
+    """Finds header stamps that are zero, go back or repeat: evo needs rising ones.
+
+    Of transforms, only stamps of zero count: one topic has those of many frames.
+    """
 
     def __init__(self) -> None:
-        self._zero: OccurrenceCounter[str] = OccurrenceCounter()
+        self._zero: OccurrenceCounter[tuple[str, bool]] = OccurrenceCounter()
         self._back: OccurrenceCounter[str] = OccurrenceCounter()
         self._again: OccurrenceCounter[str] = OccurrenceCounter()
         self._latest_ns: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Listen to the types that evo reads."""
-        if source.msgtype not in STAMPED_POSES:
+        if source.msgtype not in EVO_TYPES or source.topic.endswith("tf_static"):
             return None
-        topic = source.topic
+        topic, has_frames = source.topic, source.msgtype in TF_TYPES
 
         def check(message: CheckedMessage) -> None:
-            if not message.reading.headers:
+            stamps = [stamp_ns for stamp_ns, _ in message.reading.headers]
+            if not stamps:
                 return
-            stamp_ns, _ = message.reading.headers[0]
+            if has_frames:
+                if not all(stamps):
+                    self._zero.add((topic, True), message.stamp_ns)
+                return
+            stamp_ns = stamps[0]
             if stamp_ns == 0:
-                self._zero.add(topic, message.stamp_ns)
+                self._zero.add((topic, False), message.stamp_ns)
             elif stamp_ns < self._latest_ns.get(topic, 0):
                 self._back.add(topic, message.stamp_ns)
             elif stamp_ns == self._latest_ns.get(topic):
@@ -194,11 +209,16 @@ class TrajectoryStamps:
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and fault."""
-        tools = (BagTool.EVO,)
-        for topic, first, count in self._zero.items():
-            what = "headers are stamped 0: evo has no time for them"
+        tools: tuple[BagTool, ...] = (BagTool.EVO,)
+        for (topic, has_frames), first, count in self._zero.items():
+            what = (
+                "transforms are stamped 0: tf2 has none for later messages"
+                if has_frames
+                else "headers are stamped 0: evo has no time for them"
+            )
             remedy = "let the driver stamp its messages"
-            yield Finding("header-zero", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
+            concerned = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO) if has_frames else tools
+            yield Finding("header-zero", FindingSeverity.ERROR, concerned, topic, what, remedy, first, count)
         for topic, first, count in self._back.items():
             what = "stamps of headers go back: evo's check fails, and its association is wrong"
             remedy = "let one publisher speak on the topic, with one clock"

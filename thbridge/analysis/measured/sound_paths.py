@@ -8,9 +8,9 @@ from sim.numerics.float_array import FloatArray
 from thbridge.ros.clock_changes import stamps_by_clock
 from thbridge.ros.odometry_faults import RecordedFault, sound_poses
 
-LATEST, EARLIEST = 10.0, -1.0
+LATEST, EARLIEST = 10.0, -0.25
 """Seconds after its stamp at which a message is recorded, at most and at least, if one clock gives both: tf2 remembers
-10 s, and amcl stamps its transforms ahead."""
+10 s, and a recorder that uses /clock lags by up to one period of it."""
 RECORDED, STAMPED = 0, 1
 """Columns of the times in rows of time of recording, stamp, x, y, theta."""
 

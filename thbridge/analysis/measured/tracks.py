@@ -174,6 +174,8 @@ class SeriesByTopic:
         told = np.array(self.carried.get(robot, ()), dtype=np.float64)
         if len(paths.truth.cuts) and not len(told):
             sources.notes.append(f"the truth jumps {len(paths.truth.cuts)} times, where the robot was not driven")
+        if not len(paths.truth.rows) and len(paths.relocated):
+            sources.notes.append(f"the estimate jumps {len(paths.relocated)} times, where the robot was not driven")
         carried = np.union1d(told, paths.truth.cuts)
         cut_paths = (
             (paths.truth.rows, carried),

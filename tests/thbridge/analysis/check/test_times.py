@@ -3,6 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from sim.common.geometry import IDENTITY
 from tests.thbridge.analysis.planting import (
     SCAN_LINE,
@@ -18,7 +20,7 @@ from tests.thbridge.analysis.planting import (
     scan_message,
     tf,
 )
-from tests.thbridge.offline.foreign import transform
+from tests.thbridge.offline.foreign import stamp, transform
 from thbridge.analysis.check import BagTool, FindingSeverity
 
 
@@ -58,6 +60,29 @@ def test_a_topic_that_is_recorded_late(tmp_path: Path) -> None:
     assert "0.50 s after their stamps" in finding.what
 
 
+@pytest.mark.parametrize("ahead", [5, 20])
+def test_a_topic_that_is_stamped_ahead(ahead: int, tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries = [
+        replace(entry, message=scan_message(entry.ns + ahead * STEP)) if entry.line.topic == "/scan" else entry
+        for entry in planted.entries
+    ]
+    finding = found(judged(tmp_path, planted), "stamped-ahead")
+    assert (finding.topic, finding.count, finding.first_ns) == ("/scan", 30, START)
+    assert f"{ahead / 10:.2f} s after the time of recording" in finding.what
+
+
+def test_transforms_that_amcl_stamps_ahead_are_in_order(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries = [
+        replace(entry, message=tf(transform(entry.ns + 5 * STEP, "map", "odom", IDENTITY)))
+        if entry.line.topic == "/tf"
+        else entry
+        for entry in planted.entries
+    ]
+    assert "stamped-ahead" not in rules(judged(tmp_path, planted))
+
+
 def test_a_few_late_messages_are_no_late_topic(tmp_path: Path) -> None:
     planted = clean()
     for entry in planted.of("/scan")[:15]:
@@ -88,6 +113,16 @@ def test_odometry_that_is_not_stamped(tmp_path: Path) -> None:
     ]
     finding = found(judged(tmp_path, planted), "header-zero")
     assert (finding.tools, finding.count) == ((BagTool.EVO,), 30)
+
+
+@pytest.mark.parametrize("every", [1, 10])
+def test_transforms_that_are_not_stamped(every: int, tmp_path: Path) -> None:
+    planted = clean()
+    for entry in planted.of("/tf")[::every]:
+        entry.message.transforms[0].header.stamp = stamp(0)  # type: ignore[attr-defined]
+    finding = found(judged(tmp_path, planted), "header-zero")
+    assert (finding.topic, finding.count) == ("/tf", 30 // every)
+    assert BagTool.RVIZ in finding.tools
 
 
 def test_headers_that_go_back(tmp_path: Path) -> None:
