@@ -93,8 +93,8 @@ def setting_of(study: Study, file: Path | None) -> StudySetting:
 
 
 def note_doubts(setting: StudySetting) -> None:
-    """Print warnings about a setting's map and templates."""
-    for warning in (*setting.map.warnings, *setting.templates.warnings):
+    """Print warnings about a setting's map, templates and costs."""
+    for warning in setting.doubts:
         note(str(warning))
 
 

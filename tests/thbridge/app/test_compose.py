@@ -166,12 +166,53 @@ def test_moves_on_a_map_are_not_priced_by_a_set_for_another_map(tmp_path: Path) 
     assert read_setting(asked_for, tmp_path).costs.rows[0][1:4] == OF_2016
 
 
-def test_a_set_that_names_no_map_has_prices_for_any(tmp_path: Path) -> None:
+@pytest.fixture
+def mine(tmp_path: Path) -> Path:
+    """A building of a lab, of as many rooms as arena8, without times."""
+    shutil.copytree(shipped().root / "maps" / "office", tmp_path / "mine", ignore=shutil.ignore_patterns("mapTimes"))
+    return tmp_path / "mine"
+
+
+def test_another_map_with_the_name_of_ours_is_not_priced_as_ours(mine: Path, tmp_path: Path) -> None:
+    mine.rename(tmp_path / "arena8")
+    with pytest.raises(
+        BadFile, match="its costs are for the program's map arena8, and the map of the study is another"
+    ):
+        read_setting(Study(map="./arena8", templates="original-2016"), tmp_path)
+
+
+def test_a_copy_of_our_map_is_priced_as_ours(tmp_path: Path) -> None:
+    shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "arena8")
+    setting = read_setting(Study(map="./arena8", templates="original-2016"), tmp_path)
+    assert (setting.costs.rows[0][1:4], setting.doubts) == (OF_2016, ())
+
+
+def test_prices_that_are_named_for_another_map_are_used_with_a_warning(mine: Path, tmp_path: Path) -> None:
+    setting = read_setting(Study(map=f"./{mine.name}", game=GameSection(costs=Path("original-2016"))), tmp_path)
+    (doubt,) = setting.doubts
+    assert "moves on the map mine cost what this file has for the map arena8" in str(doubt)
+
+
+def test_times_of_another_map_copied_into_a_map_are_used_with_a_warning(mine: Path, tmp_path: Path) -> None:
+    shutil.copy(shipped().root / "maps" / "arena8" / "mapTimes", mine)
+    (doubt,) = read_setting(Study(map="./mine"), tmp_path).doubts
+    assert "trips take less time than the study's robots need: " in str(doubt)
+
+
+@pytest.mark.parametrize("name", ["arena8", "warehouse12", "office", "practice"])
+def test_times_that_were_measured_on_a_map_are_used_without(name: str, tmp_path: Path) -> None:
+    assert read_setting(Study(map=name, robots=1), tmp_path).doubts == ()
+
+
+def test_a_set_that_names_no_map_has_prices_for_any_with_a_warning(tmp_path: Path) -> None:
     shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "mine")
     (tmp_path / "mine" / "mapTimes").unlink()
     shutil.copytree(shipped().root / "templates" / "original-2016", tmp_path / "set")
     (tmp_path / "set" / "set.yaml").write_text("language: en\n")
-    assert read_setting(Study(map="./mine", templates="./set"), tmp_path).costs.rows[0][1:4] == OF_2016
+    setting = read_setting(Study(map="./mine", templates="./set"), tmp_path)
+    assert setting.costs.rows[0][1:4] == OF_2016
+    (doubt,) = setting.doubts
+    assert "set.yaml names no map for it. Write `map: mine` into set.yaml" in str(doubt)
 
 
 def test_dialogue_games_of_a_study_are_checked_before_anything_starts(tmp_path: Path) -> None:

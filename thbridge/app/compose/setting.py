@@ -16,6 +16,7 @@ from sim.common.traversability import TraversabilityMap
 from sim.parameters import installed_names
 from sim.robot.costmap.footprint import radii
 from thbridge.app.compose.installed import installed_author, installed_strategy, participant_factory
+from thbridge.app.compose.move_costs import costs_file, doubts_of_costs, read_costs
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.robot_strategies import StrategyFactory
@@ -28,7 +29,6 @@ from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.language_texts import advice_on_texts, read_texts, shipped_texts
 from thbridge.files.map_files import Map, missing_room_names, read_map
-from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.resources import Resources, shipped
 from thbridge.files.set_words import SetWords
 from thbridge.files.template_files import TemplateSet, missing_words, read_template_set
@@ -65,6 +65,7 @@ class StudySetting:
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
         texts: of the game's language, for participants.
+        doubts: warnings about map, templates and costs, for people; a game can be played.
     """
 
     study: Study
@@ -80,6 +81,7 @@ class StudySetting:
     consent: str | None = None
     farewell: str = ""
     texts: Texts = field(default_factory=shipped_texts)
+    doubts: tuple[BadFile, ...] = ()
 
     @property
     def room_names(self) -> RoomNames:
@@ -125,6 +127,7 @@ def read_setting(
     place: Map | None = None
     templates: TemplateSet | None = None
     costs: CostMatrix | None = None
+    doubts: tuple[BadFile, ...] = ()
     by_position, consent, farewell = False, None, ""
     rulebook: Rulebook | None = None
     language: Language | None = None
@@ -140,9 +143,10 @@ def read_setting(
         templates = read_template_set(folder)
     if place is not None and templates is not None:
         with faults.kept():
-            path = _costs_file(study, beside, place, folder, templates, resources)
+            path = costs_file(study, beside, place, folder, templates, resources)
             with keys.naming("game.costs", study.game.costs is not None and not is_regular(path)):
-                costs = _costs(path, place)
+                costs = read_costs(path, place)
+            doubts = tuple(doubts_of_costs(path, costs, study, place, templates, resources))
             model = study.game.cost_model
             by_position = path == place.costs if model is None else model is CostModel.POSITION
     talk = study.dialogue
@@ -185,6 +189,7 @@ def read_setting(
         consent,
         farewell,
         texts,
+        (*place.warnings, *templates.warnings, *doubts),
     )
 
 
@@ -371,43 +376,3 @@ def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[tuple[str, 
             problem = f"robot {mishap.robot} would be carried to ({x:g}, {y:g}), where it does not fit on this map"
             key = f"mishaps[{index}].to"
             yield key, BadFile(map_yaml, problem, f"mend {key} in the study")
-
-
-def _costs_file(
-    study: Study, beside: Path, place: Map, folder: Path, templates: TemplateSet, resources: Resources
-) -> Path:
-    """Return the study's own cost file, or the one that the templates have for this map, or the map's.
-
-    Templates that do not say which map theirs is for have it for any.
-    """
-    if study.game.costs is not None:
-        of_a_set = str(study.game.costs) in resources.names("templates")
-        return resources.root / "templates" / study.game.costs / MAP_TIMES if of_a_set else beside / study.game.costs
-    of_templates = templates.map == place.name and study.game.cost_model is not CostModel.POSITION
-    if place.costs is not None and not (of_templates and templates.costs is not None):
-        return place.costs
-    if templates.costs is not None and templates.map in {None, place.name}:
-        return folder / MAP_TIMES
-    if templates.costs is None:
-        problem = f"neither this folder nor that of the map {place.name} has a {MAP_TIMES}, so moves have no costs"
-    else:
-        problem = f"its costs are for the map {templates.map}, and the map {place.name} has no {MAP_TIMES}"
-    of_map = resources.find("maps", study.map, beside)
-    measure = f"thbridge maps measure {of_map} --out {of_map / MAP_TIMES}"
-    remedy = f"measure the trips by `{measure}`, or name another file by `game: costs:` in the study"
-    raise BadFile(folder / MAP_TIMES, problem, remedy)
-
-
-def _costs(path: Path, place: Map) -> CostMatrix:
-    """Return the costs in a file, which must fit the map."""
-    costs = read_map_times(path)
-    if len(costs.rooms) != len(place.rooms):
-        raise BadFile(
-            path,
-            f"{len(costs.rooms) + 1} nodes, but the map {place.name} has {len(place.rooms)} rooms and a corridor",
-            f"let `thbridge maps measure` write a {MAP_TIMES} of {len(place.rooms) + 1} nodes into the map's folder, "
-            "or name one by `game: costs:` in the study",
-            line=1,
-            key="number of nodes",
-        )
-    return costs

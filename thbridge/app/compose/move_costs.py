@@ -1,0 +1,132 @@
+"""Choice of the file that prices the moves of a study, and doubts about it."""
+
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+
+from sim.parameters import RobotParameters
+from thbridge.files.errors import BadFile
+from thbridge.files.map_files import Map, read_map
+from thbridge.files.map_times import MAP_TIMES, read_map_times
+from thbridge.files.resources import Resources
+from thbridge.files.template_files import TemplateSet, read_template_set
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.rooms import CORRIDOR, Room
+from thbridge.study.study_file import CostModel, Study
+
+ROUNDING = 1.0
+"""Seconds by which a trip may take less than its straight way: files have whole seconds, goals have tolerances."""
+
+
+def costs_file(
+    study: Study, beside: Path, place: Map, folder: Path, templates: TemplateSet, resources: Resources
+) -> Path:
+    """Return the study's own cost file, or the one that the templates have for this map, or the map's.
+
+    Templates that do not say which map theirs is for have it for any.
+
+    Args:
+        study: the study.
+        beside: the folder that paths in the study are relative to.
+        place: its map.
+        folder: of its templates.
+        templates: its templates.
+        resources: maps and templates that are known by name.
+
+    Raises:
+        BadFile: there is none for this map.
+    """
+    if study.game.costs is not None:
+        of_a_set = str(study.game.costs) in resources.names("templates")
+        return resources.root / "templates" / study.game.costs / MAP_TIMES if of_a_set else beside / study.game.costs
+    of_map = resources.find("maps", study.map, beside)
+    names_map = templates.costs is not None and _names(templates.map, of_map, place, resources)
+    if place.costs is not None and not (names_map and study.game.cost_model is not CostModel.POSITION):
+        return place.costs
+    if templates.costs is not None and (templates.map is None or names_map):
+        return folder / MAP_TIMES
+    if templates.costs is None:
+        problem = f"neither this folder nor that of the map {place.name} has a {MAP_TIMES}, so moves have no costs"
+    elif templates.map == place.name:
+        problem = f"its costs are for the program's map {place.name}, and the map of the study is another one"
+    else:
+        problem = f"its costs are for the map {templates.map}, and the map {place.name} has no {MAP_TIMES}"
+    measure = f"thbridge maps measure {of_map} --out {of_map / MAP_TIMES}"
+    remedy = f"measure the trips by `{measure}`, or name another file by `game: costs:` in the study"
+    raise BadFile(folder / MAP_TIMES, problem, remedy)
+
+
+def _names(name: str | None, of_map: Path, place: Map, resources: Resources) -> bool:
+    """Return True when a name in `set.yaml` is of this map; names of the program's maps are of these or of copies."""
+    if name != place.name or name not in resources.names("maps"):
+        return name == place.name
+    shipped = resources.root / "maps" / name
+    if of_map.samefile(shipped):
+        return True
+    original = read_map(shipped, with_costs=False)
+    return (original.grid, original.rooms) == (place.grid, place.rooms)
+
+
+def read_costs(path: Path, place: Map) -> CostMatrix:
+    """Return the costs in a file, which must fit the map. Raises BadFile."""
+    costs = read_map_times(path)
+    if len(costs.rooms) != len(place.rooms):
+        raise BadFile(
+            path,
+            f"{len(costs.rooms) + 1} nodes, but the map {place.name} has {len(place.rooms)} rooms and a corridor",
+            f"let `thbridge maps measure` write a {MAP_TIMES} of {len(place.rooms) + 1} nodes into the map's folder, "
+            "or name one by `game: costs:` in the study",
+            line=1,
+            key="number of nodes",
+        )
+    return costs
+
+
+def doubts_of_costs(
+    path: Path, costs: CostMatrix, study: Study, place: Map, templates: TemplateSet, resources: Resources
+) -> Iterator[BadFile]:
+    """Yield warnings that a file may price the moves of another map.
+
+    Args:
+        path: the file, as `costs_file` found it.
+        costs: its content.
+        study: the study.
+        place: its map.
+        templates: its templates.
+        resources: maps and templates that are known by name.
+    """
+    if study.game.costs is not None:
+        if path.parent.parent == resources.root / "templates":
+            meant = read_template_set(path.parent).map
+            if meant not in {None, place.name}:
+                problem = f"moves on the map {place.name} cost what this file has for the map {meant}"
+                yield BadFile(path, problem, "Delete `game: costs:` in the study if that is not meant")
+    elif path != place.costs:
+        if templates.map is None:
+            problem = f"moves on the map {place.name} cost what this file says, and set.yaml names no map for it"
+            remedy = f"Write `map: {place.name}` into set.yaml if they are meant for it"
+            yield BadFile(path, problem, remedy)
+    elif too_cheap := tuple(_faster_than_robots(costs, study, place)):
+        start, goal, least = too_cheap[0]
+        problem = (
+            f"{len(too_cheap)} trips take less time than the study's robots need: {start} to {goal} takes "
+            f"{costs.cost(start, goal):g} s here, and at least {least:.0f} s at their greatest speed"
+        )
+        remedy = "If the file is of another map or other robots, measure again, by `thbridge maps measure`"
+        yield BadFile(path, problem, remedy)
+
+
+def _faster_than_robots(costs: CostMatrix, study: Study, place: Map) -> Iterator[tuple[Room, Room, float]]:
+    """Yield trips that take less than the straight way at the greatest speed: start, goal, seconds that it takes."""
+    planned = max(map(_greatest_speed, (study.robot, *study.each.values())))
+    fastest = min(planned, study.world.max_vel_x)
+    goals = {entry.room: (entry.goal,) for entry in place.rooms}
+    for (start, poses), (goal, (there,)) in product([(CORRIDOR, place.starts), *goals.items()], goals.items()):
+        least = min(pose.distance(there) for pose in poses) / max(fastest, 1e-3)
+        if start != goal and costs.cost(start, goal) + ROUNDING < least:
+            yield start, goal, least
+
+
+def _greatest_speed(software: RobotParameters) -> float:
+    dwa = software.DWAPlannerROS
+    return max(software.TrajectoryPlannerROS.max_vel_x, dwa.max_vel_x, dwa.max_vel_trans)
