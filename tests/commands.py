@@ -3,8 +3,10 @@
 from contextlib import chdir
 from pathlib import Path
 
-from click.testing import Result
-from typer.testing import CliRunner
+import typer
+import typer.main
+from typer.core import TyperCommand, TyperGroup
+from typer.testing import CliRunner, Result
 
 from ui.cli import app
 
@@ -13,3 +15,16 @@ def thbridge(folder: Path, *words: object) -> Result:
     """Run a command in a folder, and return its exit code and what it printed."""
     with chdir(folder):
         return CliRunner().invoke(app, [*map(str, words)])
+
+
+def all_commands() -> dict[tuple[str, ...], TyperCommand | TyperGroup]:
+    """Return all commands, and the groups that they are in, by their names."""
+    found = {(): typer.main.get_command(app)}
+    groups = [()]
+    while groups:
+        names = groups.pop()
+        context = typer.Context(found[names])
+        for name in found[names].list_commands(context):
+            found[*names, name] = inner = found[names].get_command(context, name)
+            groups += [(*names, name)] * isinstance(inner, TyperGroup)
+    return found

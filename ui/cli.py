@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from ui.command_line.groups import CommandGroup, SharingGroup, group
 from ui.command_line.outputs import keep_to_owner
 from ui.command_line.terminal import (
     escape_for_standard_output,
@@ -15,54 +16,140 @@ from ui.command_line.terminal import (
     replace_closed_streams,
     whole_standard_output,
 )
-from ui.commands import programs, templates
-from ui.commands.argue import argue
-from ui.commands.bag import bag
-from ui.commands.bag.export import bag_export
-from ui.commands.bag.plot import bag_plot
-from ui.commands.desktop import desktop_app
-from ui.commands.docs import docs
-from ui.commands.doctor import doctor
-from ui.commands.group import CommandGroup
-from ui.commands.keys import keys_app
-from ui.commands.maps.maps import maps_app
-from ui.commands.maps.measure import maps_measure
-from ui.commands.maps.new import maps_edit, maps_new
-from ui.commands.mavlink import mavlink_app
-from ui.commands.offline.drive import GoalWithYaw, drive
-from ui.commands.offline.localize import localize_command
-from ui.commands.offline.plan import plan
-from ui.commands.offline.scan import scan
-from ui.commands.play import play
-from ui.commands.plugins import plugins_app
-from ui.commands.replay import replay_command
-from ui.commands.report import report
-from ui.commands.ros import ros_app
-from ui.commands.study.edit import study_edit
-from ui.commands.study.experiment import (
-    study_backup,
-    study_export,
-    study_freeze,
-    study_new,
-    study_power,
-    study_preview,
-    study_rehearse,
-    study_restore,
-    study_run,
-    study_status,
-    study_watch,
-    study_withdraw,
-)
-from ui.commands.study.study import study_app
-from ui.commands.suggest import suggest
-from ui.commands.sweep.plot import sweep_plot
-from ui.commands.sweep.run import sweep_run
-from ui.commands.sweep.sweep import sweep_app
-from ui.commands.talk import talk_app
-from ui.commands.watch import watch
+
+
+class _SweepGroup(SharingGroup):
+    """The commands of `sweep`; `run` may be left out."""
+
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
+        """Take the name of the command, or add it."""
+        if args and args[0] not in self.paths and args[0] not in ctx.help_option_names:
+            args = ["run", *args]
+        return super().parse_args(ctx, args)
+
+
+class _Commands(CommandGroup):
+    """All commands."""
+
+    paths = {  # noqa: RUF012
+        "play": "ui.commands.play:play",
+        "server": "ui.commands.programs:server",
+        "simr": "ui.commands.programs:simr",
+        "hider": "ui.commands.programs:hider",
+        "tabui": "ui.commands.programs:tabui",
+        "suggest": "ui.commands.suggest:suggest",
+        "report": "ui.commands.report:report",
+        "plan": "ui.commands.offline.plan:plan",
+        "scan": "ui.commands.offline.scan:scan",
+        "watch": "ui.commands.watch:watch",
+        "argue": "ui.commands.argue:argue",
+        "docs": "ui.commands.docs:docs",
+        "doctor": "ui.commands.doctor:doctor",
+        "drive": "ui.commands.offline.drive:drive_app",
+        "localize": "ui.commands.offline.localize:localize_command",
+        "replay": "ui.commands.replay:replay_command",
+        "bag": group(
+            "Look into recordings and mend them.",
+            {
+                "info": "ui.commands.bag.bag:bag_info_command",
+                "check": "ui.commands.bag.bag:bag_check_command",
+                "reindex": "ui.commands.bag.bag:bag_reindex_command",
+                "cut": "ui.commands.bag.bag:bag_cut_command",
+                "to-mcap": "ui.commands.bag.bag:bag_to_mcap_command",
+                "export": "ui.commands.bag.export:bag_export",
+                "plot": "ui.commands.bag.plot:bag_plot",
+            },
+        ),
+        "maps": group(
+            "Maps: the arenas that robots drive in.",
+            {
+                "check": "ui.commands.maps.maps:maps_check",
+                "list": "ui.commands.maps.maps:maps_list",
+                "measure": "ui.commands.maps.measure:maps_measure",
+                "new": "ui.commands.maps.new:maps_new",
+                "edit": "ui.commands.maps.new:maps_edit",
+            },
+            SharingGroup,
+        ),
+        "study": group(
+            "Study files: everything that can be set, in one YAML file.",
+            {
+                "init": "ui.commands.study.study:study_init",
+                "check": "ui.commands.study.study:study_check",
+                "edit": "ui.commands.study.edit:study_edit",
+                "new": "ui.commands.study.experiment:study_new",
+                "run": "ui.commands.study.experiment:study_run",
+                "rehearse": "ui.commands.study.experiment:study_rehearse",
+                "power": "ui.commands.study.experiment:study_power",
+                "status": "ui.commands.study.experiment:study_status",
+                "watch": "ui.commands.study.experiment:study_watch",
+                "preview": "ui.commands.study.experiment:study_preview",
+                "freeze": "ui.commands.study.experiment:study_freeze",
+                "export": "ui.commands.study.experiment:study_export",
+                "backup": "ui.commands.study.experiment:study_backup",
+                "restore": "ui.commands.study.experiment:study_restore",
+                "withdraw": "ui.commands.study.experiment:study_withdraw",
+            },
+        ),
+        "templates": group(
+            "Template sets: treasures, their properties and pictures, and the sentences of robots.",
+            {
+                "check": "ui.commands.templates:templates_check",
+                "edit": "ui.commands.templates:templates_edit",
+                "list": "ui.commands.templates:templates_list",
+                "new": "ui.commands.templates:templates_new",
+            },
+            SharingGroup,
+        ),
+        "mavlink": group(
+            "MAVLink: watch and command robots that speak it, such as those of `thbridge play --mavlink`.",
+            {
+                "status": "ui.commands.mavlink:mavlink_status",
+                "goto": "ui.commands.mavlink:goto_app",
+                "replay": "ui.commands.mavlink:mavlink_replay",
+            },
+        ),
+        "ros": group(
+            "ROS 1: our message types for it, a master, and what rviz and Foxglove show.",
+            {
+                "messages": "ui.commands.ros:ros_messages",
+                "master": "ui.commands.ros:ros_master",
+                "rviz": "ui.commands.ros:ros_rviz",
+                "foxglove": "ui.commands.ros:ros_foxglove",
+            },
+        ),
+        "keys": group(
+            "Keys by which programs and windows take part from other machines: made, listed, revoked.",
+            {
+                "new": "ui.commands.keys:keys_new",
+                "list": "ui.commands.keys:keys_list",
+                "revoke": "ui.commands.keys:keys_revoke",
+            },
+        ),
+        "talk": "ui.commands.talk:talk_app",
+        "plugins": group(
+            "Plug-ins: programs of your lab that replace a part, found by their entry points.",
+            {"list": "ui.commands.plugins:plugins_list", "check": "ui.commands.plugins:plugins_check"},
+        ),
+        "desktop": group(
+            "Open bags by a double click on a Linux desktop: install or remove menu entry, file types and icon.",
+            {"install": "ui.commands.desktop:desktop_install", "remove": "ui.commands.desktop:desktop_remove"},
+        ),
+        "sweep": group(
+            "Sweeps: many games over the factors of a design. `sweep DESIGN.yaml` is `sweep run DESIGN.yaml`.",
+            {
+                "status": "ui.commands.sweep.sweep:sweep_status",
+                "collect": "ui.commands.sweep.sweep:sweep_collect",
+                "run": "ui.commands.sweep.run:sweep_run",
+                "plot": "ui.commands.sweep.plot:sweep_plot",
+            },
+            _SweepGroup,
+        ),
+    }
+
 
 app = typer.Typer(
-    cls=CommandGroup,
+    cls=_Commands,
     name="thbridge",
     help="A treasure hunt shared by people and teams of robots: simulate it, play it, record it.",
     no_args_is_help=True,
@@ -84,58 +171,6 @@ def thbridge(
     ] = False,
 ) -> None:
     """Take what stands before a command."""
-
-
-for command in (
-    play,
-    programs.server,
-    programs.simr,
-    programs.hider,
-    programs.tabui,
-    suggest,
-    report,
-    plan,
-    scan,
-    watch,
-    argue,
-    docs,
-    doctor,
-):
-    app.command()(command)
-app.command(cls=GoalWithYaw)(drive)
-app.command("localize")(localize_command)
-bag.bag_app.command("export")(bag_export)
-bag.bag_app.command("plot")(bag_plot)
-app.command("replay")(replay_command)
-app.add_typer(bag.bag_app, name="bag")
-maps_app.command("measure")(maps_measure)
-maps_app.command("new")(maps_new)
-maps_app.command("edit")(maps_edit)
-app.add_typer(maps_app, name="maps")
-study_app.command("edit")(study_edit)
-study_app.command("new")(study_new)
-study_app.command("run")(study_run)
-study_app.command("rehearse")(study_rehearse)
-study_app.command("power")(study_power)
-study_app.command("status")(study_status)
-study_app.command("watch")(study_watch)
-study_app.command("preview")(study_preview)
-study_app.command("freeze")(study_freeze)
-study_app.command("export")(study_export)
-study_app.command("backup")(study_backup)
-study_app.command("restore")(study_restore)
-study_app.command("withdraw")(study_withdraw)
-app.add_typer(study_app, name="study")
-app.add_typer(templates.templates_app, name="templates")
-app.add_typer(mavlink_app, name="mavlink")
-app.add_typer(ros_app, name="ros")
-app.add_typer(keys_app, name="keys")
-app.add_typer(talk_app, name="talk")
-app.add_typer(plugins_app, name="plugins")
-app.add_typer(desktop_app, name="desktop")
-sweep_app.command("run")(sweep_run)
-sweep_app.command("plot")(sweep_plot)
-app.add_typer(sweep_app, name="sweep")
 
 
 class NoteHandler(logging.Handler):

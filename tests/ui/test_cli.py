@@ -10,8 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import Result
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.consent import ParticipantDeclined

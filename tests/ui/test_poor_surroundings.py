@@ -4,15 +4,12 @@ import os
 import shlex
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
-import click
 import pytest
-import typer
 
+from tests.commands import all_commands
 from tests.compiling import ROOT
-from ui.cli import app
 
 PEOPLE = ROOT / "tests" / "system" / "studies_of_0_1" / "with-people"
 NOBODY = """
@@ -97,15 +94,8 @@ def test_files_are_written_whole_with_all_streams_closed(tmp_path: Path) -> None
 # Every command
 
 
-def names_of(command: click.Command, names: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """Yield the names of all commands."""
-    yield names
-    for name, inner in (getattr(command, "commands", None) or {}).items():
-        yield from names_of(inner, (*names, name))
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("names", tuple(names_of(typer.main.get_command(app))), ids=" ".join)
+@pytest.mark.parametrize("names", tuple(all_commands()), ids=" ".join)
 def test_the_help_of_every_command(names: tuple[str, ...]) -> None:
     everything = NO_HOME.format(ASCII).format(ALL_CLOSED)
     assert run(everything, NOBODY + commands((1, [*names, "--help"]))).returncode == 0

@@ -2,19 +2,9 @@
 
 import sys
 
-import typer
-
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, say
-from ui.commands.group import CommandGroup
-
-desktop_app = typer.Typer(
-    cls=CommandGroup,
-    help="Open bags by a double click on a Linux desktop: install or remove menu entry, file types and icon.",
-    no_args_is_help=True,
-)
 
 
-@desktop_app.command("install")
 def desktop_install() -> None:
     """Install the menu entry, the file types of bags and the icon, for this user alone."""
     from ui.actions.desktop_files import data_home, install, installed_program
@@ -27,7 +17,6 @@ def desktop_install() -> None:
     note("Bags now open in `thbridge watch`. Undo this by `thbridge desktop remove`.")
 
 
-@desktop_app.command("remove")
 def desktop_remove() -> None:
     """Remove what `desktop install` installed."""
     from ui.actions.desktop_files import data_home, remove

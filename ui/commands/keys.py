@@ -7,20 +7,12 @@ import typer
 
 from thbridge.credentials import Right
 from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, out, say
-from ui.commands.group import CommandGroup
-
-keys_app = typer.Typer(
-    cls=CommandGroup,
-    help="Keys by which programs and windows take part from other machines: made, listed, revoked.",
-    no_args_is_help=True,
-)
 
 KeyFolder = Annotated[Path, typer.Option("--keys", help="Folder of the keys, which --keys and --watch-key name.")]
 KeyName = Annotated[str, typer.Argument(help="Name of whoever has it; it is recorded with what they do.")]
 FOLDER = Path("keys")
 
 
-@keys_app.command("new")
 def keys_new(
     name: KeyName,
     folder: KeyFolder = FOLDER,
@@ -46,7 +38,6 @@ def keys_new(
     note(f"Hand this file over, and delete it here. It is used by `{uses}`.")
 
 
-@keys_app.command("list")
 def keys_list(folder: KeyFolder = FOLDER) -> None:
     """List the keys, those that are good for nothing any more among them."""
     from rich.table import Table
@@ -69,7 +60,6 @@ def keys_list(folder: KeyFolder = FOLDER) -> None:
             say(f"sha256:{certificate_of(folder, utc_now()).fingerprint}")
 
 
-@keys_app.command("revoke")
 def keys_revoke(name: KeyName, folder: KeyFolder = FOLDER) -> None:
     """Take a key back; whoever is connected by it is disconnected within a second."""
     from thbridge.files.keys.key_ring import KeyRing

@@ -11,20 +11,13 @@ from thbridge.sockets.addresses import Address, parse_address
 from ui.command_line.options import AsJson, KeyFile, StudyOption, the_study
 from ui.command_line.outputs import make_copy_ready
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, out, print_json, show
-from ui.commands.group import CommandGroup
 
 USUAL = "127.0.0.1:14550"
 
+goto_app = typer.Typer(add_completion=False)
+
 
 _TCP = "tcp:"
-
-
-mavlink_app = typer.Typer(
-    cls=CommandGroup,
-    help="MAVLink: watch and command robots that speak it, such as those of `thbridge play --mavlink`.",
-    no_args_is_help=True,
-)
-
 
 Where = Annotated[
     str,
@@ -34,7 +27,6 @@ Where = Annotated[
 ]
 
 
-@mavlink_app.command("status")
 def mavlink_status(
     where: Where = USUAL,
     seconds: Annotated[float, typer.Option(help="How long to listen.", min=0.1, max=3600)] = 3.0,
@@ -76,7 +68,7 @@ def mavlink_status(
                 show(f"robot {robot.system}: {robot.text}")
 
 
-@mavlink_app.command("goto", context_settings={"ignore_unknown_options": True})
+@goto_app.command(context_settings={"ignore_unknown_options": True})
 def mavlink_goto(
     robot: Annotated[int, typer.Argument(help="The robot's number, which is its system id.", min=1, max=255)],
     x: Annotated[float, typer.Argument(help="Metres east of the map's origin.")],
@@ -117,7 +109,6 @@ def mavlink_goto(
     show(f"Robot {robot} is at {there.x:.2f} {there.y:.2f}.")
 
 
-@mavlink_app.command("replay")
 def mavlink_replay(
     bag: Annotated[Path, typer.Argument(help="A recording with topics /robotN/mavlink/to.")],
     study_file: Annotated[

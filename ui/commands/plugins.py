@@ -6,16 +6,8 @@ import typer
 
 from ui.command_line.options import AsJson, Seed
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, print_json, say
-from ui.commands.group import CommandGroup
-
-plugins_app = typer.Typer(
-    cls=CommandGroup,
-    help="Plug-ins: programs of your lab that replace a part, found by their entry points.",
-    no_args_is_help=True,
-)
 
 
-@plugins_app.command("list")
 def plugins_list(as_json: AsJson = False) -> None:
     """List the plug-ins that are installed; none of them is loaded."""
     from thbridge.files.plugins import KINDS
@@ -31,7 +23,6 @@ def plugins_list(as_json: AsJson = False) -> None:
         say(f"None is installed. Groups of entry points: {', '.join(kind.group for kind in KINDS)}.")
 
 
-@plugins_app.command("check")
 def plugins_check(
     participant: Annotated[
         str | None, typer.Option(help="A simulated participant that is installed: it plays games of all conditions.")

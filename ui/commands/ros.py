@@ -13,20 +13,12 @@ from thbridge.sockets.errors import CannotListen
 from ui.command_line.options import MapName, OpenTo, Robots, StudyFile
 from ui.command_line.outputs import STANDARD_OUTPUT
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
-from ui.commands.group import CommandGroup
 
 if TYPE_CHECKING:
     from sim.common.grid import OccupancyGrid
     from sim.parameters import RobotParameters
 
-ros_app = typer.Typer(
-    cls=CommandGroup,
-    help="ROS 1: our message types for it, a master, and what rviz and Foxglove show.",
-    no_args_is_help=True,
-)
 
-
-@ros_app.command("messages")
 def ros_messages(folder: Annotated[Path, typer.Argument(help="Where packages go, e.g. a catkin `src`.")]) -> None:
     """Write our message types as the ROS package `thbridge_msgs`; where ROS lacks mavros, also those we have of it."""
     import os
@@ -41,7 +33,6 @@ def ros_messages(folder: Annotated[Path, typer.Argument(help="Where packages go,
         note(f"Wrote {package}.")
 
 
-@ros_app.command("master")
 def ros_master(
     host: Annotated[
         str, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in, those of --open-to.")
@@ -72,7 +63,6 @@ def ros_master(
 ViewFile = Annotated[Path | None, typer.Option("--to", help="The file; by default, and with `-`, standard output.")]
 
 
-@ros_app.command("rviz")
 def ros_rviz(
     study_file: StudyFile = None, robots: Robots = None, map_name: MapName = None, to: ViewFile = None
 ) -> None:
@@ -82,7 +72,6 @@ def ros_rviz(
     _write_view(configuration, study_file, robots, map_name, to, "Open it by: rviz -d {to}")
 
 
-@ros_app.command("foxglove")
 def ros_foxglove(
     study_file: StudyFile = None, robots: Robots = None, map_name: MapName = None, to: ViewFile = None
 ) -> None:

@@ -7,12 +7,20 @@ from typing import Annotated
 
 import typer
 
+from ui.command_line.groups import CommandGroup
 from ui.command_line.options import AsJson, Seed
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
-from ui.commands.group import CommandGroup
+
+
+class _TalkGroup(CommandGroup):
+    """The commands of `talk`, which may be left out."""
+
+    paths = {"check": "ui.commands.talk:talk_check", "words": "ui.commands.talk:talk_words"}  # noqa: RUF012
+
 
 talk_app = typer.Typer(
-    cls=CommandGroup,
+    cls=_TalkGroup,
+    add_completion=False,
     help="Dialogue games between a robot and a person: who may say what, when, and how it ends.",
     no_args_is_help=True,
 )
@@ -93,7 +101,6 @@ def talk(
             show("")
 
 
-@talk_app.command("check")
 def talk_check(
     folders: Annotated[
         list[Path] | None,
@@ -146,7 +153,6 @@ def talk_check(
         raise typer.Exit(BAD_INPUT)
 
 
-@talk_app.command("words")
 def talk_words() -> None:
     """List the words of games' files, and those of files of wordings, with their meanings."""
     from ui.actions.talk.check import words

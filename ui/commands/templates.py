@@ -7,19 +7,11 @@ import typer
 
 from ui.command_line.options import AsJson, ColourScheme, LookOption
 from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, print_json, say
-from ui.commands.group import SharingGroup
 from ui.windows.display import why_no_window
-
-templates_app = typer.Typer(
-    cls=SharingGroup,
-    help="Template sets: treasures, their properties and pictures, and the sentences of robots.",
-    no_args_is_help=True,
-)
 
 SetName = Annotated[str, typer.Argument(help="Name of a template set, or the path of its folder.")]
 
 
-@templates_app.command("check")
 def templates_check(name: SetName, as_json: AsJson = False) -> None:
     """Check a template set, and tell what is in it."""
     from ui.actions.templates import folder_of, read_set
@@ -35,7 +27,6 @@ def templates_check(name: SetName, as_json: AsJson = False) -> None:
         say(line)
 
 
-@templates_app.command("edit")
 def templates_edit(
     folder: Annotated[Path, typer.Argument(help="Folder of a template set of your own; see `thbridge templates new`.")],
     look: LookOption = ColourScheme.SYSTEM,
@@ -58,7 +49,6 @@ def templates_edit(
     raise typer.Exit(code)
 
 
-@templates_app.command("list")
 def templates_list() -> None:
     """Name the template sets that come with the project."""
     from thbridge.files.resources import shipped
@@ -67,7 +57,6 @@ def templates_list() -> None:
         say(name)
 
 
-@templates_app.command("new")
 def templates_new(
     folder: Annotated[Path, typer.Argument(help="The folder to make; must not exist.")],
     like: Annotated[str, typer.Option(help="Name or folder of the set to copy.")] = "four-properties",

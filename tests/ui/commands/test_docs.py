@@ -7,12 +7,10 @@ import sys
 import webbrowser
 from pathlib import Path
 
-import click
 import pytest
-import typer
 from typer.testing import CliRunner
 
-from tests.ui.test_poor_surroundings import names_of
+from tests.commands import all_commands
 from ui.actions import pages
 from ui.cli import app
 
@@ -35,17 +33,9 @@ def test_an_unknown_page_is_answered_with_the_nearest() -> None:
     assert "The nearest name is sweeps." in refused.stderr
 
 
-def help_texts(command: click.Command, names: tuple[str, ...]) -> str:
-    inner = command
-    for name in names:
-        inner = inner.commands[name]  # type: ignore[attr-defined]
-    texts = [inner.help or "", *(getattr(each, "help", None) or "" for each in inner.params)]
-    return " ".join(texts)
-
-
 def test_each_page_that_a_help_text_or_a_message_names_is_there() -> None:
-    root = typer.main.get_command(app)
-    text = " ".join(help_texts(root, names) for names in names_of(root))
+    commands = all_commands().values()
+    text = " ".join(getattr(each, "help", None) or "" for command in commands for each in (command, *command.params))
     text += " ".join(path.read_text() for path in (ROOT / "ui").rglob("*.py"))
     named = {first or second for first, second in NAMED.findall(text)}
     assert {"sweeps", "security", "mavlink"} <= named

@@ -3,9 +3,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import Result
 from PIL import Image
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid

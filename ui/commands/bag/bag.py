@@ -14,17 +14,9 @@ from ui.command_line.options import AsJson, ProgressKind, ProgressOption
 from ui.command_line.outputs import STANDARD_OUTPUT, destination, share_no_output
 from ui.command_line.recordings import Recording
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json, say
-from ui.commands.group import CommandGroup
 
 MOST_LOSSES = 20
 """Losses of a repair that are listed one by one."""
-
-bag_app = typer.Typer(
-    cls=CommandGroup,
-    help="Look into recordings and mend them.",
-    no_args_is_help=True,
-)
-
 
 Out = Annotated[
     Path | None, typer.Option("--to", help="The new file; by default beside the bag. `-` is standard output.")
@@ -49,7 +41,6 @@ class Profile(StrEnum):
     ROS2 = "ros2"
 
 
-@bag_app.command("info")
 def bag_info_command(
     bag: Recording,
     hashed: Annotated[
@@ -77,7 +68,6 @@ def bag_info_command(
         say(f"{name} of the messages: {value}")
 
 
-@bag_app.command("check")
 def bag_check_command(bag: Recording, progress: ProgressOption = ProgressKind.AUTO, as_json: AsJson = False) -> None:
     """Judge a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
     from thbridge.analysis.check import judge
@@ -95,7 +85,6 @@ def bag_check_command(bag: Recording, progress: ProgressOption = ProgressKind.AU
         raise typer.Exit(FAILED)
 
 
-@bag_app.command("reindex")
 def bag_reindex_command(
     bag: Annotated[Path, typer.Argument(help="A bag whose writer was killed.")],
     progress: ProgressOption = ProgressKind.AUTO,
@@ -124,7 +113,6 @@ def bag_reindex_command(
         raise typer.Exit(FAILED)
 
 
-@bag_app.command("cut")
 def bag_cut_command(
     bag: Recording,
     start: Annotated[float, typer.Option("--from", help="Seconds from its beginning.", min=0.0)] = 0.0,
@@ -160,7 +148,6 @@ def bag_cut_command(
         say(f"Cut {done.messages} messages into {done.path}{latched}.")
 
 
-@bag_app.command("to-mcap")
 def bag_to_mcap_command(
     bag: Recording,
     compression: Annotated[Packing, typer.Option(help="Of the new file.")] = Packing.ZSTD,

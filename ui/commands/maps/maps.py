@@ -7,16 +7,8 @@ import typer
 
 from ui.command_line.options import AsJson
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
-from ui.commands.group import SharingGroup
-
-maps_app = typer.Typer(
-    cls=SharingGroup,
-    help="Maps: the arenas that robots drive in.",
-    no_args_is_help=True,
-)
 
 
-@maps_app.command("check")
 def maps_check(
     name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")],
     to: Annotated[
@@ -57,7 +49,6 @@ def maps_check(
         raise typer.Exit(BAD_INPUT)
 
 
-@maps_app.command("list")
 def maps_list() -> None:
     """Name the maps that come with the project."""
     from thbridge.files.resources import shipped

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from typer.core import TyperCommand
@@ -12,20 +12,20 @@ from thbridge.files.yaml.angles import radians_of
 from ui.command_line.options import AsJson
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
 
-if TYPE_CHECKING:
-    from typer._click.core import Context  # typer's own copy of click
-
 
 class GoalWithYaw(TyperCommand):
     """Command whose option --goal takes two numbers, or three."""
 
-    def parse_args(self, ctx: "Context", args: list[str]) -> list[str]:
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
         """Give the third number to --goal-yaw."""
         for index, word in enumerate(args):
             if word == "--goal" and _is_number(args[index + 3 : index + 4]):
                 args = [*args[: index + 3], "--goal-yaw", *args[index + 3 :]]
                 break
         return super().parse_args(ctx, args)
+
+
+drive_app = typer.Typer(add_completion=False)
 
 
 def _is_number(words: list[str]) -> bool:
@@ -35,6 +35,7 @@ def _is_number(words: list[str]) -> bool:
         return False
 
 
+@drive_app.command(cls=GoalWithYaw)
 def drive(
     map_yaml: Annotated[Path, typer.Option("--map", help="A map.yaml, as map_server reads it.")],
     start: Annotated[tuple[float, float, float], typer.Option(help="Where it stands: X Y YAW, map frame.")],

@@ -8,16 +8,8 @@ import typer
 
 from ui.command_line.outputs import STANDARD_OUTPUT
 from ui.command_line.terminal import BAD_INPUT, bad_input, command, fail, note, say
-from ui.commands.group import CommandGroup
-
-study_app = typer.Typer(
-    cls=CommandGroup,
-    help="Study files: everything that can be set, in one YAML file.",
-    no_args_is_help=True,
-)
 
 
-@study_app.command("init")
 def study_init(
     file: Annotated[Path, typer.Argument(help="The file to write; must not exist. `-` is standard output.")],
 ) -> None:
@@ -35,7 +27,6 @@ def study_init(
     note(f"Wrote {file}. Run it with `{command('play', file)}`.")
 
 
-@study_app.command("check")
 def study_check(
     file: Annotated[Path, typer.Argument(help="A study file, or the folder of a study with people.")],
 ) -> None:

@@ -1,39 +1,17 @@
 """`thbridge sweep`: many games over the factors of a design; its status, its table."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from ui.command_line.options import AsJson
 from ui.command_line.outputs import STANDARD_OUTPUT, destination
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_json
-from ui.commands.group import SharingGroup
-
-if TYPE_CHECKING:
-    from typer._click.core import Context
 
 FolderOfSweep = Annotated[Path, typer.Argument(help="The folder of a sweep.", metavar="DIR")]
 
 
-class SweepGroup(SharingGroup):
-    """The commands of `sweep`; `run` may be left out."""
-
-    def parse_args(self, ctx: "Context", args: list[str]) -> list[str]:
-        """Take the name of the command, or add it."""
-        if args and args[0] not in self.commands and args[0] not in ctx.help_option_names:
-            args = ["run", *args]
-        return super().parse_args(ctx, args)
-
-
-sweep_app = typer.Typer(
-    cls=SweepGroup,
-    help="Sweeps: many games over the factors of a design. `sweep DESIGN.yaml` is `sweep run DESIGN.yaml`.",
-    no_args_is_help=True,
-)
-
-
-@sweep_app.command("status")
 def sweep_status(folder: FolderOfSweep, as_json: AsJson = False) -> None:
     """Tell what of a sweep is done, missing, failed and verified, and how long the rest will take."""
     import dataclasses
@@ -49,7 +27,6 @@ def sweep_status(folder: FolderOfSweep, as_json: AsJson = False) -> None:
         show_status(status)
 
 
-@sweep_app.command("collect")
 def sweep_collect(
     folder: FolderOfSweep,
     to: Annotated[

@@ -4,9 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import Result
 from pyarrow import csv, parquet
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 
 from tests.slow import slow
 from tests.thbridge.batch.rig import InlineEngine

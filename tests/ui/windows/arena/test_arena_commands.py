@@ -3,11 +3,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import Result
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QApplication, QLineEdit
 from pytestqt.qtbot import QtBot
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 
 from tests.system.small_disk import SmallDisk, why_not
 from tests.ui.model.test_arena_draft import FOUND, GRID

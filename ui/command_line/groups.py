@@ -1,0 +1,77 @@
+"""Groups of commands."""
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import cast
+
+import typer
+import typer.main
+from typer.core import TyperCommand, TyperGroup
+
+from ui.command_line.conversion import convert_if_given
+from ui.command_line.outputs import share_outputs
+from ui.command_line.terminal import faults_of_files
+
+
+class CommandGroup(TyperGroup):
+    """Commands, imported when they are asked for, and the flags before them.
+
+    Attributes:
+        paths: of each command its module and, after a colon, its function or its Typer application; or a group.
+    """
+
+    paths: "Mapping[str, str | CommandGroup]"
+
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
+        """Take the flags."""
+        convert_if_given(self)
+        return super().parse_args(ctx, args)
+
+    def list_commands(self, ctx: typer.Context) -> list[str]:  # type: ignore[override]
+        """Name the commands."""
+        return [*self.paths]
+
+    def get_command(self, ctx: typer.Context, cmd_name: str) -> TyperCommand | None:  # type: ignore[override]
+        """Import a command; for a name that is none all of them, since similar names are suggested."""
+        for name in [cmd_name] if cmd_name in self.paths else self.paths:
+            if name not in self.commands:
+                path = self.paths[name]
+                command = _command_at(path) if isinstance(path, str) else path
+                command.name = name
+                self.add_command(command)
+        found = cast("TyperCommand | None", super().get_command(ctx, cmd_name))
+        if found is not None:
+            convert_if_given(found)
+        return found
+
+    def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]
+        """Carry a command out; faults of files that it does not tell end in a message, too."""
+        with faults_of_files():
+            return super().invoke(ctx)
+
+
+class SharingGroup(CommandGroup):
+    """Commands whose outputs others of the machine may read, as the account's umask says."""
+
+    def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]
+        """Carry a command out."""
+        share_outputs()
+        return super().invoke(ctx)
+
+
+def group(help: str, paths: Mapping[str, str], kind: type[CommandGroup] = CommandGroup) -> CommandGroup:  # noqa: A002
+    """Return a group that shows its help if no command is given."""
+    made = kind(help=help, no_args_is_help=True)
+    made.paths = paths
+    return made
+
+
+def _command_at(path: str) -> TyperCommand | TyperGroup:
+    module, _, attribute = path.partition(":")
+    found = getattr(import_module(module), attribute)
+    if isinstance(found, typer.Typer):
+        app = found
+    else:
+        app = typer.Typer(add_completion=False)
+        app.command()(found)
+    return cast("TyperCommand | TyperGroup", typer.main.get_command(app))

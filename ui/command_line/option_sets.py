@@ -1,0 +1,38 @@
+"""Options of one subject: a dataclass, which several commands take as one parameter."""
+
+import dataclasses
+import inspect
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec, cast, get_type_hints
+
+P = ParamSpec("P")
+
+
+def with_option_sets(function: Callable[P, None]) -> Callable[P, None]:
+    """Return a command that has, for each of its parameters that is a dataclass, an option for each field.
+
+    A field declares its option as a parameter of a command does.
+    """
+    sets: dict[str, type] = {}
+    options: list[inspect.Parameter] = []
+    for name, parameter in inspect.signature(function, eval_str=True).parameters.items():
+        kind = parameter.annotation
+        if not dataclasses.is_dataclass(kind):
+            options.append(parameter.replace(kind=parameter.KEYWORD_ONLY))
+            continue
+        sets[name] = cast(type, kind)
+        hints = get_type_hints(kind, include_extras=True)
+        options += [
+            inspect.Parameter(field.name, parameter.KEYWORD_ONLY, default=field.default, annotation=hints[field.name])
+            for field in dataclasses.fields(kind)
+        ]
+
+    @wraps(function)
+    def command(*positional: P.args, **given: P.kwargs) -> None:
+        for name, kind in sets.items():
+            given[name] = kind(**{field.name: given.pop(field.name) for field in dataclasses.fields(kind)})
+        function(*positional, **given)
+
+    command.__signature__ = inspect.Signature(options)  # type: ignore[attr-defined]
+    return command
