@@ -311,6 +311,22 @@ def test_numbers_that_options_take_are_told_as_in_files(option: tuple[str, ...],
     assert told in " ".join(refusal("play", *option).replace("│", "").split())
 
 
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        ("plan --map m.yaml --start 0 x", "'x' is not a number. Write a number."),
+        (
+            "study power f --score s --factor f --people 3 --people 1",
+            "'1' is out of range. Write a whole number, at least 2.",
+        ),
+        ("play --look Dark", "'Dark' is not one of 'system', 'light', 'dark'."),
+        ("argue a.apx --semantics xx", "'xx' is not one of 'gr', 'co', 'pr', 'st'."),
+    ],
+)
+def test_values_that_options_do_not_take_are_told(command: str, told: str) -> None:
+    assert told in " ".join(refusal(*command.split()).replace("│", "").split())
+
+
 @pytest.mark.parametrize("place", ["none/a.yaml", "file/a.yaml", "/proc/a.yaml"])
 def test_a_study_that_cannot_be_written_says_so(place: str) -> None:
     Path("file").touch()

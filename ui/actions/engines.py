@@ -9,41 +9,29 @@ from urllib.parse import urlsplit
 
 from thbridge.batch.engines.engine import Engine, EngineFailed, TaskT
 from thbridge.batch.engines.processes import ProcessEngine
-from ui.command_line.options import EngineKind
+from ui.command_line.options import EngineKind, EngineOptions
 from ui.command_line.terminal import BAD_INPUT, FAILED, fail, note
 from ui.first_start.compiling import usable_cores
 
 
-def chosen_engine(
-    kind: EngineKind,
-    warm: Sequence[str],
-    *,
-    processes: int | None,
-    scheduler: str | None,
-    jobs: int,
-    job_options: Sequence[str] | None,
-    log: Path,
-) -> Engine[TaskT]:
+def chosen_engine(options: EngineOptions, warm: Sequence[str], log: Path) -> Engine[TaskT]:
     """Return the engine that options choose; ends the program where that cannot be.
 
     Args:
-        kind: of the engine.
+        options: of the engine.
         warm: modules that processes of this machine import before their first task.
-        processes: of this machine; None: one on every core.
-        scheduler: of the Dask cluster.
-        jobs: of Slurm at a time.
-        job_options: of Slurm, KEY=VALUE.
         log: folder of the files of Slurm's jobs.
     """
+    kind, scheduler, job_options = options.engine, options.scheduler, options.job_options or ()
     if kind is not EngineKind.DASK and scheduler is not None:
         fail(BAD_INPUT, "--scheduler: only a Dask cluster has one. Add --engine dask, or leave the option out.")
     if kind is not EngineKind.SLURM and job_options:
         fail(BAD_INPUT, "--slurm: only jobs of Slurm have such options. Add --engine slurm, or leave the option out.")
     if kind is EngineKind.PROCESSES:
-        return ProcessEngine(processes or usable_cores(), warm)
+        return ProcessEngine(options.processes or usable_cores(), warm)
     if kind is EngineKind.DASK and scheduler is None:
         fail(BAD_INPUT, "--engine dask: where is the cluster? Add --scheduler, such as tcp://127.0.0.1:8786.")
-    wrong = next((option for option in job_options or () if not all(option.partition("="))), None)
+    wrong = next((option for option in job_options if not all(option.partition("="))), None)
     if wrong is not None:
         fail(BAD_INPUT, f"--slurm: {wrong!r} is not KEY=VALUE. Write for example --slurm partition=short.")
     try:
@@ -58,8 +46,7 @@ def chosen_engine(
             return DaskEngine(scheduler or "")
         from thbridge.batch.engines.slurm import SlurmEngine  # noqa: PLC0415 - an extra
 
-        options = dict(option.split("=", 1) for option in job_options or ())
-        return SlurmEngine(jobs, log, options)
+        return SlurmEngine(options.jobs, log, dict(option.split("=", 1) for option in job_options))
     except ImportError as missing:
         fail(FAILED, f"--engine {kind}: {missing.name} is not installed. Run: pip install 'thbridge[cluster]'")
     except EngineFailed as reason:

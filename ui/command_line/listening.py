@@ -15,33 +15,34 @@ from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import RingKeys
 from thbridge.study.study_file import Study
 from ui.command_line.keys import watch_keys
+from ui.command_line.options import RosOptions, WatchOptions
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 
 
-def graph_of(ros: bool, master: str | None, host: str | None, open_to: Sequence[str] = ()) -> GraphAddress | None:
+def graph_of(options: RosOptions, open_to: Sequence[str] = ()) -> GraphAddress | None:
     """Return the ROS graph to join, with the networks that it is open to; None where that is not wanted."""
-    if not ros:
+    if not options.join:
         return None
-    uri = master or ROS_MASTER_URI
+    uri = options.ros_master or ROS_MASTER_URI
     if not is_master_uri(uri):
         fail(BAD_INPUT, f"--ros-master: {uri!r} is not a master's address. Write {ROS_MASTER_URI}, for example.")
-    return GraphAddress(uri, host or LOCALHOST, Admission.to(open_to))
+    return GraphAddress(uri, options.ros_host or LOCALHOST, Admission.to(open_to))
 
 
 def watch_of(
-    study: Study, file: Path | None, at: str | None, key: Path | None, ring: RingKeys | None = None
+    study: Study, file: Path | None, options: WatchOptions, ring: RingKeys | None = None
 ) -> WatchAddress | None:
     """Return the address for researchers' windows, None for none; the study gives it where options do not.
 
     Args:
         study: with what options change in it.
         file: of the study.
-        at: the option `--watch`.
-        key: the option `--watch-key`.
+        options: which win over the study.
         ring: keys of the session, which are those of its windows, where they have none of their own.
     """
     section = study.watch
     host, port = section.host, section.port
+    at, key = options.watch, options.watch_key
     if at is not None:
         given, _, number = at.rpartition(":")
         if not number.isdecimal() or int(number) > 65535 or (":" in at and not given):

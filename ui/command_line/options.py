@@ -1,6 +1,7 @@
 """Options that several commands share."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -52,14 +53,6 @@ ProgressOption = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, nothing else.")]
 Templates = Annotated[str | None, typer.Option(help="Name of a set of templates, or path of its folder.")]
 ADDRESS = f"{LOCALHOST}:{TEXT_SERVER_PORT}"
-Server = Annotated[
-    str | None,
-    typer.Option(
-        "--server",
-        help=f"Where the text server is, by default where the study has it, or else {ADDRESS}.",
-        metavar="HOST:PORT",
-    ),
-]
 OpenTo = Annotated[
     list[str] | None,
     typer.Option(
@@ -69,40 +62,7 @@ OpenTo = Annotated[
         "see `thbridge docs security`. May be given several times.",
     ),
 ]
-Ros = Annotated[bool, typer.Option("--ros", help="Take part in a ROS 1 graph; see `thbridge docs live-graph`.")]
-RosMaster = Annotated[
-    str | None,
-    typer.Option(
-        "--ros-master",
-        envvar="ROS_MASTER_URI",
-        metavar="URI",
-        help=f"The ROS master, by default {ROS_MASTER_URI}. Where none answers on this machine, this program is it.",
-    ),
-]
-RosHost = Annotated[
-    str | None,
-    typer.Option(
-        "--ros-host",
-        envvar=["ROS_HOSTNAME", "ROS_IP"],
-        help="Address for ROS nodes to reach this program, by default 127.0.0.1: who reaches it can drive robots.",
-    ),
-]
 
-WatchAt = Annotated[
-    str | None,
-    typer.Option(
-        "--watch",
-        metavar="[HOST:]PORT",
-        help=f"Let researchers' windows connect, for example at {WATCH_PORT}; see `thbridge docs watching`.",
-    ),
-]
-WatchKey = Annotated[
-    Path | None,
-    typer.Option(
-        "--watch-key",
-        help="Folder of keys (`thbridge keys new`), or file with one: whoever watches has one. They see the truth.",
-    ),
-]
 Keys = Annotated[
     Path | None,
     typer.Option(
@@ -111,50 +71,9 @@ Keys = Annotated[
         "encrypted; see `thbridge docs security`.",
     ),
 ]
-ServerKey = Annotated[
-    Path | None,
-    typer.Option("--key", help="File with the key that the server wants; what is said is encrypted.", metavar="FILE"),
-]
-FoxglovePort = Annotated[
-    int | None,
-    typer.Option(
-        "--foxglove",
-        help="Show the session in Foxglove, at this port of this machine; see `thbridge docs watching`.",
-        min=0,
-        max=65535,
-    ),
-]
-Mavlink = Annotated[
-    bool | None,
-    typer.Option("--mavlink/--no-mavlink", help="Make every robot a MAVLink rover; see `thbridge docs mavlink`."),
-]
-MavlinkIdentity = Annotated[
-    AutopilotIdentity | None,
-    typer.Option("--identity", help="Whose autopilot robots say they have; QGroundControl commands only ardupilot's."),
-]
-MavlinkUdp = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--udp",
-        metavar="HOST:PORT",
-        help="Where a ground station listens, HOST:PORT/ROBOT for one robot alone; may be given several times.",
-    ),
-]
-MavlinkUdpListen = Annotated[
-    str | None,
-    typer.Option(
-        "--udp-listen", metavar="HOST:PORT", help="Where ground stations that speak first find robots by UDP."
-    ),
-]
-MavlinkTcp = Annotated[
-    str | None, typer.Option("--tcp", metavar="HOST:PORT", help="Where ground stations may connect by TCP.")
-]
 KeyFile = Annotated[
     Path | None,
     typer.Option("--signing-key", metavar="FILE", help="MAVLink frames are signed and verified with this file's key."),
-]
-TlogWanted = Annotated[
-    bool | None, typer.Option("--tlog/--no-tlog", help="Also write all MAVLink frames into a .tlog beside the bag.")
 ]
 
 
@@ -217,6 +136,24 @@ SimulatedParticipant = Annotated[
 ]
 
 
+@dataclass(frozen=True, slots=True)
+class ClientOptions:
+    """A study, and the text server at which a program takes part."""
+
+    study_file: StudyFile = None
+    study_option: StudyOption = None
+    server: Annotated[
+        str | None,
+        typer.Option(
+            help=f"Where the text server is, by default where the study has it, or else {ADDRESS}.", metavar="HOST:PORT"
+        ),
+    ] = None
+    key: Annotated[
+        Path | None,
+        typer.Option(help="File with the key that the server wants; what is said is encrypted.", metavar="FILE"),
+    ] = None
+
+
 def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:
     """The study file, which may be named by position or, as earlier, by --study."""
     if by_position is not None and by_option is not None:
@@ -232,22 +169,123 @@ class EngineKind(StrEnum):
     SLURM = "slurm"
 
 
-BatchEngine = Annotated[
-    EngineKind, typer.Option("--engine", help="Who plays: processes of this machine, a Dask cluster, or jobs of Slurm.")
-]
-Processes = Annotated[
-    int | None, typer.Option(help="Processes of this machine; by default one on every core.", min=1, max=1024)
-]
-DaskScheduler = Annotated[
-    str | None,
-    typer.Option("--scheduler", help="Scheduler of a Dask cluster, such as tls://10.0.0.1:8786.", metavar="ADDRESS"),
-]
-SlurmJobs = Annotated[int, typer.Option("--jobs", help="Jobs of Slurm to submit at a time.", min=1, max=10_000)]
-SlurmOptions = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--slurm",
-        metavar="KEY=VALUE",
-        help="Option of Slurm's jobs, as `sbatch` has it: `--slurm partition=short`. May be given several times.",
-    ),
-]
+@dataclass(frozen=True, slots=True)
+class RosOptions:
+    """The graph of ROS 1 nodes to take part in."""
+
+    join: Annotated[bool, typer.Option("--ros", help="Take part in a ROS 1 graph; see `thbridge docs live-graph`.")] = (
+        False
+    )
+    ros_master: Annotated[
+        str | None,
+        typer.Option(
+            "--ros-master",
+            envvar="ROS_MASTER_URI",
+            metavar="URI",
+            help=f"The ROS master, by default {ROS_MASTER_URI}. Where none answers on this machine, this program is "
+            "it.",
+        ),
+    ] = None
+    ros_host: Annotated[
+        str | None,
+        typer.Option(
+            "--ros-host",
+            envvar=["ROS_HOSTNAME", "ROS_IP"],
+            help="Address for ROS nodes to reach this program, by default 127.0.0.1: who reaches it can drive robots.",
+        ),
+    ] = None
+
+
+@dataclass(frozen=True, slots=True)
+class WatchOptions:
+    """Ports for windows that show a session."""
+
+    watch: Annotated[
+        str | None,
+        typer.Option(
+            "--watch",
+            metavar="[HOST:]PORT",
+            help=f"Let researchers' windows connect, for example at {WATCH_PORT}; see `thbridge docs watching`.",
+        ),
+    ] = None
+    watch_key: Annotated[
+        Path | None,
+        typer.Option(
+            "--watch-key",
+            help="Folder of keys (`thbridge keys new`), or file with one: whoever watches has one. They see the truth.",
+        ),
+    ] = None
+    foxglove: Annotated[
+        int | None,
+        typer.Option(
+            "--foxglove",
+            help="Show the session in Foxglove, at this port of this machine; see `thbridge docs watching`.",
+            min=0,
+            max=65535,
+        ),
+    ] = None
+
+
+@dataclass(frozen=True, slots=True)
+class MavlinkOptions:
+    """Robots as MAVLink vehicles."""
+
+    on: Annotated[
+        bool | None,
+        typer.Option("--mavlink/--no-mavlink", help="Make every robot a MAVLink rover; see `thbridge docs mavlink`."),
+    ] = None
+    identity: Annotated[
+        AutopilotIdentity | None,
+        typer.Option(
+            "--identity", help="Whose autopilot robots say they have; QGroundControl commands only ardupilot's."
+        ),
+    ] = None
+    udp: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--udp",
+            metavar="HOST:PORT",
+            help="Where a ground station listens, HOST:PORT/ROBOT for one robot alone; may be given several times.",
+        ),
+    ] = None
+    udp_listen: Annotated[
+        str | None,
+        typer.Option(
+            "--udp-listen", metavar="HOST:PORT", help="Where ground stations that speak first find robots by UDP."
+        ),
+    ] = None
+    tcp: Annotated[
+        str | None, typer.Option("--tcp", metavar="HOST:PORT", help="Where ground stations may connect by TCP.")
+    ] = None
+    signing_key: KeyFile = None
+    tlog: Annotated[
+        bool | None, typer.Option("--tlog/--no-tlog", help="Also write all MAVLink frames into a .tlog beside the bag.")
+    ] = None
+
+
+@dataclass(frozen=True, slots=True)
+class EngineOptions:
+    """Engine that carries out a batch."""
+
+    engine: Annotated[
+        EngineKind,
+        typer.Option("--engine", help="Who plays: processes of this machine, a Dask cluster, or jobs of Slurm."),
+    ] = EngineKind.PROCESSES
+    processes: Annotated[
+        int | None, typer.Option(help="Processes of this machine; by default one on every core.", min=1, max=1024)
+    ] = None
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler", help="Scheduler of a Dask cluster, such as tls://10.0.0.1:8786.", metavar="ADDRESS"
+        ),
+    ] = None
+    jobs: Annotated[int, typer.Option("--jobs", help="Jobs of Slurm to submit at a time.", min=1, max=10_000)] = 10
+    job_options: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--slurm",
+            metavar="KEY=VALUE",
+            help="Option of Slurm's jobs, as `sbatch` has it: `--slurm partition=short`. May be given several times.",
+        ),
+    ] = None

@@ -2,7 +2,7 @@
 
 import dataclasses
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 from thbridge.app.compose.setting import StudySetting, read_map_of, read_setting
@@ -10,11 +10,11 @@ from thbridge.files.map_files import Map
 from thbridge.files.resources import shipped
 from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
 from thbridge.files.yaml.load import Loaded
-from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.sockets.addresses import Address, parse_address, parse_target
 from thbridge.study.built_in import study_at
 from thbridge.study.overrides import StudyChange
 from thbridge.study.study_file import Study
+from ui.command_line.options import MavlinkOptions
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 
 
@@ -117,21 +117,12 @@ def map_folder(name: str) -> Path:
         return shipped().find("maps", wanted, Path())
 
 
-def with_mavlink(
-    study: Study,
-    on: bool | None = None,
-    *,
-    identity: AutopilotIdentity | None = None,
-    udp: Sequence[str] | None = None,
-    udp_listen: str | None = None,
-    tcp: str | None = None,
-    tlog: bool | None = None,
-) -> Study:
+def with_mavlink(study: Study, options: MavlinkOptions) -> Study:
     """The study with what options say of MAVLink; None changes nothing."""
-    for option, text in (("--udp-listen", udp_listen), ("--tcp", tcp)):
+    for option, text in (("--udp-listen", options.udp_listen), ("--tcp", options.tcp)):
         if text is not None and parse_address(text) is None:
             fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
-    targets = None if udp is None else tuple(dict.fromkeys(udp))
+    targets = None if options.udp is None else tuple(dict.fromkeys(options.udp))
     taken: set[Address] = set()
     for text in targets or ():
         target = parse_target(text)
@@ -145,7 +136,8 @@ def with_mavlink(
         if target.address in taken:
             fail(BAD_INPUT, f"--udp: {target.address} is there for other robots already. Give {text!r} another port.")
         taken.add(target.address)
-    given = {"on": on, "identity": identity, "udp": targets, "udp_listen": udp_listen, "tcp": tcp, "tlog": tlog}
+    given = {"on": options.on, "udp": targets}
+    given |= {key: getattr(options, key) for key in ("identity", "udp_listen", "tcp", "tlog")}
     changes = {key: value for key, value in given.items() if value is not None}
     section = dataclasses.replace(study.mavlink, **changes)  # type: ignore[arg-type]  # the options have their types
     unused = next((key for key in changes if key != "on"), None)

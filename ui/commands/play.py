@@ -11,36 +11,27 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
+from ui.command_line.option_sets import with_option_sets
 from ui.command_line.options import (
     PERSON,
     AsJson,
     BagFile,
     ColourScheme,
-    FoxglovePort,
-    KeyFile,
     Keys,
     LanguageOption,
     LookOption,
     MapName,
-    Mavlink,
-    MavlinkIdentity,
-    MavlinkTcp,
-    MavlinkUdp,
-    MavlinkUdpListen,
+    MavlinkOptions,
     OpenTo,
     ParticipantName,
     Port,
     ProgressKind,
     ProgressOption,
     Robots,
-    Ros,
-    RosHost,
-    RosMaster,
+    RosOptions,
     Seed,
     StudyFile,
-    TlogWanted,
-    WatchAt,
-    WatchKey,
+    WatchOptions,
 )
 from ui.command_line.outputs import make_ready
 from ui.command_line.terminal import BAD_INPUT, DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note, print_json
@@ -49,6 +40,7 @@ from ui.windows.display import why_no_window
 AN_HOUR = 3600.0
 
 
+@with_option_sets
 def play(
     study_file: StudyFile = None,
     robots: Robots = None,
@@ -88,21 +80,12 @@ def play(
         bool | None,
         typer.Option("--report/--no-report", help="Make a page of the bag; by default without --json."),
     ] = None,
-    ros: Ros = False,
-    ros_master: RosMaster = None,
-    ros_host: RosHost = None,
-    watch: WatchAt = None,
-    watch_key: WatchKey = None,
-    foxglove: FoxglovePort = None,
+    *,
+    ros: RosOptions,
+    watching: WatchOptions,
     keys: Keys = None,
     open_to: OpenTo = None,
-    mavlink: Mavlink = None,
-    identity: MavlinkIdentity = None,
-    udp: MavlinkUdp = None,
-    udp_listen: MavlinkUdpListen = None,
-    tcp: MavlinkTcp = None,
-    signing_key: KeyFile = None,
-    tlog: TlogWanted = None,
+    mavlink: MavlinkOptions,
     look: LookOption = ColourScheme.SYSTEM,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
@@ -159,7 +142,7 @@ def play(
     with bad_input():
         study = with_changes(study, files, assignments)
     study = with_server(with_options(study, {"robots": robots, "map": map_name, "seed": seed}), None, port)
-    study = with_mavlink(study, mavlink, identity=identity, udp=udp, udp_listen=udp_listen, tcp=tcp, tlog=tlog)
+    study = with_mavlink(study, mavlink)
     study = with_language(with_open_to(study, open_to), language, study_file)
     if participant != PERSON:
         study = with_strategy(study, participant)
@@ -172,22 +155,22 @@ def play(
     setting = setting_of(study, study_file)
     note_doubts(setting)
     others = _roles(outside)
-    graph = graph_of(ros, ros_master, ros_host, study.open_to)
+    graph = graph_of(ros, study.open_to)
     who = participant or study.participant.strategy
-    ports = ports_of(study, study_file, signing_key)
+    ports = ports_of(study, study_file, mavlink.signing_key)
     people = windowed or bool(others) or who == PERSON or ports is not None
     limit = max_seconds or (math.inf if people else AN_HOUR)
-    pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
+    pace = next(given for given in (rate, study.rate, float(people or ros.join)) if given is not None)
     told = hosts_of(graph, as_json)
     ring = keys_of(study, study_file, keys)
-    door = watch_of(study, study_file, watch, watch_key, ring)
+    door = watch_of(study, study_file, watching, ring)
     check_doors(study, ring, door, graph)
-    check_foxglove(foxglove)
+    check_foxglove(watching.foxglove)
     if windowed:
         free = study_file is None and language is None and study.dialogue.language == STANDARD.dialogue.language
         offered = offer_of(setting, given=robots is not None, languages=shipped_languages() if free else None)
         options = PlayOptions(
-            pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=foxglove, mavlink=ports, keys=ring
+            pace, bag, frozenset(), "", limit, graph, watch=door, foxglove=watching.foxglove, mavlink=ports, keys=ring
         )
         compile_ahead(whole_hunt=True, look=look.value)
         games = WindowGames(study, study_file, options, report_page is not False, told)
@@ -228,7 +211,7 @@ def play(
             limit,
             graph,
             watch=door,
-            foxglove=foxglove,
+            foxglove=watching.foxglove,
             mavlink=ports,
             keys=ring,
             run=new_token(),

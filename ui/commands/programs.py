@@ -11,12 +11,13 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.external_nodes import ExternalNodes
 from thbridge.study.robots_from import RobotsFrom
+from ui.command_line.option_sets import with_option_sets
 from ui.command_line.options import (
     PERSON,
     AsJson,
     BagFile,
+    ClientOptions,
     ColourScheme,
-    FoxglovePort,
     Keys,
     LookOption,
     MapName,
@@ -24,17 +25,11 @@ from ui.command_line.options import (
     ParticipantName,
     Port,
     Robots,
-    Ros,
-    RosHost,
-    RosMaster,
+    RosOptions,
     Seed,
-    Server,
-    ServerKey,
     StudyFile,
-    StudyOption,
     Templates,
-    WatchAt,
-    WatchKey,
+    WatchOptions,
     the_study,
 )
 from ui.command_line.outputs import make_ready
@@ -78,11 +73,9 @@ def server(
     run(serve(setting, ledger, new_game, ready, ring, secrets.token_hex(8)))
 
 
+@with_option_sets
 def simr(
-    study_file: StudyFile = None,
-    study_option: StudyOption = None,
-    server: Server = None,
-    key: ServerKey = None,
+    client: ClientOptions,
     robots: Robots = None,
     map_name: MapName = None,
     robots_from: Annotated[
@@ -95,12 +88,9 @@ def simr(
     ] = None,
     seed: Seed = None,
     bag: BagFile = None,
-    ros: Ros = False,
-    ros_master: RosMaster = None,
-    ros_host: RosHost = None,
-    watch: WatchAt = None,
-    watch_key: WatchKey = None,
-    foxglove: FoxglovePort = None,
+    *,
+    ros: RosOptions,
+    watching: WatchOptions,
     open_to: OpenTo = None,
 ) -> None:
     """Run the robots (SimR) at a text server until stopped."""
@@ -115,10 +105,10 @@ def simr(
     from ui.command_line.settings import note_doubts, setting_of, study_of
     from ui.first_start.compiling import compile_ahead
 
-    study_file = the_study(study_file, study_option)
+    study_file = the_study(client.study_file, client.study_option)
     changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
     study = with_open_to(study_of(study_file, changes), open_to)
-    host, port = address_of(server, study.server)
+    host, port = address_of(client.server, study.server)
     if study.mavlink.on:
         # Whether a robot may be sent somewhere is for the game to say, which is another program's.
         note("mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`.")
@@ -126,27 +116,27 @@ def simr(
     setting = setting_of(study, study_file)
     note_doubts(setting)
     real = setting.study.robots_from is RobotsFrom.ROS
-    if study.external_nodes is not ExternalNodes.NONE and not (real or ros):
+    if study.external_nodes is not ExternalNodes.NONE and not (real or ros.join):
         fail(
             BAD_INPUT,
             "external_nodes: others drive these robots on a ROS graph. Give --ros, or write none.",
         )
-    if real and ros:
+    if real and ros.join:
         fail(BAD_INPUT, "--ros: robots of a ROS graph are there already. Leave the option out.")
-    if real and watch is not None:
+    if real and watching.watch is not None:
         fail(BAD_INPUT, "--watch: real robots are watched on their graph, by rviz. Leave the option out.")
-    if real and foxglove is not None:
+    if real and watching.foxglove is not None:
         fail(BAD_INPUT, "--foxglove: real robots are watched on their graph, by foxglove_bridge. Leave the option out.")
     if real and rate is not None:
         fail(BAD_INPUT, "--rate: real robots have the time that they have. Leave the option out.")
     if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
         fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or take fewer robots.")
-    graph = graph_of(ros or real, ros_master, ros_host, study.open_to)
+    graph = graph_of(dataclasses.replace(ros, join=ros.join or real), study.open_to)
     door = None
     if not real:
-        door = watch_of(setting.study, study_file, watch, watch_key, keys_of(setting.study, study_file, None))
+        door = watch_of(setting.study, study_file, watching, keys_of(setting.study, study_file, None))
     check_doors(study, None, door, graph, serves_text=False)
-    shown = None if key is None else key_of(key)
+    shown = None if client.key is None else key_of(client.key)
     if bag is not None:
         make_ready(bag)
     if real and graph is not None:
@@ -157,19 +147,19 @@ def simr(
         if unfit is not None:
             fail(FAILED, unfit)
         return
-    check_foxglove(foxglove)
+    check_foxglove(watching.foxglove)
     compile_ahead(whole_hunt=True)
-    options = SimrOptions(host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door, foxglove, shown)
+    options = SimrOptions(
+        host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door, watching.foxglove, shown
+    )
     unfit = run(programs.simr(setting, options, tell_lost, hosts_of(graph)))
     if unfit is not None:
         fail(FAILED, unfit)
 
 
+@with_option_sets
 def hider(
-    study_file: StudyFile = None,
-    study_option: StudyOption = None,
-    server: Server = None,
-    key: ServerKey = None,
+    client: ClientOptions,
     treasures: Annotated[str | None, typer.Option(help="Set of templates, or its folder, with `treasures`.")] = None,
     seed: Seed = None,
 ) -> None:
@@ -181,19 +171,17 @@ def hider(
     from ui.command_line.keys import key_of
     from ui.command_line.settings import study_of
 
-    study_file = the_study(study_file, study_option)
+    study_file = the_study(client.study_file, client.study_option)
     study = study_of(study_file, {"templates": treasures, "seed": seed})
-    host, port = address_of(server, study.server)
+    host, port = address_of(client.server, study.server)
     beside = Path() if study_file is None or treasures is not None else study_file.parent
     role = build_hider(read_templates(study.templates, beside), study.seed)
-    run(programs.hider(role, host, port, new_token(), tell_lost, None if key is None else key_of(key)))
+    run(programs.hider(role, host, port, new_token(), tell_lost, None if client.key is None else key_of(client.key)))
 
 
+@with_option_sets
 def tabui(
-    study_file: StudyFile = None,
-    study_option: StudyOption = None,
-    server: Server = None,
-    key: ServerKey = None,
+    client: ClientOptions,
     participant: ParticipantName = None,
     templates: Templates = None,
     seed: Seed = None,
@@ -214,10 +202,10 @@ def tabui(
     from ui.command_line.keys import key_of
     from ui.command_line.settings import study_of
 
-    study_file = the_study(study_file, study_option)
+    study_file = the_study(client.study_file, client.study_option)
     study = study_of(study_file, {"templates": templates, "seed": seed})
-    host, port = address_of(server, study.server)
-    shown = None if key is None else key_of(key)
+    host, port = address_of(client.server, study.server)
+    shown = None if client.key is None else key_of(client.key)
     if participant is None and templates is None and seed is None and not as_json:
         why = why_no_window()
         if why is None:

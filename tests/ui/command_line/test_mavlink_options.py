@@ -14,6 +14,7 @@ from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from ui.cli import app
 from ui.command_line.listening import ports_of
+from ui.command_line.options import MavlinkOptions
 from ui.command_line.settings import with_mavlink
 
 
@@ -76,10 +77,12 @@ def test_options_win_over_the_study() -> None:
     written = MavlinkSection(on=True, udp=("10.0.0.1:14550",), tcp="0.0.0.0:5760")
     study = with_mavlink(
         dataclasses.replace(Study(), mavlink=written),
-        identity=AutopilotIdentity.ARDUPILOT,
-        udp=["[::1]:14550", "[::1]:14550"],
-        udp_listen="[::1]:14555",
-        tlog=True,
+        MavlinkOptions(
+            identity=AutopilotIdentity.ARDUPILOT,
+            udp=["[::1]:14550", "[::1]:14550"],
+            udp_listen="[::1]:14555",
+            tlog=True,
+        ),
     )
     assert study.mavlink == dataclasses.replace(
         written, identity=AutopilotIdentity.ARDUPILOT, udp=("[::1]:14550",), udp_listen="[::1]:14555", tlog=True
@@ -92,7 +95,7 @@ def test_options_win_over_the_study() -> None:
 
 def test_the_study_can_be_overruled_altogether() -> None:
     study = dataclasses.replace(Study(), mavlink=MavlinkSection(on=True))
-    assert ports_of(with_mavlink(study, False), None, None) is None
+    assert ports_of(with_mavlink(study, MavlinkOptions(on=False)), None, None) is None
 
 
 def test_the_studys_key_lies_beside_it(tmp_path: Path) -> None:

@@ -10,18 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from thbridge.timing.wall_clock import utc_now
+from ui.command_line.option_sets import with_option_sets
 from ui.command_line.options import (
     AsJson,
-    BatchEngine,
     ColourScheme,
-    DaskScheduler,
-    EngineKind,
+    EngineOptions,
     LookOption,
-    Processes,
     ProgressKind,
     ProgressOption,
-    SlurmJobs,
-    SlurmOptions,
 )
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json, say
 from ui.windows.display import why_no_window
@@ -313,6 +309,7 @@ def study_rehearse(
     note(f"Export it with `{command('study', 'export', to, '--to', to / 'exports' / 'first')}`.")
 
 
+@with_option_sets
 def study_power(
     folder: FolderOfExperiment,
     score: Annotated[str, typer.Option(help="The score that is compared: a subscale of a form.")],
@@ -327,11 +324,8 @@ def study_power(
         Path | None,
         typer.Option("--to", help="Folder that keeps the results, so that a stopped run goes on.", metavar="DIR"),
     ] = None,
-    engine: BatchEngine = EngineKind.PROCESSES,
-    processes: Processes = None,
-    scheduler: DaskScheduler = None,
-    jobs: SlurmJobs = 10,
-    job_options: SlurmOptions = None,
+    *,
+    engine: EngineOptions,
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
@@ -348,15 +342,7 @@ def study_power(
         root = to or Path(scratch)
         with bad_input():
             tasks = power_tasks(folder, score, factor, people or (), rehearsals, seed, root)
-        chosen: Engine[PowerTask] = chosen_engine(
-            engine,
-            WARM,
-            processes=processes,
-            scheduler=scheduler,
-            jobs=jobs,
-            job_options=job_options,
-            log=root / "slurm",
-        )
+        chosen: Engine[PowerTask] = chosen_engine(engine, WARM, root / "slurm")
         try:
             with bad_input(FAILED), shown_progress(progress, "rehearsals") as tell:
                 estimates = estimate_shown(tasks, chosen, tell)

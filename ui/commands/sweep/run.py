@@ -5,20 +5,12 @@ from typing import Annotated
 
 import typer
 
-from ui.command_line.options import (
-    AsJson,
-    BatchEngine,
-    DaskScheduler,
-    EngineKind,
-    Processes,
-    ProgressKind,
-    ProgressOption,
-    SlurmJobs,
-    SlurmOptions,
-)
+from ui.command_line.option_sets import with_option_sets
+from ui.command_line.options import AsJson, EngineOptions, ProgressKind, ProgressOption
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json
 
 
+@with_option_sets
 def sweep_run(
     design_file: Annotated[
         Path, typer.Argument(help="The design (YAML); see `thbridge docs sweeps`.", metavar="DESIGN.yaml")
@@ -27,11 +19,8 @@ def sweep_run(
         Path | None,
         typer.Option("--out", help="The sweep's folder; by default named like the design.", metavar="DIR"),
     ] = None,
-    engine: BatchEngine = EngineKind.PROCESSES,
-    processes: Processes = None,
-    scheduler: DaskScheduler = None,
-    jobs: SlurmJobs = 10,
-    job_options: SlurmOptions = None,
+    *,
+    engine: EngineOptions,
     shard: Annotated[
         str | None, typer.Option(help="Play part I of N, for job arrays; all write into one folder.", metavar="I/N")
     ] = None,
@@ -77,9 +66,7 @@ def sweep_run(
                 show_design(design)
             return
     root = to or Path(design_file.stem)
-    chosen: Engine[SweepTask] = chosen_engine(
-        engine, WARM, processes=processes, scheduler=scheduler, jobs=jobs, job_options=job_options, log=root / "slurm"
-    )
+    chosen: Engine[SweepTask] = chosen_engine(engine, WARM, root / "slurm")
     with bad_input():
         folder = open_folder(design, root)
     compile_ahead(whole_hunt=True)
