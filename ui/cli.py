@@ -33,21 +33,21 @@ class _Commands(CommandGroup):
 
     paths = {  # noqa: RUF012
         "play": "ui.commands.play:play",
-        "server": "ui.commands.programs:server",
-        "simr": "ui.commands.programs:simr",
-        "hider": "ui.commands.programs:hider",
-        "tabui": "ui.commands.programs:tabui",
-        "suggest": "ui.commands.suggest:suggest",
+        "server": "ui.commands.programs.programs:server",
+        "simr": "ui.commands.programs.programs:simr",
+        "hider": "ui.commands.programs.programs:hider",
+        "tabui": "ui.commands.programs.programs:tabui",
+        "suggest": "ui.commands.suggest.suggest:suggest",
         "report": "ui.commands.report:report",
         "plan": "ui.commands.offline.plan:plan",
         "scan": "ui.commands.offline.scan:scan",
         "watch": "ui.commands.watch:watch",
-        "argue": "ui.commands.argue:argue",
-        "docs": "ui.commands.docs:docs",
-        "doctor": "ui.commands.doctor:doctor",
+        "argue": "ui.commands.argue.argue:argue",
+        "docs": "ui.commands.docs.docs:docs",
+        "doctor": "ui.commands.doctor.doctor:doctor",
         "drive": "ui.commands.offline.drive:drive_app",
         "localize": "ui.commands.offline.localize:localize_command",
-        "replay": "ui.commands.replay:replay_command",
+        "replay": "ui.commands.replay.replay:replay_command",
         "bag": group(
             "Look into recordings and mend them.",
             {
@@ -94,19 +94,19 @@ class _Commands(CommandGroup):
         "templates": group(
             "Template sets: treasures, their properties and pictures, and the sentences of robots.",
             {
-                "check": "ui.commands.templates:templates_check",
-                "edit": "ui.commands.templates:templates_edit",
-                "list": "ui.commands.templates:templates_list",
-                "new": "ui.commands.templates:templates_new",
+                "check": "ui.commands.templates.templates:templates_check",
+                "edit": "ui.commands.templates.templates:templates_edit",
+                "list": "ui.commands.templates.templates:templates_list",
+                "new": "ui.commands.templates.templates:templates_new",
             },
             SharingGroup,
         ),
         "mavlink": group(
             "MAVLink: watch and command robots that speak it, such as those of `thbridge play --mavlink`.",
             {
-                "status": "ui.commands.mavlink:mavlink_status",
-                "goto": "ui.commands.mavlink:goto_app",
-                "replay": "ui.commands.mavlink:mavlink_replay",
+                "status": "ui.commands.mavlink.mavlink:mavlink_status",
+                "goto": "ui.commands.mavlink.mavlink:goto_app",
+                "replay": "ui.commands.mavlink.mavlink:mavlink_replay",
             },
         ),
         "ros": group(
@@ -126,14 +126,17 @@ class _Commands(CommandGroup):
                 "revoke": "ui.commands.keys:keys_revoke",
             },
         ),
-        "talk": "ui.commands.talk:talk_app",
+        "talk": "ui.commands.talk.talk:talk_app",
         "plugins": group(
             "Plug-ins: programs of your lab that replace a part, found by their entry points.",
-            {"list": "ui.commands.plugins:plugins_list", "check": "ui.commands.plugins:plugins_check"},
+            {"list": "ui.commands.plugins.plugins:plugins_list", "check": "ui.commands.plugins.plugins:plugins_check"},
         ),
         "desktop": group(
             "Open bags by a double click on a Linux desktop: install or remove menu entry, file types and icon.",
-            {"install": "ui.commands.desktop:desktop_install", "remove": "ui.commands.desktop:desktop_remove"},
+            {
+                "install": "ui.commands.desktop.desktop:desktop_install",
+                "remove": "ui.commands.desktop.desktop:desktop_remove",
+            },
         ),
         "sweep": group(
             "Sweeps: many games over the factors of a design. `sweep DESIGN.yaml` is `sweep run DESIGN.yaml`.",

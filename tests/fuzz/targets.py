@@ -61,7 +61,7 @@ from thbridge.ros.messages.session_records import GameEvent, SessionRecord
 from thbridge.ros.messages.types import GAME_EVENT, SESSION
 from thbridge.study.study_file import load_study
 from thbridge.study.text import commented_study
-from ui.actions.drive import read_moving
+from ui.commands.offline.drive_files import read_moving
 
 
 @dataclass(frozen=True)

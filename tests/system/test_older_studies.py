@@ -71,7 +71,7 @@ def test_a_study_with_people_goes_on_where_it_was(study: Path, tmp_path: Path, m
         ("StudyGames", RehearsedGames),
         ("why_no_window", lambda: None),
     ):
-        monkeypatch.setattr(f"ui.actions.study_run.{name}", instead)
+        monkeypatch.setattr(f"ui.commands.study.run.{name}", instead)
     change(study / "experiment.yaml", "quota: 2", "quota: 3")
     thbridge("study", "run", study)
     thbridge("study", "export", study, "--to", tmp_path / "tables")
@@ -96,7 +96,7 @@ def test_groups_go_on_where_they_were(old: Path, tmp_path: Path, monkeypatch: py
         ("StudyGames", RehearsedGames),
         ("why_no_window", lambda: None),
     ):
-        monkeypatch.setattr(f"ui.actions.study_run.{name}", instead)
+        monkeypatch.setattr(f"ui.commands.study.run.{name}", instead)
     thbridge("study", "run", study)
     thbridge("study", "export", study, "--to", tmp_path / "tables")
     people = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet").set_index("participant")

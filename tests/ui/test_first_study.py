@@ -72,7 +72,7 @@ def at_the_lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("StudyGames", RehearsedGames),
         ("why_no_window", lambda: None),
     ):
-        monkeypatch.setattr(f"ui.actions.study_run.{name}", instead)
+        monkeypatch.setattr(f"ui.commands.study.run.{name}", instead)
     return tmp_path
 
 

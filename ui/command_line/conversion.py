@@ -25,13 +25,13 @@ _OF_ANGLES = re.compile(r"yaw|angle")
 _IS_NOT: Mapping[type, str] = {int: "not a whole number", float: "not a number"}
 
 
-def convert_if_given(command: TyperCommand | TyperGroup) -> None:
+def convert_if_given(command: TyperCommand | TyperGroup, context: typer.Context) -> None:
     """Have the options and arguments of a command convert what is given, and leave a default as it is.
 
     Typer's own conversion, which this takes the place of, is by pydantic, whose import takes longer than a start.
     """
     declared = {} if command.callback is None else inspect.signature(command.callback, eval_str=True).parameters
-    for parameter in command.params:
+    for parameter in command.get_params(context):
         if isinstance(parameter, TyperOption | TyperArgument):
             annotation = declared[parameter.name].annotation if parameter.name in declared else None
             parameter.process_value = _Conversion(parameter, *_described(annotation))  # type: ignore[assignment, method-assign]

@@ -24,7 +24,7 @@ class CommandGroup(TyperGroup):
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:  # type: ignore[override]
         """Take the flags."""
-        convert_if_given(self)
+        convert_if_given(self, ctx)
         return super().parse_args(ctx, args)
 
     def list_commands(self, ctx: typer.Context) -> list[str]:  # type: ignore[override]
@@ -41,7 +41,7 @@ class CommandGroup(TyperGroup):
                 self.add_command(command)
         found = cast("TyperCommand | None", super().get_command(ctx, cmd_name))
         if found is not None:
-            convert_if_given(found)
+            convert_if_given(found, ctx)
         return found
 
     def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]

@@ -111,7 +111,6 @@ def play(
     from thbridge.study.built_in import STANDARD
     from thbridge.study.overrides import with_changes
     from thbridge.text_protocol.wire import legacy
-    from ui.actions.programs import new_token
     from ui.command_line.event_loop import run
     from ui.command_line.keys import keys_of
     from ui.command_line.listening import check_foxglove, graph_of, hosts_of, ports_of, watch_of
@@ -131,6 +130,7 @@ def play(
         with_strategy,
     )
     from ui.command_line.story import print_story
+    from ui.commands.programs.client import new_token
     from ui.first_start.compiling import compile_ahead
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window

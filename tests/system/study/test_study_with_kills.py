@@ -75,7 +75,7 @@ HOST = """\
 import sys
 from pathlib import Path
 from typer import Exit
-from ui.actions.study_run import run_study
+from ui.commands.study.run import run_study
 try:
     run_study(Path(sys.argv[1]), "system", windowed=False, desk=False, program=tuple(sys.argv[2:]))
 except Exit as ended:

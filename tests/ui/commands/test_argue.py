@@ -65,7 +65,7 @@ def test_clingo_finds_the_same(file: Path) -> None:
 
 
 def test_clingo_that_is_not_installed_is_told_with_the_remedy(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ui.commands.argue.find_spec", lambda _name: None)
+    monkeypatch.setattr("ui.commands.argue.argue.find_spec", lambda _name: None)
     done = CliRunner().invoke(app, ["argue", str(file), "--engine", "clingo"])
     assert done.exit_code == 2
     assert "--engine: the package clingo is not installed. Run: pip install 'thbridge[argumentation]'" in done.stderr

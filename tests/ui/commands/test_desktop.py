@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from ui.actions.desktop_files import desktop_entry
 from ui.cli import app
+from ui.commands.desktop.files import desktop_entry
 
 
 def files(home: Path) -> set[str]:

@@ -13,14 +13,14 @@ import pytest
 from packaging.requirements import Requirement
 from typer.testing import CliRunner
 
-from ui.actions.doctor.packages import lacking
-from ui.actions.doctor.places import check_folder
-from ui.actions.doctor.ports import check_ports
-from ui.actions.doctor.qt_libraries import QT_LIBRARIES, remedy_for
-from ui.actions.doctor.result import HealthState
-from ui.actions.doctor.screen import failed_window, try_window
-from ui.actions.doctor.surroundings import check_clock, check_libraries, check_locale
 from ui.cli import app
+from ui.commands.doctor.packages import lacking
+from ui.commands.doctor.places import check_folder
+from ui.commands.doctor.ports import check_ports
+from ui.commands.doctor.qt_libraries import QT_LIBRARIES, remedy_for
+from ui.commands.doctor.result import HealthState
+from ui.commands.doctor.screen import failed_window, try_window
+from ui.commands.doctor.surroundings import check_clock, check_libraries, check_locale
 
 ROOT = Path(__file__).parents[3]
 

@@ -14,8 +14,8 @@ from thbridge.files.grid_files import read_grid, write_grid
 from thbridge.hunt.rooms import Room
 from thbridge.offline.kept_trips import KeptTrips
 from thbridge.offline.measure import TripResult, TripTimes
-from ui.actions.maps.new import read_left_out, unreached_words
 from ui.cli import app
+from ui.commands.maps.drawing import read_left_out, unreached_words
 
 ROOMS = """\
 rooms:

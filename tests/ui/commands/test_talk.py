@@ -19,8 +19,8 @@ from thbridge.dialogue.wording.predicates import PREDICATES
 from thbridge.dialogue.wording.wording import Wording
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.word_files import read_language
-from ui.actions.talk.examples import TerminalTalk
 from ui.cli import app
+from ui.commands.talk.examples import TerminalTalk
 
 
 def talk(*arguments: object, code: int = 0, typed: str | None = None) -> str:

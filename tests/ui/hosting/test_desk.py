@@ -13,9 +13,9 @@ from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import RunState
-from ui.actions.study_run import _keep_desk
-from ui.actions.study_withdrawal import withdraw_during
 from ui.command_line.terminal import THBRIDGE
+from ui.commands.study.run import _keep_desk
+from ui.commands.study.withdrawal import withdraw_during
 from ui.hosting.desk import Desk
 from ui.hosting.window_process import WindowProcess
 from ui.model.desk.messages import DESK, DeskState

@@ -54,8 +54,8 @@ def bag_info_command(
 
     from thbridge.analysis.summary import summarise
     from thbridge.recording.digest import digest_of
-    from ui.actions.bag.info import show_summary
     from ui.command_line.progress import shown_progress
+    from ui.commands.bag.summary import show_summary
 
     with bad_input(), shown_progress(progress, "bag info"):
         found = summarise(bag)
@@ -72,8 +72,8 @@ def bag_check_command(bag: Recording, progress: ProgressOption = ProgressKind.AU
     """Judge a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
     from thbridge.analysis.check import judge
     from thbridge.recording.bag.reading.scan import scan
-    from ui.actions.bag.check import judgements_as_json, show_judgements
     from ui.command_line.progress import shown_progress
+    from ui.commands.bag.judgements import judgements_as_json, show_judgements
 
     with bad_input(), shown_progress(progress, "bag check"):
         judgements = {part: judge(scan(part)) for part in parts_of(bag)}

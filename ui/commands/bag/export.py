@@ -44,8 +44,8 @@ def bag_export(
     # pyarrow's import would slow every command.
     from thbridge.analysis.export.folder import export_bag
     from thbridge.files.tables.table_files import TableFormat
-    from ui.actions.bag.export import chosen_tables, chosen_topics, names_in
     from ui.command_line.progress import shown_progress
+    from ui.commands.bag.choice import chosen_tables, chosen_topics, names_in
 
     share_outputs()
     with bad_input():

@@ -20,9 +20,9 @@ def maps_check(
     """Check a map: image, rooms, goals and start poses; and tell what it holds."""
     from thbridge.files.map_files import check_map
     from thbridge.offline.map_survey import survey
-    from ui.actions.maps.check import finding_as_json, show_survey, survey_as_json, write_survey_picture
-    from ui.actions.pictures import PICTURES
+    from ui.command_line.pictures import PICTURES
     from ui.command_line.settings import map_folder
+    from ui.commands.maps.survey import finding_as_json, show_survey, survey_as_json, write_survey_picture
 
     if to is not None and to.suffix.lower() not in PICTURES:
         fail(BAD_INPUT, f"--to: {to} is no picture. Give a file name that ends in .png, .svg or .pdf.")

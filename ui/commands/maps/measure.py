@@ -36,7 +36,9 @@ def maps_measure(
     from thbridge.files.map_files import read_map
     from thbridge.files.map_times import map_times
     from thbridge.offline.measure import MeasurementSetup
-    from ui.actions.maps.measure import (
+    from ui.command_line.progress import shown_progress
+    from ui.command_line.settings import map_folder, study_of
+    from ui.commands.maps.trips import (
         measure_trips,
         show_times,
         spoken_place,
@@ -44,8 +46,6 @@ def maps_measure(
         times_matrix,
         write_times,
     )
-    from ui.command_line.progress import shown_progress
-    from ui.command_line.settings import map_folder, study_of
     from ui.first_start.compiling import announce_compiling, usable_cores
 
     share_no_output(to, as_json)

@@ -62,7 +62,8 @@ def maps_new(
 ) -> None:
     """Make an arena of any map: find its rooms, put goals and start poses, check it, measure its trips."""
     from thbridge.files.map_files import read_map
-    from ui.actions.maps.new import (
+    from ui.command_line.progress import shown_progress
+    from ui.commands.maps.drawing import (
         PaperSize,
         check_written,
         cleaned,
@@ -73,7 +74,6 @@ def maps_new(
         require_rooms,
         write_map,
     )
-    from ui.command_line.progress import shown_progress
     from ui.first_start.compiling import announce_compiling, usable_cores
 
     if draw:
@@ -138,7 +138,7 @@ def maps_edit(
     from thbridge.files.map_files import check_map, write_rooms
     from thbridge.files.map_times import MAP_TIMES
     from thbridge.offline.arena import Arena
-    from ui.actions.maps.new import check_written, read_left_out, same_trips
+    from ui.commands.maps.drawing import check_written, read_left_out, same_trips
 
     _require_window(f"Or edit {folder / 'rooms.yaml'} as text, and check it by `thbridge maps check`")
     if not folder.is_dir():

@@ -71,8 +71,8 @@ def drive(
     from thbridge.files.ros.defaults import sentences_of
     from thbridge.offline.drive import DriveResult, DriveTask
     from thbridge.offline.drive import drive as driven
-    from ui.actions.drive import corners_in, read_moving, read_parameters, read_unmapped
     from ui.command_line.grids import grid_at
+    from ui.commands.offline.drive_files import corners_in, read_moving, read_parameters, read_unmapped
     from ui.first_start.compiling import announce_compiling
 
     for option, numbers in (("--start", start), ("--goal", (*goal, goal_yaw or 0.0)), ("--timeout", (timeout,))):

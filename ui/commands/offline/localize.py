@@ -82,7 +82,10 @@ def localize_command(
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.offline.localization_updates import UpdatesFormat, updates_text
     from thbridge.offline.recording import open_recording
-    from ui.actions.localize import (
+    from ui.command_line.grids import grid_at
+    from ui.command_line.pictures import PICTURES
+    from ui.command_line.progress import shown_progress
+    from ui.commands.offline.localization import (
         corrected_localization,
         localized_as_json,
         offset_warning,
@@ -94,9 +97,6 @@ def localize_command(
         write_localization_picture,
         write_text,
     )
-    from ui.actions.pictures import PICTURES
-    from ui.command_line.grids import grid_at
-    from ui.command_line.progress import shown_progress
     from ui.first_start.compiling import announce_compiling
 
     share_no_output(to, as_json)

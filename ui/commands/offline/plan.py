@@ -52,8 +52,8 @@ def plan(
     order asked: metres, the time that planning took, and why there is no path.
     """
     from thbridge.offline.plan import plan as planned
-    from ui.actions.plan import answers_table, read_queries
     from ui.command_line.grids import grid_at
+    from ui.commands.offline.queries import answers_table, read_queries
     from ui.first_start.compiling import announce_compiling
 
     for option, value in (("--inflation", inflation), ("--radius", radius)):

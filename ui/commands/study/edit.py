@@ -27,7 +27,7 @@ def study_edit(
         announce_start(look.value)
 
     from thbridge.experiment.folder import ExperimentFolder
-    from ui.actions.unfinished_study import finish_begun_withdrawals
+    from ui.commands.study.unfinished import finish_begun_withdrawals
     from ui.first_start.compiling import announce_compiling
 
     if file.is_dir():

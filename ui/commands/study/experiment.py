@@ -60,7 +60,7 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
     from thbridge.experiment.recordings import told_leftovers
     from thbridge.experiment.store.event_log import read_log
     from thbridge.experiment.store.events import RunState
-    from ui.actions.unfinished_study import finish_begun_withdrawals
+    from ui.commands.study.unfinished import finish_begun_withdrawals
 
     finish_begun_withdrawals(folder)
     with bad_input():
@@ -102,7 +102,7 @@ def study_watch(
     from thbridge.experiment.folder import ExperimentFolder
 
     if not hosted:
-        from ui.actions.unfinished_study import finish_begun_withdrawals
+        from ui.commands.study.unfinished import finish_begun_withdrawals
         from ui.sources.experiment import ExperimentSource
 
         finish_begun_withdrawals(folder)
@@ -138,7 +138,7 @@ def study_run(
     if why_no_window() is None:
         announce_start(look.value)
 
-    from ui.actions.study_run import run_study
+    from ui.commands.study.run import run_study
 
     run_study(folder, look.value, windowed=windowed, desk=desk)
 
@@ -160,8 +160,8 @@ def study_preview(
         from ui.windows.kiosk.window import open_kiosk
 
         raise typer.Exit(open_kiosk(look.value, windowed=True, title="Preview: nothing is kept"))
-    from ui.actions.study_preview import preview_step
-    from ui.actions.unfinished_study import finish_begun_withdrawals
+    from ui.commands.study.preview import preview_step
+    from ui.commands.study.unfinished import finish_begun_withdrawals
 
     finish_begun_withdrawals(folder)
     preview_step(folder, step, condition, group, look.value)
@@ -173,7 +173,7 @@ def study_freeze(folder: FolderOfExperiment) -> None:
     from thbridge.experiment.check import check_experiment
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import freeze
-    from ui.actions.unfinished_study import finish_begun_withdrawals
+    from ui.commands.study.unfinished import finish_begun_withdrawals
 
     finish_begun_withdrawals(folder)
     with bad_input():
@@ -194,8 +194,8 @@ def study_export(
     from thbridge.experiment.export.folder import export_experiment
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import deviations
-    from ui.actions.unfinished_study import finish_begun_withdrawals
     from ui.command_line.progress import shown_progress
+    from ui.commands.study.unfinished import finish_begun_withdrawals
 
     finish_begun_withdrawals(folder)
     with bad_input(), shown_progress(progress, "export"):
@@ -219,7 +219,7 @@ def study_backup(
     """Back up a study, also while people go through it: log, recordings and files, each verified."""
     from thbridge.experiment.backup import back_up
     from thbridge.experiment.folder import ExperimentFolder
-    from ui.actions.unfinished_study import finish_begun_withdrawals
+    from ui.commands.study.unfinished import finish_begun_withdrawals
 
     finish_begun_withdrawals(folder)
     with bad_input():
@@ -247,7 +247,7 @@ def study_restore(
     ] = False,
 ) -> None:
     """Restore a study from a backup; what is replaced is kept, and those who withdrew since stay withdrawn."""
-    from ui.actions.study_restore import restore_study
+    from ui.commands.study.restore import restore_study
 
     restore_study(backup, to, yes=yes)
 
@@ -268,7 +268,7 @@ def study_withdraw(
     ] = None,
 ) -> None:
     """Delete one participant for good from log, recordings, exports and backups, after showing what that is."""
-    from ui.actions.study_withdrawal import withdraw_participant
+    from ui.commands.study.withdrawal import withdraw_participant
 
     withdraw_participant(folder, " ".join(participant) if participant else None, gone or (), yes=yes)
 
@@ -289,8 +289,8 @@ def study_rehearse(
     from thbridge.experiment.rehearsal.people import read_people
     from thbridge.experiment.rehearsal.rehearsal import rehearse
     from thbridge.files.disk.whole import new_folder
-    from ui.actions.unfinished_study import finish_begun_withdrawals
     from ui.command_line.progress import shown_progress
+    from ui.commands.study.unfinished import finish_begun_withdrawals
 
     finish_begun_withdrawals(folder)
     with bad_input():
@@ -332,10 +332,10 @@ def study_power(
     """Estimate by rehearsals how many people are needed to find the effects that `rehearsal.yaml` puts in."""
     from thbridge.batch.engines.engine import EngineFailed
     from thbridge.experiment.rehearsal.power import WARM, PowerTask
-    from ui.actions.engines import chosen_engine
-    from ui.actions.study_power import estimate_shown, power_tasks, show_estimates
-    from ui.actions.unfinished_study import finish_begun_withdrawals
     from ui.command_line.progress import shown_progress
+    from ui.commands.study.power import estimate_shown, power_tasks, show_estimates
+    from ui.commands.study.unfinished import finish_begun_withdrawals
+    from ui.commands.sweep.engines import chosen_engine
 
     finish_begun_withdrawals(folder)
     with TemporaryDirectory(prefix="thbridge-power-") as scratch:

@@ -41,8 +41,8 @@ def study_check(
         from thbridge.experiment.design.advice import advice_on, people_in_words
         from thbridge.experiment.folder import ExperimentFolder
         from thbridge.experiment.sockets.markers import why_no_markers
-        from ui.actions.unfinished_study import finish_begun_withdrawals
         from ui.command_line.networks import check_doors
+        from ui.commands.study.unfinished import finish_begun_withdrawals
 
         finish_begun_withdrawals(file)
         with bad_input():

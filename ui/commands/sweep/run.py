@@ -48,10 +48,10 @@ def sweep_run(
     from thbridge.batch.folder import open_folder
     from thbridge.batch.sweep import WARM
     from thbridge.batch.tasks import SweepTask
-    from ui.actions.engines import chosen_engine
-    from ui.actions.sweep.run import run_shown
-    from ui.actions.sweep.telling import design_as_json, progress_as_json, show_design, show_progress
     from ui.command_line.progress import shown_progress
+    from ui.commands.sweep.engines import chosen_engine
+    from ui.commands.sweep.shown import run_shown
+    from ui.commands.sweep.telling import design_as_json, progress_as_json, show_design, show_progress
     from ui.first_start.compiling import compile_ahead
 
     part = Shard() if shard is None else shard_in(shard)

@@ -17,7 +17,7 @@ def sweep_status(folder: FolderOfSweep, as_json: AsJson = False) -> None:
     import dataclasses
 
     from thbridge.batch.status import status_of
-    from ui.actions.sweep.telling import show_status
+    from ui.commands.sweep.telling import show_status
 
     with bad_input():
         status = status_of(folder)

@@ -286,7 +286,7 @@ def test_each_command_of_a_study_finishes_a_withdrawal_first(
     study: Path, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("ui.windows.display.why_no_window", lambda: "no window")
-    for module in ("ui.actions.study_run", "ui.commands.study.experiment", "ui.commands.study.edit"):
+    for module in ("ui.commands.study.run", "ui.commands.study.experiment", "ui.commands.study.edit"):
         monkeypatch.setattr(f"{module}.why_no_window", lambda: "There is no window.")
     first, *_ = people(study)
     folder = ExperimentFolder(study)

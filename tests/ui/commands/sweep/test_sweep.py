@@ -10,8 +10,8 @@ from typer.testing import CliRunner, Result
 from tests.slow import slow
 from tests.thbridge.batch.rig import InlineEngine
 from thbridge.batch import tasks
-from ui.actions import engines
 from ui.cli import app
+from ui.commands.sweep import engines
 
 DESIGN = """\
 base: {game.energy: 20}

@@ -1,1 +1,0 @@
-"""Checks of the computer that thbridge is to run on."""

@@ -1,0 +1,243 @@
+"""The steps of `thbridge maps new`."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from sim.common.geometry import IDENTITY
+from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, interpret_image
+from sim.common.traversability import Mask
+from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.costmap.footprint import radii
+from thbridge.files.disk.whole import new_folder, write_whole
+from thbridge.files.errors import BadFile
+from thbridge.files.grid_files import FREE_THRESH, OCCUPIED_THRESH, write_grid
+from thbridge.files.image_files import read_image
+from thbridge.files.map_files import FOOTPRINT, Map, check_map, write_rooms
+from thbridge.files.map_times import MAP_TIMES, map_times
+from thbridge.files.progress import Tell
+from thbridge.hunt.rooms import Room
+from thbridge.offline.arena import Arena, arena_of
+from thbridge.offline.drawings import CleanedDrawing, blocked_paths, squared, turned, without_thin_lines
+from thbridge.offline.measure import MeasurementSetup, TripTimes
+from thbridge.offline.room_finding import find_rooms
+from ui.command_line.grids import grid_at
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, say
+from ui.commands.maps.trips import measure_trips, times_matrix, write_times
+
+SEED = 1
+LEFT_OUT = "left-out.pgm"
+"""File beside map.yaml: black where something was left out of the plan, white elsewhere."""
+MOST_FLOOR = 0.5
+"""Share of the floor that must be reached, unless it is said that thin lines are walls."""
+MOST_PLACES = 4
+"""Blocked paths that are named."""
+LEAST_CELL, LARGEST_CELL = 0.001, 0.5
+"""Sizes of cells, metres: larger ones cannot show a door."""
+WIDEST = 300.0
+"""Metres beyond which a map's size is in doubt."""
+
+
+@dataclass(frozen=True, slots=True)
+class PaperSize:
+    """The size of a bare image, as options say.
+
+    Attributes:
+        resolution: metres a pixel; None: by `width`.
+        width: metres across the whole image; None: by `resolution`.
+        height: metres from its top to its bottom; None: its pixels are square.
+        turn: degrees by which it is turned counterclockwise.
+    """
+
+    resolution: float | None = None
+    width: float | None = None
+    height: float | None = None
+    turn: float = 0.0
+
+    @property
+    def given(self) -> str | None:
+        """Return the first option that says something."""
+        return next((f"--{each.name}" for each in fields(self) if getattr(self, each.name) not in {None, 0.0}), None)
+
+
+def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
+    """The grid of a map.yaml, or of a bare image with its size.
+
+    Raises:
+        BadFile: it cannot be read.
+    """
+    if source.suffix.lower() in {".yaml", ".yml"}:
+        if (option := size.given or ("--negate" if negate else None)) is not None:
+            fail(BAD_INPUT, f"{option}: {source} says that itself. Leave the option out, or change the file.")
+        grid = grid_at(source)
+        decided = np.isin(grid.cells, (FREE, OCCUPIED))
+        return OccupancyGrid(np.where(decided, grid.cells, UNKNOWN), grid.resolution, grid.origin)
+    if not source.is_file():
+        raise BadFile(source, "there is no such file", "Give a map.yaml or an image")
+    pixels = read_image(source)
+    rows, cols = pixels.shape[:2]
+    resolution = size.resolution if size.width is None else size.width / cols
+    if resolution is None:
+        remedy = (
+            "Give the width of the whole image in meters by --width, or meters per pixel by --resolution: "
+            f"with 0.05 this image is {cols * 0.05:.1f} m x {rows * 0.05:.1f} m"
+        )
+        raise BadFile(source, "an image does not say how large it is", remedy)
+    if pixels.ndim == 3:
+        colours = pixels[..., :3].mean(axis=2)
+        # What is transparent is white paper.
+        opaque = pixels[..., 3] / 255.0 if pixels.shape[2] == 4 else 1.0
+        pixels = np.rint(colours * opaque + 255.0 * (1.0 - opaque)).astype(np.uint8)
+    if not LEAST_CELL <= resolution <= LARGEST_CELL:
+        told = f"a pixel would be {resolution:g} m wide, which is not between {LEAST_CELL} and {LARGEST_CELL} m"
+        fail(BAD_INPUT, f"--width: {told}. Write the width of the whole image in meters.")
+    if size.height is not None:
+        pixels = squared(pixels, size.height / rows / resolution)
+    if size.turn:
+        pixels = turned(pixels, size.turn)
+    return OccupancyGrid(interpret_image(pixels, negate, OCCUPIED_THRESH, FREE_THRESH), resolution, IDENTITY)
+
+
+def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDrawing:
+    """The plan without lines thinner than this many pixels; None: unchanged, unless such lines block most paths."""
+    if thinner:
+        drawing = without_thin_lines(grid, thinner)
+        say(f"Left out: lines and letters thinner than {thinner} pixels, {drawing.left_out.mean():.1%} of the image")
+        return drawing
+    closed = blocked_paths(grid, radii(np.array(FOOTPRINT))[0]) if thinner is None else None
+    if closed is not None:
+        places = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in closed.places[:MOST_PLACES])
+        more = len(closed.places) - MOST_PLACES
+        told = (
+            f"{source}: only {closed.reached:.0%} of the floor can be reached. Lines thinner than {closed.thinner} "
+            f"pixels block paths at {places}{f' and {more} more places' if more > 0 else ''}. If they are doors, "
+            f"furniture or letters, leave them out by --thinner {closed.thinner}; if they are walls, keep them by "
+            "--thinner 0."
+        )
+        if closed.reached < MOST_FLOOR:
+            fail(FAILED, told)
+        note(told)
+    return CleanedDrawing(grid, np.zeros(grid.cells.shape, dtype=np.bool_))
+
+
+def find_arena(grid: OccupancyGrid, rooms: int | None, robots: int, names: Sequence[str]) -> Arena:
+    """Find rooms and start poses, and tell them."""
+    found = find_rooms(grid, *radii(np.array(FOOTPRINT)), wanted=rooms)
+    arena = arena_of(grid, found, robots, names)
+    told = ", ".join(f"{entry.room.people} {entry.name}" for entry in arena.rooms)
+    wanted = "" if rooms is None or rooms == len(arena.rooms) else f" of {rooms} wanted"
+    say(f"Rooms: {len(arena.rooms)}{wanted} found{': ' if told else ''}{told}")
+    say(f"Start poses: {len(arena.starts)}{'' if len(arena.starts) == robots else f' of {robots}: no more have room'}")
+    return arena
+
+
+def require_rooms(arena: Arena, grid: OccupancyGrid, source: Path, *, negated: bool) -> None:
+    """End the command where there is nothing to play in, and tell why that may be."""
+    if arena.rooms and arena.starts:
+        return
+    free, occupied = float((grid.cells == FREE).mean()), float((grid.cells == OCCUPIED).mean())
+    seen = f"{free:.0%} of the image is free, {occupied:.0%} occupied, {1 - free - occupied:.0%} unknown"
+    inverted = (
+        "--negate is for bright walls and dark floor: if walls are dark, leave it out. "
+        if negated
+        else "If walls are bright and floor is dark, the image is inverted: give --negate, or `negate: 1` in its "
+        "map.yaml. "
+    )
+    remedy = f"{inverted}If rooms are there but too small, the resolution is wrong. Else draw the rooms by --draw"
+    fail(FAILED, f"{source}: no rooms were found; {seen}. {remedy}.")
+
+
+def note_size(grid: OccupancyGrid) -> None:
+    """Tell the size of a map, and a doubt about it."""
+    width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
+    say(f"Map: {width:.1f} m x {height:.1f} m, {grid.cols} x {grid.rows} cells of {grid.resolution:g} m")
+    if max(width, height) > WIDEST:
+        door = 1.0 / grid.resolution
+        note(
+            f"This is very large: a door of 1 m is {door:.1f} pixels wide. Check the resolution, or use --width METERS."
+        )
+
+
+def read_left_out(folder: Path, grid: OccupancyGrid) -> Mask | None:
+    """Cells that were left out of the plan of a map; None if the map has no record of it.
+
+    Raises:
+        BadFile: it cannot be read.
+    """
+    path = folder / LEFT_OUT
+    pixels = read_image(path) if path.is_file() else None
+    return None if pixels is None or pixels.shape != grid.cells.shape else pixels[::-1] == 0
+
+
+def write_map(folder: Path, drawing: CleanedDrawing, arena: Arena) -> None:
+    """Write the folder.
+
+    Raises:
+        BadFile: it cannot be written.
+    """
+    if folder.exists():
+        # The window saves again.
+        write_rooms(folder, arena.rooms, arena.starts)
+    else:
+        with new_folder(folder, "choose another place by --to") as new:
+            write_grid(new, drawing.grid)
+            if drawing.left_out.any():
+                header = f"P5\n{drawing.grid.cols} {drawing.grid.rows}\n255\n".encode("ascii")
+                shades = np.where(drawing.left_out[::-1], 0, 255).astype(np.uint8)
+                write_whole(new / LEFT_OUT, header + shades.tobytes())
+            write_rooms(new, arena.rooms, arena.starts)
+    say(f"Wrote {folder}: map.yaml, map.pgm, rooms.yaml")
+
+
+def check_written(folder: Path) -> None:
+    """Check what was written, and tell; end the command where no game can be played on it."""
+    check = check_map(folder)
+    for finding in check.findings:
+        say(f"{finding.severity}: {finding.fault}")
+    say(f"Checked: {len(check.errors)} errors, {len(check.findings) - len(check.errors)} warnings")
+    if check.errors:
+        fail(BAD_INPUT, f"{folder}: mend rooms.yaml, or draw the rooms by `{command('maps', 'edit', folder)}`.")
+
+
+def same_trips(one: Arena, other: Arena) -> bool:
+    """Return True when trips on two drawings of a map begin and end at the same poses, room by room."""
+    return one.starts == other.starts and [room.goal for room in one.rooms] == [room.goal for room in other.rooms]
+
+
+def measure_map(folder: Path, place: Map, runs: int, jobs: int, tell: Tell) -> bool:
+    """Measure all trips and write `mapTimes`; return True when every room was reached from everywhere.
+
+    `tell` takes the progress.
+    """
+    count = len(place.rooms)
+    note(f"Measuring {runs * count * count} trips on {jobs} cores; without times: --no-times.")
+    course = MeasurementSetup(place, WorldParameters(), RobotParameters(), SEED)
+    with bad_input():
+        times = measure_trips(course, runs, jobs, folder / MAP_TIMES, tell)
+        write_times(folder / MAP_TIMES, map_times(times_matrix(times, count)))
+    means = [pair.mean for pair in times if pair.mean is not None]
+    span = f"{min(means):.0f} s to {max(means):.0f} s a trip" if means else "no trip arrived"
+    say(f"Measured: {len(means)} of {len(times)} ways, {span}; wrote {folder / MAP_TIMES}")
+    if len(means) < len(times):
+        note(unreached_words(times, folder))
+    return len(means) == len(times)
+
+
+def unreached_words(times: Sequence[TripTimes], folder: Path) -> str:
+    """A sentence about ways that were not driven to the end: where, why, and what to do."""
+    failed = [pair for pair in times if pair.mean is None]
+    ends = Counter(place for pair in failed for place in (pair.start, pair.goal) if not place.is_corridor)
+    rooms = ", ".join(f"room {room.people} ({count} ways)" for room, count in sorted(ends.items(), key=_most_first)[:3])
+    reason = Counter(refusal for pair in failed for refusal in pair.refusals).most_common(1)[0][0]
+    return (
+        f"{len(failed)} of {len(times)} ways were not driven to the end and are no moves (99); mostly: {reason}. "
+        f"Most begin or end in {rooms}. Clear the way there in the image, "
+        f"delete rooms by `{command('maps', 'edit', folder)}`, or play without these moves."
+    )
+
+
+def _most_first(counted: tuple[Room, int]) -> tuple[int, int]:
+    return -counted[1], counted[0].people

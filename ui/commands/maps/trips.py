@@ -1,0 +1,121 @@
+"""The trips of `thbridge maps measure`."""
+
+import signal
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+
+from rich.table import Table
+
+from thbridge.app.compose.machine import versions
+from thbridge.files.disk.whole import write_whole
+from thbridge.files.progress import Tell
+from thbridge.hunt.rooms import Room
+from thbridge.offline.kept_trips import KeptTrips, digest_of, kept_path
+from thbridge.offline.measure import MeasurementSetup, RoomTrip, TripResult, TripTimes, by_pair, drive, trips
+from thbridge.study.plugins import part_keys
+from ui.command_line.terminal import FAILED, fail, note, out
+from ui.commands.sweep.engines import stopped_by_sigterm
+
+
+def measure_trips(
+    course: MeasurementSetup, runs: int, jobs: int, result: Path | None, tell: Tell
+) -> tuple[TripTimes, ...]:
+    """Drive all trips, several at a time; how many changes nothing in the result.
+
+    Args:
+        course: the map, and the robot that drives.
+        runs: trips of each pair.
+        jobs: trips driven at a time.
+        result: file that the times will be written to: trips are kept next to it, and a further run drives the others;
+            None keeps none.
+        tell: takes the progress.
+
+    Raises:
+        BadFile: trips cannot be kept.
+    """
+    wanted = list(trips(course.place, runs))
+    if result is None:
+        return by_pair(_driven(course, wanted, {}, None, jobs, tell).values())
+    with KeptTrips(result, digest_of(course, versions(part_keys(course.robot)))) as kept:
+        if kept.dropped:
+            note(f"{kept.path} has trips on another map or with other settings. Measuring from the beginning.")
+        done = {trip: kept.done[trip] for trip in wanted if trip in kept.done}
+        if done:
+            note(
+                f"{len(done)} of {len(wanted)} trips are kept from an earlier run ({kept.path}). Measuring the others."
+            )
+        try:
+            with stopped_by_sigterm():
+                return by_pair(_driven(course, wanted, done, kept, jobs, tell).values())
+        except KeyboardInterrupt:
+            fail(FAILED, f"Stopped. {len(kept.done)} trips are kept in {kept.path}; the same command continues.")
+
+
+def _driven(
+    course: MeasurementSetup,
+    wanted: Sequence[RoomTrip],
+    done: dict[RoomTrip, TripResult],
+    kept: KeptTrips | None,
+    jobs: int,
+    tell: Tell,
+) -> dict[RoomTrip, TripResult]:
+    """Drive the trips that are not done; return all."""
+    left = [trip for trip in wanted if trip not in done]
+    tell("trips", len(done), len(wanted))
+    # Forking would copy the thread that draws the progress in the middle of what it does.
+    pool = ProcessPoolExecutor(jobs, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
+    try:
+        for ended in as_completed(pool.submit(partial(drive, course), trip) for trip in left):
+            driven = ended.result()
+            done[driven.trip] = driven
+            if kept is not None:
+                kept.add(driven)
+            tell("trips", len(done), len(wanted))
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return done
+
+
+def write_times(result: Path, text: str) -> None:
+    """Write the result, and then remove the trips next to it. Raises BadFile: it cannot be written."""
+    write_whole(result, text.encode("ascii"), "choose another file by --out")
+    kept_path(result).unlink(missing_ok=True)
+
+
+def times_matrix(times: Sequence[TripTimes], rooms: int) -> list[list[float | None]]:
+    """Mean seconds by start and goal; 0 is the corridor."""
+    matrix: list[list[float | None]] = [[None] * (rooms + 1) for _ in range(rooms + 1)]
+    for pair in times:
+        matrix[pair.start.people][pair.goal.people] = pair.mean
+    return matrix
+
+
+def times_as_json(pair: TripTimes) -> dict[str, object]:
+    """The times of a pair as the JSON object has them."""
+    return {
+        "from": pair.start.people,
+        "to": pair.goal.people,
+        "mean": pair.mean,
+        "deviation": pair.deviation,
+        "seconds": list(pair.seconds),
+        "refusals": list(pair.refusals),
+    }
+
+
+def show_times(times: Sequence[TripTimes], title: str) -> None:
+    """Print a table of mean seconds."""
+    rooms = max(pair.goal.people for pair in times)
+    table = Table("from", *(f"to {goal}" for goal in range(1, rooms + 1)), title=title)
+    matrix = times_matrix(times, rooms)
+    for start, row in enumerate(matrix):
+        cells = ["-" if mean is None else f"{mean:.1f}" for mean in row[1:]]
+        table.add_row("corridor" if start == 0 else str(start), *cells)
+    out.print(table)
+
+
+def spoken_place(place: Room) -> str:
+    """A place as people call it."""
+    return "the corridor" if place.is_corridor else f"room {place.people}"

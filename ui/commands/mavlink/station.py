@@ -1,0 +1,182 @@
+"""A small ground station for `thbridge mavlink`, and what it shows."""
+
+import asyncio
+import math
+from collections.abc import AsyncIterator, Coroutine
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import NoReturn, TypeVar
+
+from rich.table import Table
+
+from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.app.replay.mavlink_replay import FramesReplayed, HuntResult, has_session
+from thbridge.app.replay.replay import recorded_study, session_of
+from thbridge.mavlink.files.signing_key import read_signing_key
+from thbridge.mavlink.files.signing_timestamps import TimestampFile
+from thbridge.mavlink.sockets.client import StationSocket, Unreachable, open_station
+from thbridge.mavlink.station.ground_station import KnownRobot
+from thbridge.mavlink.station.trip import StationTrip, StationTripStage, TripOutcome
+from thbridge.mavlink.values import conventions
+from thbridge.mavlink.values.vehicle_interface import Target
+from thbridge.mavlink.wire.frames.signing import SigningKey
+from thbridge.mavlink.wire.mode_numbers import shown_mode_name
+from thbridge.sockets.addresses import Address
+from thbridge.study.overrides import with_changes
+from thbridge.timing.loop import stopping
+from ui.command_line.settings import changes_of, setting_of, study_of
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, show
+from ui.commands.replay.difference import other_versions
+
+T = TypeVar("T")
+
+
+OTHER = "127.0.0.1:14540"
+
+
+_TELL_SECONDS = 2.0
+"""Seconds between two lines of progress while a robot drives."""
+
+
+def setting_of_recording(bag: Path, study_file: Path | None, changes: list[str], beside: Path) -> StudySetting:
+    """The study of a recording, or another one."""
+    if study_file is not None:
+        if changes:
+            fail(
+                BAD_INPUT,
+                "--with: it changes the recording's study; another study has others. Leave one of the two out.",
+            )
+        return setting_of(study_of(study_file, {}), study_file)
+    with bad_input():
+        if not has_session(bag):
+            fail(BAD_INPUT, f"{bag}: it does not say what it was recorded with. Name a study file after it.")
+        record = session_of(bag)
+        for sentence in other_versions(record):
+            note(sentence)
+        return read_setting(with_changes(recorded_study(bag, record), *changes_of(changes)), beside)
+
+
+def show_frames_replayed(done: FramesReplayed) -> None:
+    """Print what became of a recording's frames."""
+    table = Table("", "recorded", "replayed", title=f"{done.frames} frames in {done.wall_seconds:.1f} s")
+    was, now = done.recorded, done.replayed
+    table.add_row("score", "-" if was is None else str(was.score), str(now.score))
+    table.add_row("rooms reached", "-" if was is None else _arrivals(was), _arrivals(now))
+    out.print(table)
+    if done.unusable:
+        note(f"{done.unusable} messages held no frame, or were for robots that there are not.")
+    if done.compared and done.parted is None:
+        show("Every robot drove as it was recorded, to the last bit.")
+    elif done.parted is not None:
+        show(f"A robot first was elsewhere than recorded at {done.parted:.2f} s.")
+
+
+def _arrivals(hunt: HuntResult) -> str:
+    """The rooms in order, each with the robot that reached it."""
+    return ", ".join(f"{arrival.room} (robot {arrival.robot})" for arrival in hunt.arrivals) or "none"
+
+
+async def drive_robot(link: StationSocket, robot: int, destination: Target, keep: bool) -> TripOutcome:
+    """Drive a robot to a place, telling how far it has come."""
+    clock = asyncio.get_running_loop().time
+    trip = StationTrip(link.station, robot, destination, keep, clock())
+    stage, shown = trip.stage, clock()
+    with stopping() as stopped:
+        while trip.outcome is None:
+            trip.advance(await link.poll(), clock())
+            if stopped.is_set() and trip.stage not in (StationTripStage.RETURNING, StationTripStage.OVER):
+                trip.give_up(clock())
+            if trip.stage is not stage and trip.stage is StationTripStage.UNDER_WAY:
+                note(f"Robot {robot} is on its way.")
+                shown = clock()
+            if trip.stage is StationTripStage.UNDER_WAY and clock() - shown >= _TELL_SECONDS:
+                shown = clock()
+                note(f"{trip.remaining:.1f} m to go")
+            stage = trip.stage
+    return trip.outcome
+
+
+def sighting_as_json(robot: KnownRobot) -> dict[str, object]:
+    """A robot as the JSON object has it; null for values that it has not sent."""
+    seconds = max(robot.last_frame - robot.first_heartbeat, 1e-9)
+    return {
+        "robot": robot.system,
+        "mode": shown_mode_name(robot.autopilot, robot.custom_mode),
+        "armed": robot.armed,
+        "commander": _commander(robot),
+        "x": _known(robot.x, 3),
+        "y": _known(robot.y, 3),
+        "latitude": _known(robot.latitude, 7),
+        "longitude": _known(robot.longitude, 7),
+        "energy": _known(robot.energy, 2),
+        "frames": robot.frames,
+        "frames_per_second": round((robot.frames - 1) / seconds, 1) if robot.frames > 1 else 0.0,
+        "lost": robot.lost,
+        "text": robot.text,
+    }
+
+
+def _commander(robot: KnownRobot) -> str | None:
+    match robot.commander:
+        case None:
+            return None
+        case conventions.BY_PARTICIPANT:
+            return "participant"
+        case conventions.BY_OTHERS:
+            return "researcher"
+        case system:
+            return f"ground station {system}"
+
+
+def _known(value: float, digits: int) -> float | None:
+    return None if math.isnan(value) else round(value, digits)
+
+
+def sightings_table(robots: list[KnownRobot]) -> Table:
+    """Robots as a table."""
+    table = Table("robot", "mode", "armed", "commander", "x, y (m)", "energy", "frames/s", "lost")
+    for robot in robots:
+        figures = sighting_as_json(robot)
+        place = "" if math.isnan(robot.x) else f"{robot.x:.2f}, {robot.y:.2f}"
+        energy = "" if math.isnan(robot.energy) else f"{robot.energy:.0%}"
+        rate, armed = str(figures["frames_per_second"]), "yes" if robot.armed else "no"
+        mode, commander = str(figures["mode"]), _commander(robot) or ""
+        table.add_row(str(robot.system), mode, armed, commander, place, energy, rate, str(robot.lost))
+    return table
+
+
+def _signing_key_in(path: Path | None) -> SigningKey | None:
+    """The signing key of a file; None without a file."""
+    with bad_input():
+        return None if path is None else read_signing_key(path)
+
+
+def run_program(program: Coroutine[object, object, T]) -> T:
+    """Run a program; Ctrl-C ends the command."""
+    try:
+        return asyncio.run(program)
+    except KeyboardInterrupt:
+        fail(FAILED, "stopped")
+
+
+@asynccontextmanager
+async def station_at(address: Address, tcp: bool, key: Path | None) -> AsyncIterator[StationSocket]:
+    """A ground station's link, signed by the key of a file; ends the command where it cannot be opened."""
+    secret, store = _signing_key_in(key), None if key is None else TimestampFile(key, ".station")
+    try:
+        async with open_station(address, tcp, secret, store) as link:
+            yield link
+    except Unreachable as why:
+        remedy = "Start robots there, by `thbridge play --mavlink --tcp HOST:PORT`" if tcp else "Give another address"
+        fail(FAILED, f"{address}: {why}. {remedy}.")
+
+
+def fail_without_robots(link: StationSocket, address: Address, key: Path | None) -> NoReturn:
+    """End the command, with reasons why no robot may have answered."""
+    if link.refused:
+        fail(FAILED, f"{address}: {link.refused} frames were refused, for they are not signed with the key of {key}.")
+    if link.is_listening:
+        remedy = "Start `thbridge play --mavlink`, or give the address that it tells"
+        fail(FAILED, f"{address}: nobody speaks MAVLink there. {remedy}.")
+    remedy = f"Give an address that is free, such as {OTHER}; robots speak to several, see `play --udp`"
+    fail(FAILED, f"{address}: another program has this address, or another machine, and no robot answers. {remedy}.")

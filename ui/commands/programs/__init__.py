@@ -1,0 +1,1 @@
+"""The programs apart: `thbridge server`, `simr`, `hider`, `tabui`."""

@@ -1,0 +1,240 @@
+"""The commands that run one program each: the text server, and what joins it."""
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
+from thbridge.study.external_nodes import ExternalNodes
+from thbridge.study.robots_from import RobotsFrom
+from ui.command_line.option_sets import with_option_sets
+from ui.command_line.options import (
+    PERSON,
+    AsJson,
+    BagFile,
+    ClientOptions,
+    ColourScheme,
+    Keys,
+    LookOption,
+    MapName,
+    OpenTo,
+    ParticipantName,
+    Port,
+    Robots,
+    RosOptions,
+    Seed,
+    StudyFile,
+    Templates,
+    WatchOptions,
+    the_study,
+)
+from ui.command_line.outputs import make_ready
+from ui.command_line.terminal import BAD_INPUT, DECLINED, FAILED, bad_input, fail, note, print_json, say, show
+from ui.windows.display import why_no_window
+
+
+def server(
+    study_file: StudyFile = None,
+    host: Annotated[str | None, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in.")] = None,
+    port: Port = None,
+    keys: Keys = None,
+    open_to: OpenTo = None,
+    journal: Annotated[Path, typer.Option(help="Folder of the games' journals.")] = Path("journal"),
+    new_game: Annotated[bool, typer.Option("--new-game", help="Do not go on with an unfinished game.")] = False,
+) -> None:
+    """Run the text server of 2016, and with it the keeper of the game, until stopped."""
+    import secrets
+
+    from thbridge.app.server import serve
+    from thbridge.recording.journal_folder import JournalStore
+    from ui.command_line.event_loop import run
+    from ui.command_line.keys import keys_of
+    from ui.command_line.networks import check_doors, with_open_to
+    from ui.command_line.settings import note_doubts, setting_of, study_of, with_server
+
+    study = with_open_to(with_server(study_of(study_file, {}), host, port), open_to)
+    ring = keys_of(study, study_file, keys)
+    check_doors(study, ring)
+    setting = setting_of(study, study_file)
+    note_doubts(setting)
+
+    with bad_input():
+        ledger = JournalStore(journal)
+
+    def ready(where: ListeningAddress | CannotListen) -> None:
+        if isinstance(where, CannotListen):
+            fail(BAD_INPUT, str(where))
+        print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
+
+    run(serve(setting, ledger, new_game, ready, ring, secrets.token_hex(8)))
+
+
+@with_option_sets
+def simr(
+    client: ClientOptions,
+    robots: Robots = None,
+    map_name: MapName = None,
+    robots_from: Annotated[
+        RobotsFrom | None,
+        typer.Option(help="Simulate the robots, or command real ones on a ROS graph; see `thbridge docs real-robots`."),
+    ] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(help="Simulated seconds per second; by default the study's, or else 1.", min=0.01, max=1000),
+    ] = None,
+    seed: Seed = None,
+    bag: BagFile = None,
+    *,
+    ros: RosOptions,
+    watching: WatchOptions,
+    open_to: OpenTo = None,
+) -> None:
+    """Run the robots (SimR) at a text server until stopped."""
+    from thbridge.app import programs
+    from thbridge.app.programs import SimrOptions
+    from thbridge.app.real_robots import simr_with_real_robots
+    from ui.command_line.event_loop import run
+    from ui.command_line.keys import key_of, keys_of
+    from ui.command_line.listening import check_foxglove, graph_of, hosts_of, watch_of
+    from ui.command_line.networks import check_doors, with_open_to
+    from ui.command_line.settings import note_doubts, setting_of, study_of
+    from ui.commands.programs.client import address_of, new_token, settings_without_effect, tell_lost
+    from ui.first_start.compiling import compile_ahead
+
+    study_file = the_study(client.study_file, client.study_option)
+    changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
+    study = with_open_to(study_of(study_file, changes), open_to)
+    host, port = address_of(client.server, study.server)
+    if study.mavlink.on:
+        # Whether a robot may be sent somewhere is for the game to say, which is another program's.
+        note("mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`.")
+        study = dataclasses.replace(study, mavlink=dataclasses.replace(study.mavlink, on=False))
+    setting = setting_of(study, study_file)
+    note_doubts(setting)
+    real = setting.study.robots_from is RobotsFrom.ROS
+    if study.external_nodes is not ExternalNodes.NONE and not (real or ros.join):
+        fail(
+            BAD_INPUT,
+            "external_nodes: others drive these robots on a ROS graph. Give --ros, or write none.",
+        )
+    if real and ros.join:
+        fail(BAD_INPUT, "--ros: robots of a ROS graph are there already. Leave the option out.")
+    if real and watching.watch is not None:
+        fail(BAD_INPUT, "--watch: real robots are watched on their graph, by rviz. Leave the option out.")
+    if real and watching.foxglove is not None:
+        fail(BAD_INPUT, "--foxglove: real robots are watched on their graph, by foxglove_bridge. Leave the option out.")
+    if real and rate is not None:
+        fail(BAD_INPUT, "--rate: real robots have the time that they have. Leave the option out.")
+    if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
+        fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or take fewer robots.")
+    graph = graph_of(dataclasses.replace(ros, join=ros.join or real), study.open_to)
+    door = None
+    if not real:
+        door = watch_of(setting.study, study_file, watching, keys_of(setting.study, study_file, None))
+    check_doors(study, None, door, graph, serves_text=False)
+    shown = None if client.key is None else key_of(client.key)
+    if bag is not None:
+        make_ready(bag)
+    if real and graph is not None:
+        for setting_name in settings_without_effect(setting.study):
+            note(f"{setting_name} has no effect here: it is for simulated robots.")
+        options = SimrOptions(host, port, new_token(), 1.0, bag, key=shown)
+        unfit = run(simr_with_real_robots(setting, options, graph, tell_lost, _unreachable, _missing))
+        if unfit is not None:
+            fail(FAILED, unfit)
+        return
+    check_foxglove(watching.foxglove)
+    compile_ahead(whole_hunt=True)
+    options = SimrOptions(
+        host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door, watching.foxglove, shown
+    )
+    unfit = run(programs.simr(setting, options, tell_lost, hosts_of(graph)))
+    if unfit is not None:
+        fail(FAILED, unfit)
+
+
+@with_option_sets
+def hider(
+    client: ClientOptions,
+    treasures: Annotated[str | None, typer.Option(help="Set of templates, or its folder, with `treasures`.")] = None,
+    seed: Seed = None,
+) -> None:
+    """Run the treasures' program (Hider) at a text server until stopped."""
+    from thbridge.app import programs
+    from thbridge.app.compose.game import build_hider
+    from ui.command_line.event_loop import run
+    from ui.command_line.keys import key_of
+    from ui.command_line.settings import study_of
+    from ui.commands.programs.client import address_of, new_token, read_templates, tell_lost
+
+    study_file = the_study(client.study_file, client.study_option)
+    study = study_of(study_file, {"templates": treasures, "seed": seed})
+    host, port = address_of(client.server, study.server)
+    beside = Path() if study_file is None or treasures is not None else study_file.parent
+    role = build_hider(read_templates(study.templates, beside), study.seed)
+    run(programs.hider(role, host, port, new_token(), tell_lost, None if client.key is None else key_of(client.key)))
+
+
+@with_option_sets
+def tabui(
+    client: ClientOptions,
+    participant: ParticipantName = None,
+    templates: Templates = None,
+    seed: Seed = None,
+    look: LookOption = ColourScheme.SYSTEM,
+    as_json: AsJson = False,
+    hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
+) -> None:
+    """Take part (TabUI) at a text server: in a window where there is a display, else with a simulated participant."""
+    if hosted:
+        from ui.windows.participant_program import play_hosted
+
+        raise typer.Exit(play_hosted(look.value))
+    from thbridge.app import programs
+    from thbridge.files.language_texts import shipped_texts
+    from thbridge.roles.participant.bot_strategy import BotStrategy
+    from ui.command_line.event_loop import run
+    from ui.command_line.keys import key_of
+    from ui.command_line.settings import study_of
+    from ui.commands.programs.client import ANOTHER_GAME, address_of, new_token, seat_of, show_nothing, tell_lost
+
+    study_file = the_study(client.study_file, client.study_option)
+    study = study_of(study_file, {"templates": templates, "seed": seed})
+    host, port = address_of(client.server, study.server)
+    shown = None if client.key is None else key_of(client.key)
+    if participant is None and templates is None and seed is None and not as_json:
+        why = why_no_window()
+        if why is None:
+            from ui.windows.participant_program import play_at
+
+            raise typer.Exit(play_at(host, port, new_token(), look.value, shown))
+        note(f"{why} A simulated participant plays.")
+    participant = participant or BotStrategy.SUGGESTION.value
+    seat = seat_of(participant, study, study_file, templates, seed)
+    program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing, shown)
+    last = run(program, seat.typed)
+    if seat.tabui.declined:
+        say((seat.tabui.texts or shipped_texts()).text("terminal.thanks"))
+        raise typer.Exit(DECLINED)
+    if last is None:
+        fail(FAILED, "stopped before the game was over")
+    if as_json:
+        visited = sum(room.state == "visited" for room in last.rooms)
+        print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
+    else:
+        if participant != PERSON:  # Who types has been told.
+            show(f"The game is over. Score {last.score}.")
+        note(ANOTHER_GAME)
+
+
+def _unreachable(why: CannotListen) -> None:
+    fail(BAD_INPUT, f"ROS: {why}")
+
+
+def _missing(sentences: Sequence[str]) -> None:
+    for sentence in sentences or ["All robots are there."]:
+        note(sentence)

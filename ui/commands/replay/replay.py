@@ -1,0 +1,119 @@
+"""`thbridge replay`: run a recording again, as it was or with something changed."""
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.command_line.options import AsJson, ProgressKind, ProgressOption, SimulatedParticipant
+from ui.command_line.outputs import make_copy_ready
+from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
+
+
+def replay_command(
+    bag: Annotated[Path, typer.Argument(help="A recording of `thbridge play` or `thbridge simr`.")],
+    rate: Annotated[
+        float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01, max=1000)
+    ] = None,
+    start: Annotated[
+        float,
+        typer.Option("--from", help="Run at full speed and tell nothing up to this session time, seconds.", min=0),
+    ] = 0.0,
+    to: Annotated[Path | None, typer.Option(help="Keep the new recording in this bag.")] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--with",
+            metavar="KEY=VALUE|FILE.yaml",
+            help="What if: same inputs, but this in the study, e.g. `--with seed=2`. May be given several times.",
+        ),
+    ] = None,
+    participant: SimulatedParticipant = None,
+    beside: Annotated[Path, typer.Option(help="Folder that paths in the study start from.")] = Path(),
+    progress: ProgressOption = ProgressKind.AUTO,
+    as_json: AsJson = False,
+) -> None:
+    """Run a recording again: the same inputs go into a fresh session, which must say what the recorded one said.
+
+    Ends with 0 when every message is the same, bit for bit, and with 1 when one differs; then it says which. With
+    `--with` or `--participant` the two runs are compared by their figures, and a difference is no failure.
+    """
+    from ui.first_start.bar import announce_start
+
+    announce_start()
+
+    from itertools import zip_longest
+    from tempfile import TemporaryDirectory
+
+    from sim.common.observations import TICK
+    from thbridge.analysis.comparison import RunFigures, figures_of
+    from thbridge.analysis.measured.gathering import read_games
+    from thbridge.app.compose.setting import read_setting
+    from thbridge.app.replay.replay import ReplayOptions, recorded_study, replay, session_of
+    from thbridge.app.session.session import TickRecord
+    from thbridge.recording.bag.reading.reader import info, messages
+    from thbridge.ros.names import INPUTS
+    from thbridge.study.overrides import with_changes
+    from thbridge.text_protocol.wire import legacy
+    from ui.command_line.event_loop import run
+    from ui.command_line.progress import shown_progress
+    from ui.command_line.settings import changes_of, with_strategy
+    from ui.command_line.story import print_story
+    from ui.commands.replay.difference import other_versions, replayed_as_json, show_replayed
+    from ui.first_start.compiling import compile_ahead
+
+    files, assignments = changes_of(changes or [])
+    with bad_input():
+        record = session_of(bag)
+        study = recorded_study(bag, record)
+        setting = read_setting(with_strategy(with_changes(study, files, assignments), participant), beside)
+        recorded_seconds = info(bag).duration
+    if participant is not None and not record.participant:
+        fail(BAD_INPUT, f"--participant: nobody played inside the program that recorded {bag}. Leave the option out.")
+    what_if = bool(changes) or participant is not None
+    for sentence in other_versions(record):
+        note(sentence)
+    if to is not None:
+        make_copy_ready(to, bag)
+
+    rooms = setting.map.room_names
+
+    refused = 0
+
+    def follow(moment: TickRecord) -> None:
+        nonlocal refused
+        tell("simulated seconds", int(moment.tick * TICK), math.ceil(recorded_seconds))
+        refused += sum(each.program == legacy.TABUI for each in moment.refusals)
+        if not as_json:
+            print_story(moment, rooms)
+
+    compile_ahead(whole_hunt=False)
+    figures: list[tuple[RunFigures | None, RunFigures | None]] = []
+    with TemporaryDirectory(prefix="thbridge-") as folder:
+        kept = to or (Path(folder) / "replay.bag" if what_if else None)
+        options = ReplayOptions(rate or 0.0, start, kept, kept is not None, participant)
+        with shown_progress(progress, "replay", beside_text=not as_json) as tell:
+            done = run(replay(bag, setting, options, follow))
+        if what_if and kept is not None and done.finished:
+            with bad_input():
+                recorded, replayed = (map(figures_of, read_games(messages(each))) for each in (bag, kept))
+                figures += zip_longest(recorded, replayed)
+    if as_json:
+        print_json(replayed_as_json(done, to, figures))
+    else:
+        show_replayed(done, figures)
+    if what_if and participant is None and refused:
+        note(f"Requests of the participant that were refused: {refused}. {_SAME_TIME}")
+        if record.participant:
+            note("To compare whole hunts, let a simulated participant play anew by --participant.")
+    if not done.finished:
+        fail(FAILED, "stopped before the end of the recording")
+    if done.difference is not None and not what_if:
+        if not any(topic.name == INPUTS for topic in info(bag).topics):
+            note(f"The recording has no {INPUTS}: if anything came from outside, it was cut out. {_FRAMES}")
+        raise typer.Exit(FAILED)
+
+
+_SAME_TIME = "They come when they came in the recording, wherever robots are now."
+_FRAMES = "Where MAVLink frames drove the robots, `thbridge mavlink replay` does without."

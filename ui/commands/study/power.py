@@ -1,0 +1,98 @@
+"""The run of `thbridge study power`, and what it tells."""
+
+import hashlib
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rich.table import Table
+
+from thbridge.app.compose.machine import versions
+from thbridge.batch.engines.engine import Engine
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.freeze import fingerprint_of
+from thbridge.experiment.rehearsal.people import read_people
+from thbridge.experiment.rehearsal.power import LEVEL, PowerEstimate, PowerQuestion, PowerTask, estimate_power
+from thbridge.files.errors import BadFile
+from thbridge.files.progress import Tell
+from ui.command_line.terminal import out, print_json, say
+from ui.commands.sweep.engines import stopped_by_sigterm
+
+ENOUGH = 0.8
+"""Power that is usually asked for."""
+
+
+def power_tasks(
+    root: Path, score: str, factor: str, people: Sequence[int], rehearsals: int, seed: int, results: Path
+) -> list[PowerTask]:
+    """Return the rehearsals that answer a question.
+
+    Args:
+        root: folder of the experiment.
+        score: name of a subscale.
+        factor: whose levels are compared.
+        people: numbers of people; none: six up to the experiment's own.
+        rehearsals: number, with the effects and without.
+        seed: of the first of them.
+        results: folder of results, of this question and of others.
+
+    Raises:
+        BadFile: the experiment is faulty, or has no such score or factor.
+    """
+    folder = ExperimentFolder(root)
+    design = folder.read()
+    simulated = read_people(folder.people, design)
+    scores = sorted({name for form in design.forms.values() for name in form.subscales})
+    if score not in scores:
+        remedy = f"Write --score with one of {', '.join(scores) or 'those of a form, of which there is none yet'}"
+        raise BadFile(folder.file, f"no form has a score {score}", remedy)
+    factors = sorted({*design.conditions[0].levels, *design.cells[0].levels})
+    if factor not in factors:
+        remedy = f"Write --factor with one of {', '.join(factors) or 'its factors, of which there is none yet'}"
+        raise BadFile(folder.file, f"{factor} is no factor", remedy)
+    most = design.allocation.size
+    sizes = tuple(sorted({*people})) or tuple(sorted({max(2, math.ceil(most * part / 6)) for part in range(1, 7)}))
+    question = PowerQuestion(score, factor, sizes)
+    # Results of another question, of another experiment or of other people are never taken for these.
+    asked = f"{fingerprint_of(folder, versions()).digest} {question} {simulated}"
+    place = results / hashlib.sha256(asked.encode()).hexdigest()[:16]
+    return [
+        PowerTask(root.resolve(), place.resolve(), question, simulated.without_games(), number, effects)
+        for number in range(seed, seed + rehearsals)
+        for effects in (True, False)
+    ]
+
+
+def estimate_shown(
+    tasks: Sequence[PowerTask], engine: Engine[PowerTask], tell: Tell
+) -> Mapping[bool, Sequence[PowerEstimate]]:
+    """Rehearse; `tell` takes the progress. See `estimate_power`."""
+    with stopped_by_sigterm(), engine:
+        return estimate_power(tasks, engine, lambda done: tell("rehearsals", done, len(tasks)))
+
+
+def show_estimates(estimates: Mapping[bool, Sequence[PowerEstimate]], *, as_json: bool) -> None:
+    """Tell the power for each number of people, and how often something is found where nothing is."""
+    pairs = list(zip(estimates[True], estimates[False], strict=True))
+    enough = next((power.people for power, _ in pairs if power.share >= ENOUGH), None)
+    if as_json:
+        rows = [
+            {
+                "people": power.people,
+                "rehearsals": power.rehearsals,
+                "power": power.share,
+                "false_positives": none.share,
+            }
+            for power, none in pairs
+        ]
+        print_json({"level": LEVEL, "estimates": rows, "enough": enough})
+        return
+    table = Table("people", "power", "95 % interval", "found where nothing is")
+    for power, none in pairs:
+        low, high = power.interval
+        table.add_row(f"{power.people}", f"{power.share:.2f}", f"{low:.2f} to {high:.2f}", f"{none.share:.3f}")
+    out.print(table)
+    if enough is None:
+        say(f"None of these numbers gives a power of {ENOUGH}. Ask for more by --people.")
+    else:
+        say(f"{enough} people give a power of {ENOUGH} at least.")

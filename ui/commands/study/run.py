@@ -1,0 +1,129 @@
+"""`thbridge study run`: the kiosk of one study."""
+
+import asyncio
+import os
+import secrets
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from itertools import chain
+from pathlib import Path
+
+import typer
+
+from thbridge.experiment.check import read_for_people
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.sockets.markers import MarkerStream
+from thbridge.experiment.store.event_log import ExperimentLog
+from thbridge.files.disk.synced import make_folder
+from thbridge.files.errors import BadFile
+from ui.command_line.networks import check_doors
+from ui.command_line.terminal import BAD_INPUT, FAILED, THBRIDGE, bad_input, command, fail, note
+from ui.commands.study.unfinished import finish_begun_withdrawals
+from ui.commands.study.withdrawal import withdraw_during
+from ui.first_start.compiling import compile_ahead
+from ui.hosting.desk import Desk, DeskFailed
+from ui.hosting.kiosk.games import StudyGames
+from ui.hosting.kiosk.host import KioskHost, StudyClock
+from ui.hosting.window_process import WindowProcess
+from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
+from ui.windows.display import why_no_window
+
+
+def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: tuple[str, ...] = ()) -> None:
+    """Take people through a study until the window is closed, or the program stopped.
+
+    Args:
+        folder: of the study.
+        look: colours of the windows.
+        windowed: True for a window that leaves the rest of the screen free.
+        desk: True to open the researcher's desk, too.
+        program: command of another window that speaks the messages of `ui.model.kiosk`; empty: ours.
+    """
+    finish_begun_withdrawals(folder)
+    with bad_input():
+        place, clock = ExperimentFolder(folder), StudyClock()
+        design = read_for_people(place)
+        for study in chain.from_iterable(cell.studies for cell in design.cells):
+            check_doors(study)
+        why = None if program else why_no_window()
+        if why is not None:
+            fail(BAD_INPUT, why)
+    # Before people come, and before the log is open.
+    compile_ahead(whole_hunt=True, look=None if program else look)
+    with bad_input():
+        make_folder(place.log.parent)
+        log = ExperimentLog(place.log)
+    window, code = _window(folder, look, program, windowed=windowed), 0
+    try:
+        with log, MarkerStream(design.file.title, wanted=design.file.markers) as markers, bad_input(FAILED):
+            conductor = Conductor(design, log, markers.stamping(clock), secrets.randbelow)
+            conductor.listeners.append(markers.push)
+            for trouble in markers.troubles:
+                note(trouble)
+            host = KioskHost(design, conductor, window, StudyGames(place, design), clock)
+            beside = (
+                Desk(
+                    host,
+                    place,
+                    ("--look", look),
+                    lambda: markers.troubles,
+                    withdraw=lambda participant: withdraw_during(place, conductor, log, participant),
+                )
+                if desk
+                else None
+            )
+            with suppress(KeyboardInterrupt), _stopped_like_ctrl_c():
+                asyncio.run(_run(host, beside, folder))
+        if window.given_up:
+            fail(FAILED, "The window crashes whenever it is opened. What was answered is kept.")
+    except typer.Exit as failed:
+        code = failed.exit_code
+    with suppress(OSError):  # The terminal may be gone.
+        if window.left_open:
+            note("Somebody is in the middle of the study. The window stays and says so; Ctrl+Alt+Shift+Q closes it.")
+        note(f"The study goes on by `{command('study', 'run', folder)}`.")
+    if window.left_open:
+        os._exit(code)
+    raise typer.Exit(code)
+
+
+def _window(folder: Path, look: str, program: tuple[str, ...], *, windowed: bool) -> WindowProcess[ToKiosk, FromKiosk]:
+    options = ("--hosted", "--look", look, *(["--windowed"] if windowed else []))
+    return WindowProcess(program or (*THBRIDGE, "study", "run", str(folder), *options), KIOSK)
+
+
+async def _run(host: KioskHost, desk: Desk | None, folder: Path) -> None:
+    """Run the kiosk to its end, whatever becomes of the desk."""
+    if desk is None:
+        await host.run()
+        return
+    beside = asyncio.create_task(_keep_desk(desk, folder))
+    try:
+        await host.run()
+    finally:
+        beside.cancel()
+        await asyncio.gather(beside, return_exceptions=True)
+
+
+async def _keep_desk(desk: Desk, folder: Path) -> None:
+    """Keep the desk open; should it fail, the study goes on without it, which is said at once."""
+    try:
+        await desk.run()
+    except (DeskFailed, BadFile, OSError) as error:
+        watch = command("study", "watch", folder)
+        note(f"There is no desk: {error}. The study goes on without it. `{watch}` shows it, to look at.")
+
+
+@contextmanager
+def _stopped_like_ctrl_c() -> Iterator[None]:
+    """Have SIGTERM, and the end of the terminal, do the same as Ctrl-C, which asyncio knows."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    for number in before:
+        signal.signal(number, lambda _number, _frame: signal.raise_signal(signal.SIGINT))
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,21 @@
+"""Work that an interrupted command left in a study; each command of a study begins with it."""
+
+from pathlib import Path
+
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.files.errors import BadFile
+from ui.command_line.terminal import note
+
+
+def finish_begun_withdrawals(folder: Path) -> None:
+    """Finish withdrawals that have begun, and print what cannot be done yet; the command then does its own work."""
+    try:
+        pending = ExperimentFolder(folder).pending_withdrawals.read()
+    except BadFile as fault:
+        note(str(fault))
+        return
+    if pending:
+        # A second of imports that is hardly ever needed.
+        from ui.commands.study.withdrawal import finish_and_report
+
+        finish_and_report(folder, pending)

@@ -1,0 +1,33 @@
+"""The run of `thbridge sweep`, with its progress."""
+
+from collections.abc import Sequence
+
+from thbridge.batch.chunks import Shard
+from thbridge.batch.design import SweepDesign
+from thbridge.batch.engines.engine import Engine
+from thbridge.batch.folder import SweepFolder
+from thbridge.batch.sweep import SweepProgress, run_sweep
+from thbridge.batch.tasks import SweepTask
+from thbridge.files.progress import Tell
+from ui.command_line.terminal import note
+from ui.commands.sweep.engines import stopped_by_sigterm
+
+
+def run_shown(
+    design: SweepDesign, folder: SweepFolder, engine: Engine[SweepTask], shard: Shard, *, retry: bool, tell: Tell
+) -> SweepProgress:
+    """Run a sweep; what goes wrong is told at once. `tell` takes the progress.
+
+    Raises:
+        BadFile, EngineFailed: as `run_sweep`.
+        KeyboardInterrupt: it was stopped, by Ctrl-C or SIGTERM.
+    """
+
+    def progress(now: SweepProgress, faults: Sequence[str]) -> None:
+        # Games of earlier runs tell nothing about the rate of this one.
+        tell("games", now.played, now.games - now.before)
+        for fault in faults:
+            note(fault)
+
+    with stopped_by_sigterm(), engine:
+        return run_sweep(design, folder, engine, shard, retry=retry, progress=progress)

@@ -1,0 +1,161 @@
+"""`thbridge talk`: dialogue games, played in the terminal, checked and explained."""
+
+from enum import StrEnum
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.command_line.groups import CommandGroup
+from ui.command_line.options import AsJson, Seed
+from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
+
+
+class _TalkGroup(CommandGroup):
+    """The commands of `talk`, which may be left out."""
+
+    paths = {"check": "ui.commands.talk.talk:talk_check", "words": "ui.commands.talk.talk:talk_words"}  # noqa: RUF012
+
+
+talk_app = typer.Typer(
+    cls=_TalkGroup,
+    add_completion=False,
+    help="Dialogue games between a robot and a person: who may say what, when, and how it ends.",
+    no_args_is_help=True,
+)
+
+
+class TalkExample(StrEnum):
+    """Example of a conversation."""
+
+    JHRI2015 = "jhri2015"
+    RULES = "rules"
+
+
+class TalkPlayer(StrEnum):
+    """Player of a side."""
+
+    PROGRAM = "program"
+    PERSON = "person"
+
+
+@talk_app.callback(invoke_without_command=True)
+def talk(
+    context: typer.Context,
+    example: Annotated[
+        TalkExample | None,
+        typer.Option(help="What to talk about: jhri2015, the worked example of Sklar and Azhar (2015), or rules."),
+    ] = None,
+    exchange: Annotated[int | None, typer.Option(help="Only this exchange of the example.", min=1)] = None,
+    robot: Annotated[TalkPlayer, typer.Option(help="Who plays the robot.")] = TalkPlayer.PROGRAM,
+    human: Annotated[TalkPlayer, typer.Option(help="Who plays the person.")] = TalkPlayer.PERSON,
+    games: Annotated[Path | None, typer.Option(help="A folder of games of yours, beside the shipped ones.")] = None,
+    game: Annotated[
+        str | None, typer.Option(help="Play this game about the example's topics, whatever the example says.")
+    ] = None,
+    language: Annotated[str, typer.Option(help="Of the sentences: en, de, or one of yours.")] = "en",
+    words: Annotated[Path | None, typer.Option(help="A folder of words of yours, beside the shipped ones.")] = None,
+    seed: Seed = 0,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object a move on standard output, nothing else.")
+    ] = False,
+) -> None:
+    """Play the exchanges of an example in the terminal: a person chooses among legal moves, a program follows it."""
+    if context.invoked_subcommand is not None:
+        return
+    if example is None:
+        fail(BAD_INPUT, f"--example: nothing to talk about. Write --example {TalkExample.JHRI2015}, or see --help.")
+    from thbridge.dialogue.argumentation.cases import Side
+    from thbridge.dialogue.examples import jhri2015
+    from thbridge.dialogue.rule_examples import rules_as_topics
+    from thbridge.dialogue.wording.wording import Wording
+    from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
+    from thbridge.files.word_files import SHIPPED_LANGUAGES, read_language
+    from ui.commands.talk.examples import Quit, TerminalTalk, print_utterance
+
+    with bad_input():
+        rulebook = read_rulebook((SHIPPED_GAMES,) if games is None else (SHIPPED_GAMES, games))
+        spoken = (
+            read_language(name=language)
+            if words is None
+            else read_language((SHIPPED_LANGUAGES, words), language, locutions=rulebook.locutions)
+        )
+    if game is not None and game not in rulebook.games:
+        fail(BAD_INPUT, f"--game: there is no game {game}. There are: {', '.join(sorted(rulebook.games))}.")
+    exchanges = (jhri2015 if example is TalkExample.JHRI2015 else rules_as_topics)(rulebook)
+    if exchange is not None and exchange > len(exchanges):
+        fail(BAD_INPUT, f"--exchange: {exchange} is not there. The example has 1 to {len(exchanges)}.")
+    show = note if as_json else say
+    people = frozenset(
+        side for side, player in ((Side.ROBOT, robot), (Side.HUMAN, human)) if player is TalkPlayer.PERSON
+    )
+    for number, each in enumerate(exchanges, start=1):
+        if exchange in {None, number}:
+            show(f"Exchange {number}. {each.title}")
+            heard = partial(print_utterance, number) if as_json else lambda _said: None
+            try:
+                TerminalTalk(each, people, game, seed or 0, Wording(spoken, 0), show, heard).play()
+            except Quit:
+                return
+            show("")
+
+
+def talk_check(
+    folders: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Folders of yours with games, or languages; by default the shipped games."),
+    ] = None,
+    strategy: Annotated[
+        str | None,
+        typer.Option(help="A strategy of yours that is installed: it is played in these and the shipped games."),
+    ] = None,
+    author: Annotated[
+        str | None,
+        typer.Option(help="An author of wordings of yours that is installed: it words what robots say there."),
+    ] = None,
+    conversations: Annotated[
+        int, typer.Option(help="How many of each kind a strategy or an author is tried in.", min=1, max=1000)
+    ] = 2,
+    seed: Seed = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Check games, words, strategies and authors of words; of games it tells who may say what, and how they end."""
+    from ui.commands.talk.check import check_folder, rulebook_with, shipped_folder
+
+    checked = [check_folder(folder) for folder in folders or ([] if strategy or author else [shipped_folder()])]
+    ok = readable = not any(each.faults for each in checked)
+    told: dict[str, object] = {"folders": [each.as_json() for each in checked]}
+    lines = [line for each in checked for line in each.lines()]
+    if strategy is not None and readable:
+        from ui.commands.talk.strategy_check import check_strategy
+
+        with bad_input():
+            tried = check_strategy(strategy, rulebook_with(folders or []), conversations, seed or 0)
+        ok = tried.ok
+        told["strategy"] = tried.as_json()
+        lines += tried.lines()
+    if author is not None and readable:
+        from ui.commands.talk.author_check import check_author
+
+        languages = [language for each in checked for language in each.languages]
+        with bad_input():
+            worded = check_author(author, languages, rulebook_with(folders or []), conversations, seed or 0)
+        ok &= worded.ok
+        told["author"] = worded.as_json()
+        lines += worded.lines()
+    if as_json:
+        print_json({"ok": ok, **told})
+    else:
+        for line in lines:
+            say(line)
+    if not ok:
+        raise typer.Exit(BAD_INPUT)
+
+
+def talk_words() -> None:
+    """List the words of games' files, and those of files of wordings, with their meanings."""
+    from ui.commands.talk.check import words
+
+    for line in words():
+        say(line)
