@@ -59,11 +59,30 @@ class SharingGroup(CommandGroup):
         return super().invoke(ctx)
 
 
-def group(help: str, paths: Mapping[str, str], kind: type[CommandGroup] = CommandGroup) -> CommandGroup:  # noqa: A002
-    """Return a group that shows its help if no command is given."""
+def group(
+    help: str,  # noqa: A002
+    commands: Mapping[str, str],
+    kind: type[CommandGroup] = CommandGroup,
+) -> CommandGroup:
+    """Return a group that shows its help if no command is given.
+
+    Args:
+        help: what it shows.
+        commands: as for `paths_of`.
+        kind: class of the group.
+    """
     made = kind(help=help, no_args_is_help=True)
-    made.paths = paths
+    made.paths = paths_of(commands)
     return made
+
+
+def paths_of(commands: Mapping[str, str]) -> dict[str, str]:
+    """Return the path of each command.
+
+    Args:
+        commands: names of commands with blanks between, after the path at which all of their functions' names begin.
+    """
+    return {name: start + name.replace("-", "_") for start, names in commands.items() for name in names.split()}
 
 
 def _command_at(path: str) -> TyperCommand | TyperGroup:

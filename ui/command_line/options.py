@@ -179,7 +179,6 @@ class RosOptions:
     ros_master: Annotated[
         str | None,
         typer.Option(
-            "--ros-master",
             envvar="ROS_MASTER_URI",
             metavar="URI",
             help=f"The ROS master, by default {ROS_MASTER_URI}. Where none answers on this machine, this program is "
@@ -189,7 +188,6 @@ class RosOptions:
     ros_host: Annotated[
         str | None,
         typer.Option(
-            "--ros-host",
             envvar=["ROS_HOSTNAME", "ROS_IP"],
             help="Address for ROS nodes to reach this program, by default 127.0.0.1: who reaches it can drive robots.",
         ),
@@ -203,7 +201,6 @@ class WatchOptions:
     watch: Annotated[
         str | None,
         typer.Option(
-            "--watch",
             metavar="[HOST:]PORT",
             help=f"Let researchers' windows connect, for example at {WATCH_PORT}; see `thbridge docs watching`.",
         ),
@@ -211,14 +208,12 @@ class WatchOptions:
     watch_key: Annotated[
         Path | None,
         typer.Option(
-            "--watch-key",
             help="Folder of keys (`thbridge keys new`), or file with one: whoever watches has one. They see the truth.",
         ),
     ] = None
     foxglove: Annotated[
         int | None,
         typer.Option(
-            "--foxglove",
             help="Show the session in Foxglove, at this port of this machine; see `thbridge docs watching`.",
             min=0,
             max=65535,
@@ -236,27 +231,22 @@ class MavlinkOptions:
     ] = None
     identity: Annotated[
         AutopilotIdentity | None,
-        typer.Option(
-            "--identity", help="Whose autopilot robots say they have; QGroundControl commands only ardupilot's."
-        ),
+        typer.Option(help="Whose autopilot robots say they have; QGroundControl commands only ardupilot's."),
     ] = None
     udp: Annotated[
         list[str] | None,
         typer.Option(
-            "--udp",
             metavar="HOST:PORT",
             help="Where a ground station listens, HOST:PORT/ROBOT for one robot alone; may be given several times.",
         ),
     ] = None
     udp_listen: Annotated[
         str | None,
-        typer.Option(
-            "--udp-listen", metavar="HOST:PORT", help="Where ground stations that speak first find robots by UDP."
-        ),
+        typer.Option(metavar="HOST:PORT", help="Where ground stations that speak first find robots by UDP."),
     ] = None
-    tcp: Annotated[
-        str | None, typer.Option("--tcp", metavar="HOST:PORT", help="Where ground stations may connect by TCP.")
-    ] = None
+    tcp: Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Where ground stations may connect by TCP.")] = (
+        None
+    )
     signing_key: KeyFile = None
     tlog: Annotated[
         bool | None, typer.Option("--tlog/--no-tlog", help="Also write all MAVLink frames into a .tlog beside the bag.")
@@ -269,18 +259,16 @@ class EngineOptions:
 
     engine: Annotated[
         EngineKind,
-        typer.Option("--engine", help="Who plays: processes of this machine, a Dask cluster, or jobs of Slurm."),
+        typer.Option(help="Who plays: processes of this machine, a Dask cluster, or jobs of Slurm."),
     ] = EngineKind.PROCESSES
     processes: Annotated[
         int | None, typer.Option(help="Processes of this machine; by default one on every core.", min=1, max=1024)
     ] = None
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            "--scheduler", help="Scheduler of a Dask cluster, such as tls://10.0.0.1:8786.", metavar="ADDRESS"
-        ),
+        typer.Option(help="Scheduler of a Dask cluster, such as tls://10.0.0.1:8786.", metavar="ADDRESS"),
     ] = None
-    jobs: Annotated[int, typer.Option("--jobs", help="Jobs of Slurm to submit at a time.", min=1, max=10_000)] = 10
+    jobs: Annotated[int, typer.Option(help="Jobs of Slurm to submit at a time.", min=1, max=10_000)] = 10
     job_options: Annotated[
         list[str] | None,
         typer.Option(

@@ -14,7 +14,7 @@ from ui.command_line.terminal import bad_input
 def report(
     bag: Recording,
     to: Annotated[
-        Path | None, typer.Option("--to", help="The page; by default beside the bag. `-` is standard output.")
+        Path | None, typer.Option(help="The page; by default beside the bag. `-` is standard output.")
     ] = None,
     map_yaml: Annotated[
         Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")

@@ -41,7 +41,7 @@ class Profile(StrEnum):
     ROS2 = "ros2"
 
 
-def bag_info_command(
+def bag_info(
     bag: Recording,
     hashed: Annotated[
         bool, typer.Option("--hash", help="Also the digest of all messages but the session's own record.")
@@ -68,7 +68,7 @@ def bag_info_command(
         say(f"{name} of the messages: {value}")
 
 
-def bag_check_command(bag: Recording, progress: ProgressOption = ProgressKind.AUTO, as_json: AsJson = False) -> None:
+def bag_check(bag: Recording, progress: ProgressOption = ProgressKind.AUTO, as_json: AsJson = False) -> None:
     """Judge a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
     from thbridge.analysis.check import judge
     from thbridge.recording.bag.reading.scan import scan
@@ -85,7 +85,7 @@ def bag_check_command(bag: Recording, progress: ProgressOption = ProgressKind.AU
         raise typer.Exit(FAILED)
 
 
-def bag_reindex_command(
+def bag_reindex(
     bag: Annotated[Path, typer.Argument(help="A bag whose writer was killed.")],
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
@@ -113,7 +113,7 @@ def bag_reindex_command(
         raise typer.Exit(FAILED)
 
 
-def bag_cut_command(
+def bag_cut(
     bag: Recording,
     start: Annotated[float, typer.Option("--from", help="Seconds from its beginning.", min=0.0)] = 0.0,
     end: Annotated[float | None, typer.Option("--until", help="Seconds from its beginning; by default all.")] = None,
@@ -148,7 +148,7 @@ def bag_cut_command(
         say(f"Cut {done.messages} messages into {done.path}{latched}.")
 
 
-def bag_to_mcap_command(
+def bag_to_mcap(
     bag: Recording,
     compression: Annotated[Packing, typer.Option(help="Of the new file.")] = Packing.ZSTD,
     profile: Annotated[

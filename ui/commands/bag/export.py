@@ -23,7 +23,7 @@ class ExportFormat(StrEnum):
 
 def bag_export(
     bag: Recording,
-    to: Annotated[Path, typer.Option("--to", help="Folder for the files, new or empty.", metavar="FOLDER")],
+    to: Annotated[Path, typer.Option(help="Folder for the files, new or empty.", metavar="FOLDER")],
     topics: Annotated[
         list[str] | None,
         typer.Option(help="Names or patterns such as `*/scan`, with commas between; by default all."),

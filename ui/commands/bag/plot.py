@@ -36,7 +36,7 @@ def bag_plot(
     what: Annotated[FigureChoice, typer.Option(help="What to plot.")],
     to: Annotated[
         Path,
-        typer.Option("--to", help="The figure: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
+        typer.Option(help="The figure: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
     ],
     width: Annotated[
         FigureWidth, typer.Option(help="Columns of a page: `one` is 88 mm, `two` are 183 mm.")

@@ -13,7 +13,7 @@ def maps_check(
     name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")],
     to: Annotated[
         Path | None,
-        typer.Option("--to", help="Draw the map there: rooms, numbers, names, doors, goals, starts; .png, .svg, .pdf."),
+        typer.Option(help="Draw the map there: rooms, numbers, names, doors, goals, starts; .png, .svg, .pdf."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:

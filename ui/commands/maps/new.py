@@ -16,7 +16,7 @@ P = ParamSpec("P")
 def maps_new(
     source: Annotated[Path, typer.Argument(help="A map.yaml, as map_server reads it, or an image: walls are dark.")],
     to: Annotated[
-        Path | None, typer.Option("--to", help="The folder to make; by default named as the file. Must not exist.")
+        Path | None, typer.Option(help="The folder to make; by default named as the file. Must not exist.")
     ] = None,
     resolution: Annotated[
         float | None, typer.Option(help="Metres a pixel; for images without a map.yaml.", min=0.001, max=0.5)

@@ -14,7 +14,7 @@ from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, out, pr
 
 USUAL = "127.0.0.1:14550"
 
-goto_app = typer.Typer(add_completion=False)
+mavlink_goto = typer.Typer(add_completion=False)
 
 
 _TCP = "tcp:"
@@ -68,12 +68,12 @@ def mavlink_status(
                 show(f"robot {robot.system}: {robot.text}")
 
 
-@goto_app.command(context_settings={"ignore_unknown_options": True})
-def mavlink_goto(
+@mavlink_goto.command(context_settings={"ignore_unknown_options": True})
+def goto(
     robot: Annotated[int, typer.Argument(help="The robot's number, which is its system id.", min=1, max=255)],
     x: Annotated[float, typer.Argument(help="Metres east of the map's origin.")],
     y: Annotated[float, typer.Argument(help="Metres north of it.")],
-    at: Annotated[str, typer.Option("--at", metavar="HOST:PORT", help="Where it speaks; as for `status`.")] = USUAL,
+    at: Annotated[str, typer.Option(metavar="HOST:PORT", help="Where it speaks; as for `status`.")] = USUAL,
     heading: Annotated[
         float | None, typer.Option(help="Which way it is to look there: degrees from east, anticlockwise.")
     ] = None,

@@ -17,7 +17,7 @@ FILTERS = ("amcl", "ekf", "ukf")
 """Filters for recordings, under the names that `localization` has in a study."""
 
 
-def localize_command(
+def localize(
     bag: Recording,
     map_yaml: Annotated[Path, typer.Option("--map", help="The map, a map_server YAML file.")],
     localization: Annotated[

@@ -11,7 +11,7 @@ from ui.command_line.outputs import make_copy_ready
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 
-def replay_command(
+def replay(
     bag: Annotated[Path, typer.Argument(help="A recording of `thbridge play` or `thbridge simr`.")],
     rate: Annotated[
         float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01, max=1000)
@@ -50,7 +50,8 @@ def replay_command(
     from thbridge.analysis.comparison import RunFigures, figures_of
     from thbridge.analysis.measured.gathering import read_games
     from thbridge.app.compose.setting import read_setting
-    from thbridge.app.replay.replay import ReplayOptions, recorded_study, replay, session_of
+    from thbridge.app.replay.replay import ReplayOptions, recorded_study, session_of
+    from thbridge.app.replay.replay import replay as run_again
     from thbridge.app.session.session import TickRecord
     from thbridge.recording.bag.reading.reader import info, messages
     from thbridge.ros.names import INPUTS
@@ -94,7 +95,7 @@ def replay_command(
         kept = to or (Path(folder) / "replay.bag" if what_if else None)
         options = ReplayOptions(rate or 0.0, start, kept, kept is not None, participant)
         with shown_progress(progress, "replay", beside_text=not as_json) as tell:
-            done = run(replay(bag, setting, options, follow))
+            done = run(run_again(bag, setting, options, follow))
         if what_if and kept is not None and done.finished:
             with bad_input():
                 recorded, replayed = (map(figures_of, read_games(messages(each))) for each in (bag, kept))

@@ -186,7 +186,7 @@ def study_freeze(folder: FolderOfExperiment) -> None:
 
 def study_export(
     folder: FolderOfExperiment,
-    to: Annotated[Path, typer.Option("--to", help="The folder to write; must be empty or new.", metavar="DIR")],
+    to: Annotated[Path, typer.Option(help="The folder to write; must be empty or new.", metavar="DIR")],
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
     """Export tables for pandas and R, as Psych-DS asks for, with scripts and a paragraph of methods."""
@@ -213,7 +213,7 @@ def study_export(
 def study_backup(
     folder: FolderOfExperiment,
     to: Annotated[
-        Path, typer.Option("--to", help="The folder of the backup; one of before is brought up to date.", metavar="DIR")
+        Path, typer.Option(help="The folder of the backup; one of before is brought up to date.", metavar="DIR")
     ],
 ) -> None:
     """Back up a study, also while people go through it: log, recordings and files, each verified."""
@@ -238,9 +238,7 @@ def study_restore(
     backup: Annotated[Path, typer.Argument(help="The folder of a backup.", metavar="BACKUP")],
     to: Annotated[
         Path | None,
-        typer.Option(
-            "--to", help="The folder of the study; by default the folder that was backed up.", metavar="STUDY"
-        ),
+        typer.Option(help="The folder of the study; by default the folder that was backed up.", metavar="STUDY"),
     ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", help="Go back without asking if the study's own log is whole and newer.")
@@ -264,7 +262,7 @@ def study_withdraw(
     yes: Annotated[bool, typer.Option("--yes", help="Delete without asking, for scripts.")] = False,
     gone: Annotated[
         list[Path] | None,
-        typer.Option("--gone", help="An export or a backup that no longer exists anywhere.", metavar="PATH"),
+        typer.Option(help="An export or a backup that no longer exists anywhere.", metavar="PATH"),
     ] = None,
 ) -> None:
     """Delete one participant for good from log, recordings, exports and backups, after showing what that is."""
@@ -277,7 +275,7 @@ def study_rehearse(
     folder: FolderOfExperiment,
     to: Annotated[
         Path,
-        typer.Option("--to", help="Folder for the rehearsal, a copy; must not exist.", metavar="DIR"),
+        typer.Option(help="Folder for the rehearsal, a copy; must not exist.", metavar="DIR"),
     ],
     seed: Annotated[int, typer.Option(help="All that simulated people do follows from it.", min=0, max=2**31 - 1)] = 1,
     games: Annotated[bool, typer.Option("--games/--no-games", help="Whether games are played and recorded.")] = True,
@@ -322,7 +320,7 @@ def study_power(
     seed: Annotated[int, typer.Option(help="Of the first of them.", min=0, max=2**30)] = 1,
     to: Annotated[
         Path | None,
-        typer.Option("--to", help="Folder that keeps the results, so that a stopped run goes on.", metavar="DIR"),
+        typer.Option(help="Folder that keeps the results, so that a stopped run goes on.", metavar="DIR"),
     ] = None,
     *,
     engine: EngineOptions,

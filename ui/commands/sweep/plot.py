@@ -23,9 +23,9 @@ def sweep_plot(
     folder: FolderOfSweep,
     to: Annotated[
         Path,
-        typer.Option("--to", help="The figure: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
+        typer.Option(help="The figure: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
     ],
-    x: Annotated[str | None, typer.Option("--x", help="Factor on the x axis; by default the first.")] = None,
+    x: Annotated[str | None, typer.Option(help="Factor on the x axis; by default the first.")] = None,
     lines: Annotated[str | None, typer.Option(help="Factor with a line for each level.")] = None,
     panels: Annotated[str | None, typer.Option(help="Factor with a panel for each level.")] = None,
     measure: Annotated[str, typer.Option(help="Measure on the y axis.")] = "score",

@@ -31,7 +31,7 @@ def sweep_collect(
     folder: FolderOfSweep,
     to: Annotated[
         Path,
-        typer.Option("--to", help="The table: a .csv or .parquet. `-` is standard output, as CSV.", metavar="FILE"),
+        typer.Option(help="The table: a .csv or .parquet. `-` is standard output, as CSV.", metavar="FILE"),
     ],
 ) -> None:
     """Make one table of all games played so far: a row a game, with its condition, factors, seed and measures."""

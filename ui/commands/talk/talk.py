@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ui.command_line.groups import CommandGroup
+from ui.command_line.groups import CommandGroup, paths_of
 from ui.command_line.options import AsJson, Seed
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
 
@@ -15,7 +15,7 @@ from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note, print_jso
 class _TalkGroup(CommandGroup):
     """The commands of `talk`, which may be left out."""
 
-    paths = {"check": "ui.commands.talk.talk:talk_check", "words": "ui.commands.talk.talk:talk_words"}  # noqa: RUF012
+    paths = paths_of({"ui.commands.talk.talk:talk_": "check words"})
 
 
 talk_app = typer.Typer(
