@@ -1,6 +1,6 @@
 # `make play` and `make test` are all that most people need; both set up what is missing first.
 .NOTPARALLEL:
-.PHONY: help play test check test-slow bench setup peers maps pictures stress attack long-run fuzz lock audit size
+.PHONY: help play test check test-slow bench setup peers maps pictures stress attack long-run fuzz lock audit lowest size
 
 BIN := .venv/bin
 # Where the environment forbids Python to keep what it compiles, each program that tests start would compile all of it.
@@ -61,9 +61,19 @@ maps: setup ## Draw the maps that come with the project anew.
 pictures: setup ## Draw the windows for docs/windows-gallery.md anew.
 	$(BIN)/python scripts/draw_windows.py $(ARGS)
 
-lock: setup ## Pin the dependencies of pyproject.toml anew; existing pins stay where they can.
-	$(BIN)/uv pip compile pyproject.toml --extra gui --extra argumentation --extra cluster --extra learning --extra markers --extra foxglove --group dev --python-version 3.11 --generate-hashes \
-		--no-emit-index-url --no-emit-find-links -o requirements.lock
+# What requirements.lock holds: all extras, and what tests and checks need.
+WANTED = pyproject.toml $(addprefix --extra ,gui argumentation cluster learning markers foxglove) --group dev --python-version 3.11
+
+lock: setup ## Pin the dependencies of pyproject.toml again; existing pins stay where they can.
+	$(BIN)/uv pip compile $(WANTED) --generate-hashes --no-emit-index-url --no-emit-find-links -o requirements.lock
+
+LOWEST := .venv-lowest
+lowest: setup ## Run the quick tests with the lowest versions that pyproject.toml allows; some of them with ARGS="tests/ui -x".
+	$(BIN)/uv venv -q --clear --python $(BIN)/python $(LOWEST)
+	$(BIN)/uv pip compile -q $(WANTED) --resolution lowest-direct -o $(LOWEST)/requirements.txt
+	$(BIN)/uv pip install -q --python $(LOWEST)/bin/python -r $(LOWEST)/requirements.txt
+	$(BIN)/uv pip install -q --python $(LOWEST)/bin/python --no-deps --no-build-isolation -e .
+	$(LOWEST)/bin/pytest -n auto --dist loadfile $(ARGS)
 
 audit: setup ## Check requirements.lock against known faults; DB=FOLDER of advisories in OSV's format, else PyPA's are fetched.
 	$(BIN)/python scripts/audit_lock.py $(ARGS) $(DB)

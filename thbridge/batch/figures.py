@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 import pyarrow as pa
@@ -14,6 +13,7 @@ from scipy import stats
 from sim.numerics.float_array import FloatArray
 from sim.numerics.noise_arrays import NoiseStream
 from thbridge.analysis.plot.style import INK, FigureStyle
+from thbridge.batch.bands import BandKind
 
 RESAMPLES = 2000
 """Bootstrap samples of a band."""
@@ -23,13 +23,6 @@ COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A
 """Colors of lines, different for color-blind people, too (Okabe and Ito's, then darker ones)."""
 MARK_SIZE = 3.5
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
-
-
-class BandKind(StrEnum):
-    """Ways to a confidence interval of a mean: Student's t, or percentiles of a bootstrap."""
-
-    T = "t"
-    BOOTSTRAP = "bootstrap"
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,8 @@ from tests.slow import slow
 from tests.thbridge.analysis.planting import START, STEP, Entry, Line, Planted, clean, write
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.measured.gathering import read_report
-from thbridge.analysis.plot.figures import FigureKind, draw
+from thbridge.analysis.plot.figures import draw
+from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.analysis.plot.style import ONE_COLUMN, FigureFormat
 from thbridge.analysis.report.page import build_report
 from thbridge.files.tables.table_files import TableFormat

@@ -16,7 +16,8 @@ from sim.common.robot_colors import robot_color
 from tests.thbridge.analysis.test_report import session
 from thbridge.analysis.measured.game import Report, TimelineEntry, WayMade
 from thbridge.analysis.measured.gathering import read_report
-from thbridge.analysis.plot.figures import SIGMAS, FigureKind, draw
+from thbridge.analysis.plot.figures import SIGMAS, draw
+from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat, FigureStyle
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import RoomNames

@@ -4,7 +4,8 @@ import pyarrow as pa
 import pytest
 
 from thbridge.analysis.plot.style import ONE_COLUMN
-from thbridge.batch.figures import BandKind, FigureAxes, curves_of, draw_curves
+from thbridge.batch.bands import BandKind
+from thbridge.batch.figures import FigureAxes, curves_of, draw_curves
 
 TABLE = pa.table(
     {

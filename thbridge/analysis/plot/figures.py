@@ -1,7 +1,6 @@
 """The figures of a recording: paths, localisation error, covariance, energy, velocity, timeline."""
 
 from collections.abc import Callable, Mapping, Sequence
-from enum import StrEnum
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,6 +12,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFo
 from sim.common.robot_colors import robot_color
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.measured.game import Report, TimelineEntry, Track
+from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, clock, label_above, robot_handles
 from thbridge.analysis.plot.thinning import changes, peaks
@@ -26,17 +26,6 @@ LETTER_WIDTH = 0.65
 """Width of a letter by its height, on average, with some air."""
 _CLOCK_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0, 7200.0)
 """Possible distances between labels of the time axis, seconds."""
-
-
-class FigureKind(StrEnum):
-    """Kinds of figures."""
-
-    PATHS = "paths"
-    ERROR = "error"
-    COVARIANCE = "covariance"
-    ENERGY = "energy"
-    VELOCITY = "velocity"
-    TIMELINE = "timeline"
 
 
 def draw(what: FigureKind, report: Report, style: FigureStyle) -> Figure | RequestRefused:

@@ -6,22 +6,12 @@ from typing import Annotated
 
 import typer
 
+from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.files.errors import visible
 from ui.command_line.options import ProgressKind, ProgressOption
 from ui.command_line.outputs import STANDARD_OUTPUT, destination, share_outputs
 from ui.command_line.recordings import Estimated, Recording, Truth
 from ui.command_line.terminal import BAD_INPUT, FAILED, bad_input, fail, note
-
-
-class FigureChoice(StrEnum):
-    """Figures that can be plotted."""
-
-    PATHS = "paths"
-    ERROR = "error"
-    COVARIANCE = "covariance"
-    ENERGY = "energy"
-    VELOCITY = "velocity"
-    TIMELINE = "timeline"
 
 
 class FigureWidth(StrEnum):
@@ -33,7 +23,7 @@ class FigureWidth(StrEnum):
 
 def bag_plot(
     bag: Recording,
-    what: Annotated[FigureChoice, typer.Option(help="What to plot.")],
+    what: Annotated[FigureKind, typer.Option(help="What to plot.")],
     to: Annotated[
         Path,
         typer.Option(help="The figure: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
@@ -53,7 +43,7 @@ def bag_plot(
 ) -> None:
     """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
     from thbridge.analysis.measured.gathering import read_games, trajectory_topics
-    from thbridge.analysis.plot.figures import FigureKind, draw
+    from thbridge.analysis.plot.figures import draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
     from thbridge.files.disk.whole import write_whole
     from thbridge.files.progress import followed
@@ -75,7 +65,7 @@ def bag_plot(
     if report is None:
         numbers = ", ".join(str(one.game) for one in games if one.game is not None) or "none"
         fail(BAD_INPUT, f"--game: {bag} has the games {numbers}. Name the one to plot.")
-    drawn = draw(FigureKind(what), report, look)
+    drawn = draw(what, report, look)
     if isinstance(drawn, RequestRefused):
         fail(FAILED, f"{bag}: {drawn.sentence}")
     with bad_input(), destination(to) as file:

@@ -1,22 +1,15 @@
 """`thbridge sweep plot`: figures of a sweep."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from thbridge.batch.bands import BandKind
 from ui.command_line.outputs import STANDARD_OUTPUT, destination
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 from ui.commands.bag.plot import FigureWidth
 from ui.commands.sweep.sweep import FolderOfSweep
-
-
-class BandChoice(StrEnum):
-    """Ways to a confidence interval."""
-
-    T = "t"
-    BOOTSTRAP = "bootstrap"
 
 
 def sweep_plot(
@@ -31,15 +24,15 @@ def sweep_plot(
     measure: Annotated[str, typer.Option(help="Measure on the y axis.")] = "score",
     is_log: Annotated[bool, typer.Option("--log", help="A logarithmic x axis.")] = False,
     band: Annotated[
-        BandChoice, typer.Option(help="95 % confidence interval of the mean: Student's t, or 2000 bootstrap samples.")
-    ] = BandChoice.T,
+        BandKind, typer.Option(help="95 % confidence interval of the mean: Student's t, or 2000 bootstrap samples.")
+    ] = BandKind.T,
     width: Annotated[
         FigureWidth, typer.Option(help="Columns of a page: `one` is 88 mm, `two` are 183 mm.")
     ] = FigureWidth.TWO,
 ) -> None:
     """Plot the mean of a measure against a factor, with confidence intervals."""
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
-    from thbridge.batch.figures import BandKind, FigureAxes, curves_of, draw_curves
+    from thbridge.batch.figures import FigureAxes, curves_of, draw_curves
     from thbridge.batch.folder import read_manifest
     from thbridge.batch.tables import collect, numbers_of
     from thbridge.files.disk.whole import whole_file
@@ -64,7 +57,7 @@ def sweep_plot(
     measures = numbers_of(table, manifest.measures)
     if measure not in measures:
         fail(BAD_INPUT, f"--measure: {measure!r} is no number of these games. Write one of {', '.join(measures)}.")
-    axes = FigureAxes(measure, wanted["--x"] or "", lines, panels, BandKind(band), is_log)
+    axes = FigureAxes(measure, wanted["--x"] or "", lines, panels, band, is_log)
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
     figure = draw_curves(curves_of(table, axes), axes, look)
     with bad_input(), destination(to) as file, whole_file(file, folders=True) as out:

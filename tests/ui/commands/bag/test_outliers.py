@@ -8,7 +8,8 @@ from typer.testing import CliRunner
 
 from tests.thbridge.offline.foreign import Robot, write
 from thbridge.analysis.measured.gathering import read_report
-from thbridge.analysis.plot.figures import FigureKind, draw
+from thbridge.analysis.plot.figures import draw
+from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.analysis.plot.style import TWO_COLUMNS
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.recording.bag.reading.reader import messages
