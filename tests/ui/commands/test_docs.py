@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from tests.commands import all_commands
 from ui.cli import app
-from ui.commands.docs.docs import pages
+from ui.commands.docs import pages
 
 ROOT = Path(__file__).parents[3]
 NAMED = re.compile(r"thbridge docs ([\w-]+)|docs/([\w-]+)\.md")

@@ -11,7 +11,7 @@ from thbridge.files.disk.whole import whole_file
 
 NAME = "thbridge"
 """Name of the desktop entry, of the icon and of the MIME package."""
-ICON = Path(__file__).parents[1] / "windows" / f"{NAME}.svg"
+ICON = Path(__file__).parents[2] / "windows" / f"{NAME}.svg"
 _UPDATES = (("update-mime-database", "mime"), ("update-desktop-database", "applications"))
 """Programs that rebuild the desktop's caches, each with the folder that it takes."""
 
