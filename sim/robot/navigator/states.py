@@ -110,12 +110,14 @@ Event = Literal[
 ]
 
 TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
+    # Idle: no goal; the robot stands.
     (Idle, "goal received", Planning),  # Plan as soon as it is this robot's turn.
     (Idle, "asked to clear", Controlling),  # Drive to a refuge off the other robot's path.
     (Idle, "asked to clear", Idle),  # There is none: ask the robots around to clear the way to one.
     (Idle, "no longer asked", Idle),  # Ask them no longer.
     (Idle, "told to replan", Idle),  # Ask them no longer.
     (Idle, "lost", Lost),  # Forget the obstacles seen.
+    # PLANNING: the robot stands, and a plan is made whenever it is its turn (`planning_cycle`).
     (Planning, "plan made", Controlling),  # Follow it.
     (Planning, "deferred", Planning),  # The goal lies on the path of a robot with an older one: let that one go first.
     (Planning, "blocked by robots", Planning),  # Ask them to clear the path; give up after CLEARING_TIMEOUT.
@@ -126,6 +128,7 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     (Planning, "told to replan", Planning),
     (Planning, "goal ended", Idle),  # Given up or cancelled.
     (Planning, "lost", Lost),
+    # CONTROLLING: a command is due controller_frequency times a second (`control_cycle`).
     (Controlling, "command due", Controlling),  # Ask the follower for a command.
     (Controlling, "plan made", Controlling),  # An obstacle or a delay, or planner_frequency, made a new plan due.
     (Controlling, "blocked by robots", Planning),
@@ -137,6 +140,7 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     (Controlling, "told to replan", Planning),
     (Controlling, "goal ended", Idle),  # Reached, given up or cancelled.
     (Controlling, "lost", Lost),
+    # CLEARING: a recovery behavior, or reset of costmaps (`clearing_cycle`).
     (Clearing, "command due", Clearing),  # Turn on, or as the behavior says, as far as that is safe.
     (Clearing, "asked to clear", Clearing),  # Give way after the turn.
     (Clearing, "recovery ended", Idle),
@@ -145,6 +149,7 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     (Clearing, "told to replan", Clearing),
     (Clearing, "goal ended", Clearing),  # Cancelled: end the turn all the same.
     (Clearing, "lost", Lost),
+    # Lost: the robot looks around until it knows its place.
     (Lost, "located", Idle),
     (Lost, "located", Planning),
 }

@@ -94,7 +94,7 @@ def test_a_goal_that_comes_while_another_is_searched_takes_its_place():
     rig = Rig([(0, 0, 0)])
     rig.go(0, *ROOMS[5])
     rig.run(1, lambda rig: rig.tick == 4)
-    assert isinstance(rig.navigators[0]._state, Planning)
+    assert isinstance(rig.navigators[0]._execution.state, Planning)
     rig.go(0, *ROOMS[0])
     rig.run(60, everybody_arrived)
     assert [type(result) for result in rig.results[0]] == [Cancelled, GoalReached]
@@ -107,14 +107,14 @@ def test_a_robot_drives_on_while_it_searches_a_better_plan():
     software = replace(software, move_base=replace(software.move_base, planner_frequency=1.0))
     rig = Rig([(0, 0, 0)], parameters=software)
     rig.go(0, *ROOMS[5])
-    rig.run(5, lambda rig: isinstance(rig.navigators[0]._state, Controlling))
+    rig.run(5, lambda rig: isinstance(rig.navigators[0]._execution.state, Controlling))
     followers, slowest = [], 1.0
     rig.run(3, lambda rig: rig.twists[0].linear > 0.5)
     begun = rig.tick
     while rig.tick < begun + 150:
         rig.step()
         slowest = min(slowest, rig.twists[0].linear)
-        if (follower := rig.navigators[0]._state.follower) not in followers:
+        if (follower := rig.navigators[0]._execution.state.follower) not in followers:
             followers.append(follower)
     assert len(followers) > 2
     rig.run(60, everybody_arrived)

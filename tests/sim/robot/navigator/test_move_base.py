@@ -164,7 +164,7 @@ def hunt(rig, legs, seed, places=ROOMS, patience=150):
     count = len(rig.poses)
     while reached < legs * count:
         for i in range(count):
-            if i in bound and rig.navigators[i]._goal is not None:
+            if i in bound and rig.navigators[i]._execution.goal is not None:
                 assert (rig.tick - begun[i]) * TICK < patience, rig.describe()
                 continue
             free = [k for k in range(len(places)) if k not in bound.values()]

@@ -11,7 +11,7 @@ from sim.common.observations import STANDSTILL, Claim, LaserMount, Neighbour, Sc
 from sim.parameters import RecoveryBehavior, RobotParameters
 from sim.robot.global_planning.itinerary import timed_itinerary
 from sim.robot.local_planning.local_planner import PlannedCommand
-from sim.robot.navigator import follower, move_base
+from sim.robot.navigator import follower, goal_execution, move_base
 from sim.robot.navigator.follower import NO_POSES, Follower
 from sim.robot.navigator.states import TRANSITIONS, Clearing, Controlling, Idle, Planning
 from tests.sim.robot.navigator.test_move_base import ARENA, STUDY, Rig, dead_end
@@ -23,7 +23,7 @@ NO_TIMES = np.empty(0)
 def occurred(monkeypatch):
     """The transitions that occur; one that is not declared raises."""
     seen = set()
-    for module in (move_base, follower):
+    for module in (goal_execution, follower):
 
         def check(table, state, event, following, checked=module.check_transition):
             checked(table, state, event, following)
@@ -52,7 +52,7 @@ def resting(x, y):
 
 
 def until(rig, state, seconds=30):
-    rig.run(seconds, lambda rig: isinstance(rig.navigators[0]._state, state))
+    rig.run(seconds, lambda rig: isinstance(rig.navigators[0]._execution.state, state))
     return rig
 
 

@@ -1,0 +1,147 @@
+"""Execution of goals: the state of move_base, the goal and its clocks, and how they change."""
+
+from collections import deque
+from dataclasses import replace
+
+from sim.common.observations import STANDSTILL, TICKS_PER_SECOND
+from sim.parameters import MoveBaseParameters
+from sim.robot.global_planning.itinerary_planner import ItineraryPlanner
+from sim.robot.navigator.follower import FollowerOutput
+from sim.robot.navigator.goals import Cancelled, Goal, GoalResult, NoPath
+from sim.robot.navigator.progress import GoalProgress
+from sim.robot.navigator.recovery import OscillationDetector, RecoveryBehaviours
+from sim.robot.navigator.states import (
+    TRANSITIONS,
+    Clearing,
+    Controlling,
+    Event,
+    Idle,
+    Lost,
+    Planning,
+    State,
+    WantedPath,
+)
+from sim.robot.navigator.transitions import check_transition
+
+
+class GoalExecution:
+    """State machine of one robot's move_base; `states` has its states and transitions.
+
+    Args:
+        move_base: parameters.
+        circumscribed: radius of the robot, metres.
+        planner: of itineraries, whose search is given up when the robot stops.
+
+    Attributes:
+        move_base: parameters.
+        state: the present one.
+        goal: the present one; None without a goal.
+        results: of goals that have ended and are not reported yet.
+        command: the present one.
+        next_plan: first tick in which a plan may be made.
+        progress: clocks of the goal.
+        recovery: recovery behaviors that are left.
+        oscillation: detector of oscillations.
+        fault: failure of a planner or recovery behavior of others that is not reported yet; empty without one.
+    """
+
+    def __init__(self, move_base: MoveBaseParameters, circumscribed: float, planner: ItineraryPlanner) -> None:
+        self._planner = planner
+        self.move_base = move_base
+        self.recovery = RecoveryBehaviours(move_base, circumscribed)
+        self.oscillation = OscillationDetector(move_base.oscillation_timeout, move_base.oscillation_distance)
+        self.results: deque[GoalResult] = deque()
+        self.state: State = Idle()
+        self.goal: Goal | None = None
+        self.command = STANDSTILL
+        self.fault = ""
+        self.restart(0)
+
+    def configure(self, move_base: MoveBaseParameters, circumscribed: float) -> None:
+        """Go on with these parameters."""
+        self.move_base = move_base
+        self.recovery.configure(move_base, circumscribed)
+        self.oscillation.configure(move_base.oscillation_timeout, move_base.oscillation_distance)
+
+    def restart(self, tick: int) -> None:
+        """Start all clocks, those of a new goal or of a robot that comes back to life."""
+        # In its first tick a robot has received no broadcasts yet, and would plan out of turn.
+        self.next_plan = tick + 1
+        self.progress = GoalProgress(tick)
+        self.recovery.restart()
+        self.oscillation.restart(tick)
+        if isinstance(self.state, Clearing):
+            self.enter("recovery ended", self.state.then)
+
+    def go(self, goal: Goal, tick: int) -> None:
+        """Take up a goal after a tick; the present one ends Cancelled."""
+        self.cancel()
+        self.goal = goal
+        self.restart(tick + 1)
+        if isinstance(self.state, Idle):
+            self.enter("goal received", Planning(self.state.wanted))
+
+    def cancel(self) -> None:
+        """Give up the present goal, if any: it ends Cancelled, and the robot stops."""
+        if self.goal is not None:
+            self.end(Cancelled(self.goal))
+
+    def replan(self, tick: int) -> None:
+        """Plan again to the present goal, after a tick: the robot was told that it is somewhere else."""
+        self.stop("told to replan")
+        now = max(tick, self.progress.began)
+        self.next_plan = now + 1
+        self.progress.restart_distance(now)
+
+    def enter(self, event: Event, state: State) -> None:
+        """Change the state as TRANSITIONS says; in a recovery rotation, the state that follows it."""
+        now = self.state
+        if isinstance(now, Clearing) and event != "recovery ended" and isinstance(state, Idle | Planning | Controlling):
+            state = replace(now, then=state)
+        check_transition(TRANSITIONS, now, event, state)
+        self.state = state
+
+    def standing(self, wanted: WantedPath | None = None, waits_for: int | None = None) -> Idle | Planning:
+        """Return the state of a robot that stands, with or without a goal."""
+        return Idle(wanted) if self.goal is None else Planning(wanted, waits_for)
+
+    def stop(self, event: Event, state: State | None = None) -> None:
+        """Stand, and follow the present itinerary no longer; give up the search for another."""
+        self.command = STANDSTILL
+        self._planner.give_up()
+        if not isinstance(self.state, Lost):
+            self.enter(event, state or self.standing())
+
+    def end(self, result: GoalResult) -> None:
+        """End the present goal with a result, and stop."""
+        self.results.append(result)
+        self.goal = None
+        self.stop("goal ended")
+
+    def given_up(self, goal: Goal) -> NoPath:
+        """Return the result of a goal that is given up now."""
+        match self.state:
+            case Planning(wanted=WantedPath()) | Controlling(output=FollowerOutput(blocked_by_others=True)):
+                return NoPath(goal, "robots_in_the_way", "other robots stand in the way and do not clear it")
+        return NoPath(goal, "stuck", "the robot is stuck and cannot get free")
+
+    def plan_after(self, tick: int, seconds: float) -> None:
+        """Make no plan for some seconds."""
+        self.next_plan = tick + round(seconds * TICKS_PER_SECOND)
+
+    @property
+    def going_on(self) -> State:
+        """The present state; in a recovery behavior, the one that follows."""
+        return self.state.then if isinstance(self.state, Clearing) else self.state
+
+    def makes_way_for(self, tick: int) -> int | None:
+        """Return the robot that has the right of way over what this one does in this very tick."""
+        match self.going_on:
+            case Controlling(output=FollowerOutput(waiting=True, waits_for=first)):
+                return first
+            case Controlling(follower, gives_way, makes_way_for=first) if gives_way or follower.hindered:
+                return first
+            case Planning(wanted=None, waits_for=first):
+                yields_to = self.progress.yields_to(tick)
+                return first if yields_to is None else yields_to
+        return None
