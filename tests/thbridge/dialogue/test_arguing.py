@@ -7,7 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tests.thbridge.dialogue.facts import what_facts, where_facts
-from thbridge.dialogue.arguing import MOST_CHOICES, ArguingEngine
+from thbridge.dialogue.arguing import ArguingEngine
+from thbridge.dialogue.arguing_moves import MOST_CHOICES
 from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
