@@ -132,7 +132,7 @@ class AbstractHuntEnv(TeamEnvironment):
             if hunt.game.ended is not None or hunt.tick >= self._last_tick:
                 return
             if self._ticks is None:
-                if self._awaits_decision(hunt.game):
+                if any(self._choices.rooms(hunt.game)):
                     return
                 last = self._last_tick
             elif hunt.tick >= last:

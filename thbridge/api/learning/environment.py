@@ -158,7 +158,7 @@ class HuntEnv(TeamEnvironment):
                         self._ask(request)
             if ticks is not None:
                 ticks -= 1
-            elif self._awaits_decision(game):
+            elif any(self._choices.rooms(game)):
                 return
             if ticks == 0 or game.ended is not None or tick >= self._last_tick:
                 return
@@ -177,7 +177,7 @@ class HuntEnv(TeamEnvironment):
             if not (abs(linear) <= 1.0 and abs(angular) <= 1.0):
                 raise HuntError(f"{agent}: ({linear:g}, {angular:g}) is outside of [-1, 1]. Clip it.")
             state, room = game.robots[robot], self._room_at(game, robot, team.robots[robot].estimate.base_in_map)
-            if room is not None and self._is_ready(game, robot):
+            if room is not None and self._choices.is_ready(game, robot):
                 self._ask(StationSend(robot, room))
             free = state.bound_for is None and room is None and self._rule.request(game, robot) is None
             if free and not state.is_silent:

@@ -10,21 +10,19 @@ from sim.common.observations import TICK, TICKS_PER_SECOND
 from sim.common.robot_numbers import number_of
 from sim.numerics import noise
 from thbridge.api.errors import HuntError
+from thbridge.api.learning.choices import RobotChoices
 from thbridge.api.learning.observation import (
     BodyNumbers,
     LayoutOfParts,
-    Mask,
     ObservationEncoder,
     ObservationScale,
     Vector,
-    action_masks,
 )
+from thbridge.api.learning.rewards import RewardWeights
 from thbridge.api.learning.treasure_rule import TreasureRule
 from thbridge.api.study import HuntStudy, setting_of
-from thbridge.hunt.events import Commander
+from thbridge.app.compose.setting import StudySetting
 from thbridge.hunt.game import GameState
-from thbridge.hunt.rooms import Room
-from thbridge.hunt.rules import affordable
 from thbridge.roles.shared.robot_requests import StationSend
 
 try:
@@ -72,12 +70,13 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         self.render_mode = render_mode
         self._ticks = None if isinstance(step, str) else round(step * TICKS_PER_SECOND)
         self._last_tick = round(max_seconds * TICKS_PER_SECOND)
-        self._shared = shared
-        self._room_reward, self._energy_cost, self._time_cost = room_reward, energy_cost, time_cost
+        self._weights = RewardWeights(shared, room_reward, energy_cost, time_cost)
         self._drives = drives
         self._setting = setting_of(study)
         self._goals = tuple(room.goal for room in self._setting.map.rooms)
-        self._encoder = ObservationEncoder(study.robots, self._goals, self._scale(max_seconds), with_scans=drives)
+        self._encoder = ObservationEncoder(
+            study.robots, self._goals, _scale(self._setting, max_seconds), with_scans=drives
+        )
         self.layout: LayoutOfParts = self._encoder.layout
         self._rule = TreasureRule.of(self._setting.templates.kinds)
         self.possible_agents = [f"robot_{number_of(robot)}" for robot in range(study.robots)]
@@ -86,28 +85,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         self.observation_spaces = {agent: Box(*box) for agent in self.possible_agents}
         self.action_spaces = {agent: self._action_space() for agent in self.possible_agents}
         self._seed, self._episode = study.seed, 0
-        # The state of the game that readiness and choices are for.
-        self._judged: GameState | None = None
-        self._ready: list[bool] = []
-        self._choices: list[tuple[Room, ...]] = []
-        self._masks: Mask | None = None
-
-    def _scale(self, seconds: float) -> ObservationScale:
-        grid, world = self._setting.map.grid, self._setting.study.world
-        width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
-        corners = grid.origin.transform(np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]))
-        (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
-        return ObservationScale(
-            left,
-            low,
-            right - left,
-            high - low,
-            self._setting.study.game.energy,
-            world.max_vel_x,
-            world.max_vel_theta,
-            world.laser.range_max,
-            seconds,
-        )
+        self._choices = RobotChoices(self._rule, len(self._goals))
 
     def _action_space(self) -> Space[Action]:
         space = Box(-1.0, 1.0, (2,), np.float32) if self._drives else Discrete(len(self._goals) + 1)
@@ -157,7 +135,9 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         accepted = self._act(before, actions)
         self._run()
         game, tick = self._now
-        rewards = self._rewards(before, game, (tick - began) * TICK)
+        rewards = dict(
+            zip(self.possible_agents, self._weights.rewards(before, game, (tick - began) * TICK), strict=True)
+        )
         is_over = game.ended is not None
         is_late = not is_over and tick >= self._last_tick
         observations, infos = self._observations(game, tick), self._infos(game, accepted)
@@ -205,57 +185,25 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
 
     def _act(self, game: GameState, actions: Mapping[str, Action]) -> dict[str, bool]:
         """Send robots to rooms; return for each agent whether its choice counts."""
-        self._judge(game)
         taken: list[int] = []
+        choices = self._choices.rooms(game)
         accepted = {}
         for robot, agent in enumerate(self.possible_agents):
             action = actions.get(agent, 0)
             room = action if isinstance(action, int) else int(np.asarray(action).item())
             if not 0 <= room <= len(self._goals):
                 raise HuntError(f"{agent}: there is no action {room}. Choose one of 0 to {len(self._goals)}.")
-            counts = room == 0 or (room not in taken and any(room == each.people for each in self._choices[robot]))
+            counts = room == 0 or (room not in taken and any(room == each.people for each in choices[robot]))
             if counts and room > 0:
                 taken.append(room)
                 self._send(StationSend(robot, room))
             accepted[agent] = counts
         return accepted
 
-    def _judge(self, game: GameState) -> None:
-        """Find out which robots are ready in a state of the game, and for what; most ticks have no new one."""
-        if game is not self._judged:
-            self._judged = game
-            self._ready = [self._is_ready(game, robot) for robot in range(len(game.robots))]
-            self._choices = [affordable(game, robot) if ready else () for robot, ready in enumerate(self._ready)]
-            self._masks = None
-
-    def _masks_of(self, game: GameState) -> Mask:
-        self._judge(game)
-        if self._masks is None:
-            self._masks = action_masks(self._choices, len(self._goals))
-        return self._masks
-
-    def _awaits_decision(self, game: GameState) -> bool:
-        """Return True when some robot may be sent."""
-        self._judge(game)
-        return any(self._choices)
-
-    def _is_ready(self, game: GameState, robot: int) -> bool:
-        """Return True when a robot could be sent: it stands, is able, and has nothing to decide where it stands."""
-        state = game.robots[robot]
-        return (
-            state.bound_for is None
-            and not state.is_blocked
-            and not state.is_silent
-            and game.ended is None
-            and state.command.by is Commander.GROUND_STATION
-            and self._rule.request(game, robot) is None
-        )
-
     # What agents get
 
     def _observations(self, game: GameState, tick: int) -> dict[str, Vector]:
-        self._judge(game)
-        rows = self._encoder.encode(tick, self._bodies(), game, self._ready)
+        rows = self._encoder.encode(tick, self._bodies(), game, self._choices.ready(game))
         return dict(zip(self.possible_agents, rows, strict=True))
 
     def _infos(self, game: GameState, accepted: Mapping[str, bool]) -> dict[str, Info]:
@@ -263,25 +211,9 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         for agent, counts in accepted.items():
             infos[agent]["accepted"] = counts
         if not self._drives:
-            for agent, mask in zip(self.possible_agents, self._masks_of(game), strict=True):
+            for agent, mask in zip(self.possible_agents, self._choices.masks(game), strict=True):
                 infos[agent]["action_mask"] = mask
         return infos
-
-    def _rewards(self, before: GameState, now: GameState, seconds: float) -> dict[str, float]:
-        own = [-self._time_cost * seconds] * len(self.possible_agents)
-        if now is not before:
-            for robot, (was, state) in enumerate(zip(before.robots, now.robots, strict=True)):
-                own[robot] -= self._energy_cost * (was.energy - state.energy)
-            for past, room in zip(before.rooms, now.rooms, strict=True):
-                if room is past or room.finder is None:
-                    continue
-                if not past.visited:
-                    own[room.finder] += self._room_reward
-                if room.points is not None and past.points is None:
-                    own[room.finder] += room.points
-        if self._shared:
-            own = [sum(own)] * len(own)
-        return dict(zip(self.possible_agents, own, strict=True))
 
 
 def _seed_of(seed: int, episode: int) -> int:
@@ -289,3 +221,22 @@ def _seed_of(seed: int, episode: int) -> int:
     if episode == 0:
         return seed & LARGEST_SEED
     return int(noise.uniform(noise.key(seed, "episodes"), episode, 0) * LARGEST_SEED)
+
+
+def _scale(setting: StudySetting, seconds: float) -> ObservationScale:
+    """Return the magnitudes that become 1 in observations of a study, in episodes of some seconds."""
+    grid, world = setting.map.grid, setting.study.world
+    width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
+    corners = grid.origin.transform(np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]))
+    (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    return ObservationScale(
+        left,
+        low,
+        right - left,
+        high - low,
+        setting.study.game.energy,
+        world.max_vel_x,
+        world.max_vel_theta,
+        world.laser.range_max,
+        seconds,
+    )

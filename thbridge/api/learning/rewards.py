@@ -1,0 +1,37 @@
+"""Rewards of agents: points of treasures, rooms reached, energy and time."""
+
+from dataclasses import dataclass
+
+from thbridge.hunt.game import GameState
+
+
+@dataclass(frozen=True, slots=True)
+class RewardWeights:
+    """Weights of the rewards, in points.
+
+    Attributes:
+        shared: every agent gets the reward of the team; False: each that of its own robot.
+        room: reward of a room reached, in addition to the points of treasures.
+        energy: cost of a unit of energy.
+        time: cost of a simulated second.
+    """
+
+    shared: bool
+    room: float
+    energy: float
+    time: float
+
+    def rewards(self, before: GameState, now: GameState, seconds: float) -> list[float]:
+        """Return the reward of each robot's agent for what happened between two states of a game."""
+        own = [-self.time * seconds] * len(now.robots)
+        if now is not before:
+            for robot, (was, state) in enumerate(zip(before.robots, now.robots, strict=True)):
+                own[robot] -= self.energy * (was.energy - state.energy)
+            for past, room in zip(before.rooms, now.rooms, strict=True):
+                if room is past or room.finder is None:
+                    continue
+                if not past.visited:
+                    own[room.finder] += self.room
+                if room.points is not None and past.points is None:
+                    own[room.finder] += room.points
+        return [sum(own)] * len(own) if self.shared else own
