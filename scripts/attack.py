@@ -43,7 +43,7 @@ from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.head import LogHead, head_path
 from thbridge.files.keys.key_ring import KeyRing
 from thbridge.mavlink.wire.dialect import mav
-from thbridge.roles.participant.tabui import encode_request_line
+from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.view import RequestSuggestion
 from thbridge.text_protocol.wire.lines import encode_line
 from thbridge.timing.wall_clock import utc_now

@@ -86,7 +86,7 @@ class GroundStation:
 
     def __call__(self, tick: int, session: Session) -> None:
         if tick == 10:
-            self._link = session.open_link("udp 127.0.0.1:14550")
+            self._link = session.links.open_link("udp 127.0.0.1:14550")
         if self._link is None:
             return
         if tick % 25 == 10:
@@ -111,16 +111,16 @@ class GroundStation:
         assert seed is not None and self._link is not None
         frame = Frame(255, 190, self._sequence, message.get_msgId(), payload_of(message), seed)
         self._sequence = (self._sequence + 1) % 256
-        session.transmit(session.receive_frame(self._link, frame).replies)
+        session.transmit(session.links.receive_frame(self._link, frame).replies)
 
 
 def clients(tick: int, session: Session) -> None:
     """Give a session lines of a program from outside."""
     if tick == 5:
-        session.connect(0.3)
+        session.router.connect(0.3)
     if tick in {5, 150}:
         data = b"%%setid Noise extended a\n%%goto Noise SimR 0 5\r\n" if tick == 5 else b"%%where Noise SimR 0\n"
-        session.perform(session.receive_data(ConnectionId(1), data, tick * 0.1))
+        session.perform(session.router.receive_data(ConnectionId(1), data, tick * 0.1))
 
 
 @dataclasses.dataclass(frozen=True)

@@ -23,13 +23,13 @@ from thbridge.api.participant import HuntParticipant, QueuePlayer, checked_index
 from thbridge.api.snapshot import HuntSnapshot, Ranges
 from thbridge.api.study import HuntStudy, Simulated, setting_of
 from thbridge.api.view import HuntView
-from thbridge.app.compose.game import build_bot, build_hider, build_keeper
-from thbridge.app.compose.recording import build_publisher, build_record, build_writer
-from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
+from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.recording import build_record, build_recorder, build_writer
+from thbridge.app.compose.robots import build_team
+from thbridge.app.compose.session import NOT_RECORDED, SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY, EndCondition
-from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.recording import BagRecorder, TlogRecorder
+from thbridge.app.session.recording import TlogRecorder
 from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.watch_requests import WatchRequest, objection
 from thbridge.files.plugins import PARTICIPANTS
@@ -121,17 +121,12 @@ class HuntSession:
         self._setting = setting
         self._goals = count()
         self._queue = QueuePlayer()
-        team = build_team(setting)
-        simr = build_simr(setting, team)
-        hider = build_hider(setting.templates, setting.study.seed)
         if participant is None:
             self._tabui = TabUI(self._queue)
         else:
             attitude = setting.study.participant.attitude
             with told():
                 self._tabui = TabUI(build_bot(setting.templates, participant, setting.study.seed, attitude))
-        self._session = Session(build_keeper(setting), [simr, hider], (), self._tabui, vehicle_factory(setting, simr))
-        self._team = team
         self._plays = participant is None
         self.participant = HuntParticipant(self._say, lambda: self._tabui.view, study.robots)
         self._ending = EndCondition(math.inf)
@@ -140,11 +135,14 @@ class HuntSession:
         self._last: TeamSnapshot | None = None
         self._open = ExitStack()
         self._closed = False
+        self._team = build_team(setting)
+        programs = build_programs(setting, self._tabui, team=self._team)
+        recording = NOT_RECORDED
         if record is not None:
-            names = [role.name for role in (simr, hider, self._tabui)]
-            self._record(Path(record), names, PROGRAM if participant is None else participant)
+            recording = self._recording(Path(record), programs.names, PROGRAM if participant is None else participant)
+        self._session = open_session(setting, programs, recording)
 
-    def _record(self, bag: Path, roles: Sequence[str], participant: str) -> None:
+    def _recording(self, bag: Path, roles: Sequence[str], participant: str) -> SessionRecording:
         if bag.suffix != ".bag" or bag.is_dir():
             raise HuntError(f"record: {bag} is not the name of a bag. Give a file name that ends in .bag.", bag)
         setting = self._setting
@@ -155,12 +153,12 @@ class HuntSession:
             with ExitStack() as opened:
                 log = opened.enter_context(closing(JournalStore(journal_of(bag))))
                 writer = opened.enter_context(build_writer(setting, bag))
-                publisher, record = build_publisher(setting), build_record(setting, PLAY, roles, participant)
-                recorders: list[TickRecorder] = [BagRecorder(Broadcast(publisher, record, setting.map.grid, [writer]))]
+                opening = build_record(setting, PLAY, roles, participant)
+                recorders: list[TickRecorder] = [build_recorder(setting, opening, [writer])]
                 if setting.study.mavlink.on and setting.study.mavlink.tlog:
                     recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(bag)))))
                 self._open = opened.pop_all()
-        self._session.record_with(recorders, log)
+        return SessionRecording(recorders, log)
 
     # Time
 

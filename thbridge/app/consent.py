@@ -3,17 +3,17 @@
 from collections.abc import Sequence
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.session import Programs, open_session
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.session.session import Session
 from thbridge.credentials import LOCAL, Credentials
 from thbridge.roles.keeper.disclosed.consent import ConsentStatus
 from thbridge.roles.shared.notices import KEEPER, ParticipantReady
 from thbridge.roles.shared.view import DeclineConsent, GiveConsent, View
+from thbridge.text_protocol.sockets.server import RouterInterface
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage, encode_line
-from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice import Notice, NoticeDecoder, encode_notice, parse_notice
 from thbridge.text_protocol.wire.router import (
     ClientJoined,
     ConnectionId,
@@ -21,6 +21,10 @@ from thbridge.text_protocol.wire.router import (
     RouterOutput,
     SendToClient,
     TurnedAway,
+)
+
+_ANSWERS = NoticeDecoder[GiveConsent | DeclineConsent | ParticipantReady](
+    GiveConsent | DeclineConsent | ParticipantReady
 )
 
 
@@ -43,29 +47,29 @@ class ConsentDesk:
     the answer the desk only passes on. See `RouterInterface` for the methods.
 
     Args:
-        session: whose ticks are not run before the answer.
+        router: of a session, whose ticks are not run before the answer.
         introduction: messages to a participant's program that joins.
 
     Attributes:
         status: state of the agreement.
     """
 
-    def __init__(self, session: Session, introduction: Sequence[TextMessage]) -> None:
-        self._session = session
+    def __init__(self, router: RouterInterface, introduction: Sequence[TextMessage]) -> None:
+        self._router = router
         self._introduction = tuple(introduction)
         self.status = ConsentStatus.AWAITED
 
     def make_room(self, now: float) -> Sequence[RouterOutput]:
         """Make room for a connection."""
-        return self._session.make_room(now)
+        return self._router.make_room(now)
 
     def connect(self, now: float, credentials: Credentials = LOCAL) -> ConnectionId | TurnedAway:
         """Accept a connection."""
-        return self._session.connect(now, credentials)
+        return self._router.connect(now, credentials)
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
         """Handle received bytes; a participant's program that joins is shown the text."""
-        outputs = self._session.receive_data(connection, data, now)
+        outputs = self._router.receive_data(connection, data, now)
         replies: list[RouterOutput] = []
         for output in outputs:
             if self.status is not ConsentStatus.AWAITED:
@@ -79,35 +83,33 @@ class ConsentDesk:
 
     def admits(self, connection: ConnectionId) -> bool:
         """Return True when a connection may say another line now."""
-        return self._session.admits(connection)
+        return self._router.admits(connection)
 
     def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
         """Remove a connection that has ended."""
-        return self._session.eof(connection)
+        return self._router.eof(connection)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
         """Note the bytes that wait for a connection."""
-        return self._session.report_backlog(connection, size)
+        return self._router.report_backlog(connection, size)
 
     def advance(self, now: float) -> Sequence[RouterOutput]:
         """Ping idle connections."""
-        return self._session.advance(now)
+        return self._router.advance(now)
 
     def stop(self) -> Sequence[RouterOutput]:
         """Close all connections."""
-        return self._session.stop()
+        return self._router.stop()
 
     def _answer(self, message: TextMessage) -> Sequence[TextMessage]:
         """Take in a message to the keeper; return the messages to its sender."""
-        notice = parse_notice(message)
-        if not isinstance(notice, Notice):
-            return ()
-        if decode_notice(notice, GiveConsent) is not None:
-            self.status = ConsentStatus.GIVEN
-        elif decode_notice(notice, DeclineConsent) is not None:
-            self.status = ConsentStatus.DECLINED
-        elif decode_notice(notice, ParticipantReady) is not None:
-            return self._introduction
+        match _ANSWERS.read(message):
+            case GiveConsent():
+                self.status = ConsentStatus.GIVEN
+            case DeclineConsent():
+                self.status = ConsentStatus.DECLINED
+            case ParticipantReady():
+                return self._introduction
         return ()
 
 
@@ -121,7 +123,7 @@ def introduction(setting: StudySetting) -> list[TextMessage]:
     They are those of a session with the same robots, which nobody joins.
     """
     newcomer = _Newcomer()
-    session = Session(build_keeper(setting), [build_simr(setting)], participant=newcomer)
+    session = open_session(setting, Programs(robots=build_simr(setting), participant=newcomer))
     while not newcomer.has_view and session.tick < TICKS_PER_SECOND:
         session.step()
     return newcomer.received

@@ -2,38 +2,43 @@
 
 import logging
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AsyncExitStack, closing
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from thbridge.app.compose.game import build_hider, build_keeper
-from thbridge.app.compose.recording import build_publisher, build_record
-from thbridge.app.compose.robots import build_simr, build_team, rehearse, vehicle_factory
+from thbridge.app.compose.recording import build_publisher, build_record, build_recorder
+from thbridge.app.compose.robots import build_team, rehearse
+from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.consent import ConsentDesk, ParticipantDeclined, introduction
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.run_statistics import RobotStatistics, RunStatistics
-from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.giving import give
 from thbridge.app.session.input_log import InputLog
 from thbridge.app.session.inputs import ConnectionOpened, LinkOpened
-from thbridge.app.session.recording import BagRecorder, TlogRecorder
-from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
+from thbridge.app.session.recording import TlogRecorder
+from thbridge.app.session.session import (
+    DeferredRecording,
+    EventLog,
+    Session,
+    SessionOutlets,
+    TickRecord,
+    TickRecorder,
+)
 from thbridge.app.trouble_log import TroubleLog
 from thbridge.hunt.game import GameState
 from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
 from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.shared.robot_requests import Request
-from thbridge.roles.shared.role import Role
-from thbridge.roles.simr.simr import SimR
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.rosgraph.sockets.joining import GraphAddress
 from thbridge.sockets.addresses import ListeningAddress
@@ -41,7 +46,6 @@ from thbridge.sockets.admission import Admission
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.keys import RingKeys
 from thbridge.text_protocol.sockets.server import TextServer
-from thbridge.text_protocol.wire import legacy
 from thbridge.timing.keepalive import kept_alive
 from thbridge.timing.loop import LoopResult, run_ticks
 from thbridge.timing.pace_meter import PaceMeter
@@ -166,149 +170,213 @@ async def play(
 
     Args:
         setting: the study.
-        participant: the participant's role; None when that is an outside program, as it also is when `options` say so.
+        participant: the participant's role; None if that is an outside program, as `options` may also say. Such a
+            program is asked for consent first, if the study says so: before the answer no tick is run, no file written.
         options: of the hunt.
         ready: takes the address of the text server, or the reason why it cannot listen.
         progress: takes every tick.
         callbacks: for the results of starting graph, watch server and links.
 
-    A participant of an outside program is asked for consent first, where the study does so: no tick is run and no file
-    written before the answer.
-
     Raises:
         ParticipantDeclined: the participant did not agree to take part, or left before an answer.
-        BadFile: the journal, the log of inputs, the telemetry log or the bag cannot be written (the latter as
-            `BagNotWritten`), or the log of inputs is of another game (`GameDiffers`).
+        BadFile: a file cannot be written, or the log of inputs is of another game (`GameDiffers`).
         HuntUnfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
-    team = build_team(setting)
-    simr = build_simr(setting, team)
-    roles: list[Role] = [simr]
-    if legacy.HIDER not in options.outside:
-        roles.append(build_hider(setting.templates, setting.study.seed))
-    inside = None if legacy.TABUI in options.outside else participant
-    who = "" if inside is None else options.participant
-    names = [role.name for role in (*roles, inside) if role is not None]
-    record = build_record(setting, PLAY, names, who)
-    publisher = build_publisher(setting)
-    pacer = Pacer(options.rate, pause_abandoned=options.left)
-
-    def ask(sender: str, request: Request) -> None:
-        session.ask(sender, request)
-
-    def receive_frame(robot: int, frame: Frame) -> None:
-        session.transmit(session.receive_frame(graph_link, frame, robot).replies)
-
     async with AsyncExitStack() as opened:
         # First of all: no recording is begun if the MAVLink ports cannot be opened.
         links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
             rehearse(setting)
-        session = Session(build_keeper(setting), roles, (), inside, vehicle_factory(setting, simr))
-        desk = ConsentDesk(session, introduction(setting)) if setting.consent and inside is None else None
+        hunt = _Hunt(setting, participant, options, links, ready)
+        await hunt.agree(opened)
+        await hunt.record(opened, callbacks)
+        went_on = await hunt.go_on()
+        await hunt.serve(opened, callbacks)
+        run = await run_ticks(partial(hunt.tick, progress), hunt.pacer) if went_on else LoopResult(False, 0.0)
+    return hunt.outcome(run)
+
+
+class _Hunt:
+    """A hunt of one program: its session, the servers around it, and what is recorded of it.
+
+    Args:
+        setting: as for `play`.
+        participant: likewise.
+        options: likewise.
+        links: MAVLink server, its ports open, with their names.
+        ready: as for `play`.
+
+    Attributes:
+        pacer: of the session.
+    """
+
+    def __init__(
+        self,
+        setting: StudySetting,
+        participant: TabUI | None,
+        options: PlayOptions,
+        links: tuple[MavlinkServer, list[str]] | None,
+        ready: Callable[[ListeningAddress | CannotListen], None],
+    ) -> None:
+        self._setting, self._options, self._links, self._ready = setting, options, links, ready
+        self._team = build_team(setting)
+        self._programs = build_programs(setting, participant, options.outside, self._team)
+        self.pacer = Pacer(options.rate, pause_abandoned=options.left)
+        self._server = TextServer(admission=Admission.to(setting.study.open_to), keys=options.keys)
+        outlets = SessionOutlets(self._server.perform)
+        if links is not None:
+            outlets = SessionOutlets(self._server.perform, links[0].transmit)
+        self._recording = DeferredRecording()
         # A game that goes on is the same as before, and its log is its own.
-        name = options.run if options.inputs is None else str(options.inputs.resolve())
-        session.run = lambda game: f"{name}/{game}"
-        server = TextServer(
-            desk or session, session.note_forwarded, admission=Admission.to(setting.study.open_to), keys=options.keys
-        )
-        session.perform = server.perform
-        server.note_game(*session.game_name)
+        run = options.run if options.inputs is None else str(options.inputs.resolve())
+        recording = SessionRecording([self._recording], self._recording, run)
+        self._session = open_session(setting, self._programs, recording, outlets)
+        self._graph = _GraphStation(self._session)
+        asks = setting.consent and self._programs.participant is None
+        self._desk = ConsentDesk(self._session.router, introduction(setting)) if asks else None
+        self._inputs: InputLog | None = None
+        self._statistics = RunStatistics()
+        self._ending = EndCondition(options.max_seconds, options.left)
+        self._troubles = TroubleLog()
+        self._server.note_game(*self._session.game_name)
 
-        async def listen() -> None:
-            where = await server.start(setting.study.server.host, setting.study.server.port)
-            if isinstance(where, CannotListen) and options.left is not None:
-                where = await server.start(setting.study.server.host, 0)  # The window gets the port that was found.
-            ready(where)
-
-        if desk is not None:
-            opened.push_async_callback(server.stop)
-            await listen()
+    async def agree(self, opened: AsyncExitStack) -> None:
+        """Ask a participant of an outside program for consent. Raises ParticipantDeclined."""
+        if self._desk is not None:
+            opened.push_async_callback(self._server.stop)
+            await self._listen()
+            left = self._options.left
             # In a window people have been asked already, and it says yes as soon as it joins.
-            await _consent(desk, options.left, _ignore if options.left is not None else _log.warning)
+            await _consent(self._desk, left, _ignore if left is not None else _log.warning)
+
+    async def record(self, opened: AsyncExitStack, callbacks: StartupCallbacks) -> None:
+        """Start all that listens, and begin the record. Raises BadFile."""
+        setting, options, session = self._setting, self._options, self._session
+        publisher = build_publisher(setting)
         has_vehicles = setting.study.mavlink.on
-        stations = receive_frame if has_vehicles else None
-        listening = listeners(options, setting, team, publisher, pacer, ask, callbacks, stations, has_game=True)
-        audience = await opened.enter_async_context(listening)
+        who = options.participant if self._programs.participant is not None else ""
+        opening = build_record(setting, PLAY, self._programs.names, who)
+        audience = await opened.enter_async_context(
+            listeners(
+                options,
+                setting,
+                self._team,
+                publisher,
+                self.pacer,
+                session.ask,
+                callbacks,
+                self._graph.receive_frame if has_vehicles else None,
+                session.keys.granted,
+                has_game=True,
+            )
+        )
         log: EventLog | None = None
         if options.bag is not None:
             log = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
         recorders: list[TickRecorder] = []
         if audience:
-            recorders.append(BagRecorder(Broadcast(publisher, record, setting.map.grid, audience)))
+            recorders.append(build_recorder(setting, opening, audience, publisher))
         if options.bag is not None and has_vehicles and setting.study.mavlink.tlog:
             recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(options.bag)))))
-        game_inputs: InputLog | None = None
         if options.inputs is not None:
-            game_inputs = opened.enter_context(
-                closing(InputLog(options.inputs, record, options.meter or PaceMeter(), pacer))
-            )
+            meter = options.meter or PaceMeter()
+            self._inputs = opened.enter_context(closing(InputLog(options.inputs, opening, meter, self.pacer)))
             # Before all others: what they record follows from it.
-            recorders.insert(0, game_inputs)
-        session.record_with(recorders, log)
-        statistics, ending = RunStatistics(), EndCondition(options.max_seconds, options.left)
-        went_on = game_inputs is None or await _go_on(session, game_inputs, statistics, ending)
-        if has_vehicles and options.graph is not None:
-            graph_link = session.open_link(GRAPH_LINK)
-        if links is not None:
-            stations_server, reached_by = links
-            await stations_server.serve(session)
-            callbacks.linked(reached_by)
-            await opened.enter_async_context(kept_alive(session, pacer))
-        troubles = TroubleLog()
+            recorders.insert(0, self._inputs)
+        self._recording.begin(recorders, log)
+
+    async def go_on(self) -> bool:
+        """Run up to the tick where the log of inputs ends, as fast as possible; nobody is connected any more then.
+
+        Returns:
+            False when it was stopped (Ctrl-C, SIGTERM).
+        """
+        session = self._session
+        logged = () if self._inputs is None else self._inputs.ticks
+        waiting = deque(logged)
 
         def tick() -> bool:
-            now = session.step()
-            if now.snapshot is not None:
-                statistics.add(now.snapshot)
-            # A participant in this process is told by window or terminal.
-            refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
-            troubles.note(refusals, now.utterances)
-            server.note_game(*session.game_name)
-            progress(now)
-            return not ending.reached(session)
+            if waiting[0].tick == session.tick:
+                for item in waiting.popleft().inputs:
+                    give(session, None, item)
+            self._step()
+            self._ending.reached(session)
+            return bool(waiting)
 
-        if desk is None:
-            await listen()
-        opened.push_async_callback(server.stop)  # It stops before the recording is closed.
-        run = await run_ticks(tick, pacer) if went_on else LoopResult(finished=False, seconds=0.0)
-    outcome = outcome_of(setting, session, ending, roles, run.seconds, options.bag, statistics)
-    # With a window, the end of a game is not the end of the hunt: participants may play again.
-    if ending.tick is None or (options.left is not None and not run.finished):
-        raise HuntUnfinished(outcome, stopped=not run.finished)
-    return outcome
+        if not waiting:
+            return True
+        with session.undelivered():
+            run = await run_ticks(tick, Pacer(0.0))
+        for item in chain.from_iterable(each.inputs for each in logged):
+            match item:
+                case ConnectionOpened(connection):
+                    session.perform(session.router.eof(connection))
+                case LinkOpened(link):
+                    session.links.close_link(link)
+        return run.finished
 
+    async def serve(self, opened: AsyncExitStack, callbacks: StartupCallbacks) -> None:
+        """Let ground stations and other programs take part."""
+        if self._setting.study.mavlink.on and self._options.graph is not None:
+            self._graph.open()
+        if self._links is not None:
+            server, reached_by = self._links
+            await server.serve(self._session.links)
+            callbacks.linked(reached_by)
+            await opened.enter_async_context(kept_alive(self._session, self.pacer))
+        if self._desk is None:
+            await self._listen()
+        opened.push_async_callback(self._server.stop)  # It stops before the recording is closed.
 
-async def _go_on(session: Session, log: InputLog, statistics: RunStatistics, ending: "EndCondition") -> bool:
-    """Run a session up to the tick where its log ends, as fast as possible; nobody is connected any more then.
+    def tick(self, progress: Callable[[TickRecord], None]) -> bool:
+        """Run one tick; return True while the hunt goes on."""
+        now = self._step()
+        # A participant in this process is shown refusals by window or terminal.
+        inside = self._programs.participant
+        refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
+        self._troubles.note(refusals, now.utterances)
+        self._server.note_game(*self._session.game_name)
+        progress(now)
+        return not self._ending.reached(self._session)
 
-    Returns:
-        False when it was stopped (Ctrl-C, SIGTERM).
-    """
-    waiting = deque(log.ticks)
+    def outcome(self, run: LoopResult) -> HuntOutcome:
+        """Return the outcome, after a run of ticks. Raises HuntUnfinished."""
+        bag = self._options.bag
+        outcome = outcome_of(self._setting, self._session, self._ending, run.seconds, bag, self._statistics)
+        # With a window, the end of a game is not the end of the hunt: participants may play again.
+        if self._ending.tick is None or (self._options.left is not None and not run.finished):
+            raise HuntUnfinished(outcome, stopped=not run.finished)
+        return outcome
 
-    def tick() -> bool:
-        if waiting and waiting[0].tick == session.tick:
-            for item in waiting.popleft().inputs:
-                give(session, None, item)
-        now = session.step()
+    def _step(self) -> TickRecord:
+        now = self._session.step()
         if now.snapshot is not None:
-            statistics.add(now.snapshot)
-        ending.reached(session)
-        return bool(waiting)
+            self._statistics.add(now.snapshot)
+        return now
 
-    if not waiting:
-        return True
-    perform, session.perform = session.perform, session.note_all_forwarded
-    run = await run_ticks(tick, Pacer(0.0))
-    session.perform = perform
-    for item in chain.from_iterable(logged.inputs for logged in log.ticks):
-        match item:
-            case ConnectionOpened(connection):
-                session.perform(session.eof(connection))
-            case LinkOpened(link):
-                session.close_link(link)
-    return run.finished
+    async def _listen(self) -> None:
+        router, server = self._desk or self._session.router, self._setting.study.server
+        where = await self._server.start(router, server.host, server.port)
+        if isinstance(where, CannotListen) and self._options.left is not None:
+            where = await self._server.start(router, server.host, 0)  # The window gets the port that was found.
+        self._ready(where)
+
+
+class _GraphStation:
+    """The ROS graph as a ground station: one link to all vehicles; frames before it is open are dropped."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._link: LinkId | None = None
+
+    def open(self) -> None:
+        """Open the link."""
+        self._link = self._session.links.open_link(GRAPH_LINK)
+
+    def receive_frame(self, robot: int, frame: Frame) -> None:
+        """Take a frame for one robot, from 0."""
+        if self._link is not None:
+            self._session.transmit(self._session.links.receive_frame(self._link, frame, robot).replies)
 
 
 def _ignore(sentence: str) -> None:
@@ -391,13 +459,12 @@ def outcome_of(
     setting: StudySetting,
     session: Session,
     ending: EndCondition,
-    roles: Sequence[Role],
     wall: float,
     bag: Path | None,
     statistics: RunStatistics,
 ) -> HuntOutcome:
     """Return the outcome of a session, over or not."""
-    snapshot = next(role.snapshot for role in roles if isinstance(role, SimR))
+    snapshot = session.snapshot
     ticks = session.tick if ending.tick is None else ending.tick
     games = ending.games
     last = games[-1] if games else None

@@ -7,19 +7,17 @@ from itertools import count
 from pathlib import Path
 from typing import Protocol
 
-from thbridge.app.compose.recording import build_publisher, build_record
+from thbridge.app.compose.recording import build_publisher, build_record, build_recorder
 from thbridge.app.compose.robots import build_simr, build_team, rehearse
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
-from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.recording import BagRecorder
+from thbridge.app.session.session import DeferredRecording
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.shared.notices import KEEPER, ConsentQuery, HideRequest, Orders, RecordingPermission
-from thbridge.roles.shared.robot_requests import Request
+from thbridge.roles.shared.notices import KEEPER, SIMR_NOTICES, ConsentQuery, HideRequest, Orders, RecordingPermission
 from thbridge.roles.shared.role import Role
 from thbridge.roles.shared.view import View
 from thbridge.roles.simr.simr import SimR
@@ -29,7 +27,7 @@ from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.client import NameRegistered
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
+from thbridge.text_protocol.wire.notice import Notice, encode_notice, is_notice, kind_of, parse_notice
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
@@ -99,12 +97,11 @@ class UnrecordedSimr:
 
     def receive(self, message: TextMessage) -> None:
         """Take a message to SimR, or the keeper's answer."""
-        notice = parse_notice(message)
-        answer = decode_notice(notice, RecordingPermission) if isinstance(notice, Notice) else None
-        if answer is None:
-            self._session.receive(message)
+        notice = SIMR_NOTICES.read(message)
+        if isinstance(notice, RecordingPermission):
+            self.granted = notice.granted
         else:
-            self.granted = answer.granted
+            self._session.receive(message)
 
     def step(self) -> Sequence[TextMessage]:
         """Run one tick of SimR; ask the keeper whenever the server is reached."""
@@ -265,14 +262,12 @@ async def simr(
     role = build_simr(setting, team)
     publisher = build_publisher(setting)
     pacer = Pacer(options.rate)
-
-    def ask(sender: str, request: Request) -> None:
-        session.ask(sender, request)
-
-    async with listeners(options, setting, team, publisher, pacer, ask, callbacks, has_game=False) as audience:
-        record = build_record(setting, SIMR, [role.name], "")
-        recorders = [BagRecorder(Broadcast(publisher, record, setting.map.grid, audience))] if audience else []
-        session = SimrSession(role, recorders)
+    recording = DeferredRecording()
+    session = SimrSession(role, [recording])
+    async with listeners(options, setting, team, publisher, pacer, session.ask, callbacks, has_game=False) as audience:
+        if audience:
+            opening = build_record(setting, SIMR, [role.name], "")
+            recording.begin([build_recorder(setting, opening, audience, publisher)])
         client = TextClient(role.name, options.token, options.host, options.port, key=options.key)
         await run_at_server(session, client, pacer, lambda: role.rejection is not None, lost)
     return role.rejection

@@ -4,8 +4,9 @@ import logging
 from collections.abc import Callable, Sequence
 
 from thbridge.app.compose.game import build_keeper
+from thbridge.app.compose.session import Programs, SessionRecording, open_session
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.session.session import Session
+from thbridge.app.session.session import SessionOutlets
 from thbridge.app.trouble_log import TroubleLog
 from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal_folder import JournalStore
@@ -83,13 +84,12 @@ async def serve(
         keeper = build_keeper(setting, history, last_game)
         for dialogue in keeper.dialogues_not_restored:
             _log.warning("dialogue %d cannot be taken up again; what was said in it is in the journal", dialogue)
-        session = Session(keeper, [], log=ConsentedLog(journals, lambda: keeper.consent))
-        name = "" if keys is None else journals.name_of_folder(run)
-        session.run = lambda game: f"{name}/{game}"
-        server = TextServer(session, session.note_forwarded, admission=Admission.to(setting.study.open_to), keys=keys)
-        session.perform = server.perform
+        log = ConsentedLog(journals, lambda: keeper.consent)
+        recording = SessionRecording(log=log, run="" if keys is None else journals.name_of_folder(run))
+        server = TextServer(admission=Admission.to(setting.study.open_to), keys=keys)
+        session = open_session(setting, Programs(), recording, SessionOutlets(server.perform), keeper)
         server.note_game(*session.game_name)
-        listening = await server.start(setting.study.server.host, setting.study.server.port)
+        listening = await server.start(session.router, setting.study.server.host, setting.study.server.port)
         ready(listening)
         if isinstance(listening, CannotListen):
             return

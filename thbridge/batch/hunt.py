@@ -2,19 +2,17 @@
 
 from collections.abc import Sequence
 
-from thbridge.app.compose.game import build_bot, build_hider, build_keeper
-from thbridge.app.compose.recording import build_publisher, build_record, message_filter
-from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.recording import build_record, build_recorder, message_filter
+from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY, EndCondition, outcome_of
 from thbridge.app.run_statistics import RunStatistics
-from thbridge.app.session.broadcast import Broadcast, Listener
-from thbridge.app.session.recording import BagRecorder
-from thbridge.app.session.session import Session, TickRecorder
+from thbridge.app.session.broadcast import Listener
+from thbridge.app.session.session import TickRecorder
 from thbridge.batch.measures import GameMeasures, GameObserver
 from thbridge.recording.digest import MessageDigest
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.shared.role import Role
 from thbridge.ros.topics import RosMessage
 from thbridge.study.study_file import RecordingSection
 
@@ -35,16 +33,12 @@ def play_hunt(
     """
     study, observer, statistics = setting.study, GameObserver(), RunStatistics()
     who = study.participant
-    participant = TabUI(build_bot(setting.templates, who.strategy, study.seed, who.attitude))
-    simr = build_simr(setting)
-    roles: list[Role] = [simr, build_hider(setting.templates, study.seed)]
+    programs = build_programs(setting, TabUI(build_bot(setting.templates, who.strategy, study.seed, who.attitude)))
     all_recorders: list[TickRecorder] = [observer, *recorders]
     if listeners:
-        said_by = [role.name for role in (*roles, participant)]
-        record = build_record(setting, PLAY, said_by, who.strategy)
-        broadcast = Broadcast(build_publisher(setting), record, setting.map.grid, listeners)
-        all_recorders.append(BagRecorder(broadcast))
-    session = Session(build_keeper(setting), roles, all_recorders, participant, vehicle_factory(setting, simr))
+        opening = build_record(setting, PLAY, programs.names, who.strategy)
+        all_recorders.append(build_recorder(setting, opening, listeners))
+    session = open_session(setting, programs, SessionRecording(all_recorders))
     ending = EndCondition(max_seconds)
     while True:
         now = session.step()
@@ -52,7 +46,7 @@ def play_hunt(
             statistics.add(now.snapshot)
         if ending.reached(session):
             break
-    return observer.measures(outcome_of(setting, session, ending, roles, 0.0, None, statistics))
+    return observer.measures(outcome_of(setting, session, ending, 0.0, None, statistics))
 
 
 class RecordedDigest:

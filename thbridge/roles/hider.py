@@ -2,13 +2,22 @@
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import assert_never
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.numerics import noise
 from thbridge.hunt.codec import treasure_fields
 from thbridge.hunt.properties import OF_2016, TreasureProperty, labelled
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
-from thbridge.roles.shared.notices import KEEPER, HideRequest, HiderReady, HideTreasures, LegacyReply
+from thbridge.roles.shared.notices import (
+    HIDER_NOTICES,
+    KEEPER,
+    HideRequest,
+    HiderNotice,
+    HiderReady,
+    HideTreasures,
+    LegacyReply,
+)
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.legacy import (
     AskTreasure,
@@ -19,7 +28,7 @@ from thbridge.text_protocol.wire.legacy import (
     TreasureImage,
 )
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import COUNTED, Notice, decode_notice, encode_notice, is_notice, parse_notice
+from thbridge.text_protocol.wire.notice import COUNTED, Notice, encode_notice, is_notice, parse_notice
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
 """Ticks that a question waits for a keeper; without any notice of a keeper it is then answered as in 2016."""
@@ -73,23 +82,27 @@ class Hider:
             if is_notice(message):
                 notice = parse_notice(message)
                 if isinstance(notice, Notice):
-                    outgoing += self._handle_notice(notice)
+                    self._has_keeper = True
+                    outgoing += self._handle_notice(HIDER_NOTICES.decode(notice))
             else:
                 value = legacy.decode(message)
                 if isinstance(value, _Question):
                     self._questions.append((tick, value))
         return outgoing + self._answer_without_keeper(tick)
 
-    def _handle_notice(self, notice: Notice) -> list[TextMessage]:
-        self._has_keeper = True
-        if (request := decode_notice(notice, HideRequest)) is not None:
-            if request.game not in COUNTED or not 0 < request.rooms <= MOST_ROOMS:
+    def _handle_notice(self, notice: HiderNotice | None) -> list[TextMessage]:
+        match notice:
+            case HideRequest(game, rooms):
+                if game not in COUNTED or not 0 < rooms <= MOST_ROOMS:
+                    return []
+                treasures = tuple(treasure_fields(kind) for kind in self.hidden(game, rooms))
+                return [encode_notice(self.name, KEEPER, HideTreasures(game, treasures))]
+            case LegacyReply(command, text):
+                return [TextMessage.of(command, self.name, legacy.TABUI, text)]
+            case None:
                 return []
-            treasures = tuple(treasure_fields(kind) for kind in self.hidden(request.game, request.rooms))
-            return [encode_notice(self.name, KEEPER, HideTreasures(request.game, treasures))]
-        if (reply := decode_notice(notice, LegacyReply)) is not None:
-            return [TextMessage.of(reply.command, self.name, legacy.TABUI, reply.text)]
-        return []
+            case _:
+                assert_never(notice)
 
     def hidden(self, game: int, rooms: int) -> tuple[TreasureKind, ...]:
         """Return the treasure of each room in a game, by its number from 1."""

@@ -77,8 +77,8 @@ class Understood:
 async def hunt(classes: Path, simr: SimR, visits: list[str]) -> Understood:
     """One game of the Java TabUI and Hider with the given SimR through our server, which takes keys besides."""
     ring = KeyRing(classes / "keys", utc_now)
-    server = TextServer(MessageRouter(), keys=RingKeys(ring, server_context(certificate_of(ring.folder, utc_now()))))
-    address = await server.start("127.0.0.1", 0)
+    server = TextServer(keys=RingKeys(ring, server_context(certificate_of(ring.folder, utc_now()))))
+    address = await server.start(MessageRouter(), "127.0.0.1", 0)
     assert isinstance(address, ListeningAddress)
 
     async def java(program: str, *args: str) -> asyncio.subprocess.Process:

@@ -7,7 +7,7 @@ import json
 import math
 import random
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -15,14 +15,14 @@ import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
 from tests.peers.mavlink.qgroundcontrol import COMPONENT, SYSTEM, Learned, QGroundControl, Step
-from thbridge.app.compose.game import build_hider, build_keeper
-from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.session import build_programs, open_session
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.session.session import Session
+from thbridge.app.session.session import Session, SessionOutlets
 from thbridge.mavlink.vehicle.component_files.metadata_files import checksum
 from thbridge.mavlink.vehicle.vehicle import AutopilotIdentity
 from thbridge.mavlink.wire.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.mavlink.wire.traffic import OutgoingFrame
 from thbridge.study.study_file import Study
 
@@ -33,7 +33,7 @@ HOLD, AUTO, GUIDED = 4, 10, 15
 """ArduPilot's numbers."""
 
 
-def sitting(identity: AutopilotIdentity) -> Session:
+def sitting(identity: AutopilotIdentity, transmit: Callable[[Sequence[OutgoingFrame]], None]) -> Session:
     """Two robots that know where they are, as vehicles, and the game; nobody plays."""
     study = Study()
     study = replace(
@@ -42,13 +42,7 @@ def sitting(identity: AutopilotIdentity) -> Session:
         mavlink=replace(study.mavlink, on=True, identity=identity),
     )
     setting = read_setting(study, Path())
-    simr = build_simr(setting)
-    vehicles = vehicle_factory(setting, simr)
-    session = Session(
-        build_keeper(setting),
-        [simr, build_hider(setting.templates, setting.study.seed)],
-        vehicles=vehicles,
-    )
+    session = open_session(setting, build_programs(setting), outlets=SessionOutlets(transmit=transmit))
     for _ in range(2 * TICKS_PER_SECOND):
         session.step()
     return session
@@ -58,7 +52,7 @@ def sitting(identity: AutopilotIdentity) -> Session:
 class Loopback:
     """A link into a session in this process; `loss` is the share of frames that get lost, either way."""
 
-    session: Session
+    identity: AutopilotIdentity
     loss: float = 0.0
     chance: random.Random = field(default_factory=lambda: random.Random(1))
     came: deque[Message] = field(default_factory=deque)
@@ -66,8 +60,9 @@ class Loopback:
     robot: int = ROBOT
 
     def __post_init__(self) -> None:
-        self.number = self.session.open_link("loopback")
-        self.session.transmit = self._take
+        self.number: LinkId | None = None
+        self.session = sitting(self.identity, self._take)
+        self.number = self.session.links.open_link("loopback")
 
     def send(self, message: Message) -> None:
         self.sequence = (self.sequence + 1) % 256
@@ -75,7 +70,7 @@ class Loopback:
             seed = crc_extra(message.get_msgId())
             assert seed is not None
             frame = Frame(SYSTEM, COMPONENT, self.sequence, message.get_msgId(), payload_of(message), seed)
-            self._take(self.session.receive_frame(self.number, frame).replies)
+            self._take(self.session.links.receive_frame(self.number, frame).replies)
 
     def receive(self, seconds: float) -> Message | None:
         end = self.now() + seconds
@@ -101,7 +96,7 @@ class Loopback:
 def connected(
     identity: AutopilotIdentity, *, modes_at_once: bool = False, loss: float = 0.0
 ) -> tuple[QGroundControl, Learned]:
-    link = Loopback(sitting(identity), loss)
+    link = Loopback(identity, loss)
     station = QGroundControl(
         link, ROBOT, ardupilot=identity is AutopilotIdentity.ARDUPILOT, modes_at_once=modes_at_once
     )
@@ -150,9 +145,7 @@ def test_it_learns_what_every_parameter_means(identity: AutopilotIdentity) -> No
 def test_robots_with_the_same_parameters_have_files_that_are_kept_but_once() -> None:
     kept = set()
     for robot in (1, 2):
-        told = QGroundControl(
-            Loopback(sitting(AutopilotIdentity.GENERIC), robot=robot), robot, ardupilot=False
-        ).request(397)
+        told = QGroundControl(Loopback(AutopilotIdentity.GENERIC, robot=robot), robot, ardupilot=False).request(397)
         assert told is not None
         kept.add((told.uri, told.file_crc))
     assert len(kept) == 1
@@ -162,9 +155,7 @@ def test_over_a_bad_link_files_arrive_whole_or_not_at_all() -> None:
     """It opens a file once, so that of ten tries on a link that loses a tenth each way some fail."""
     _, learned = connected(AutopilotIdentity.GENERIC)
     for seed in range(10):
-        station = QGroundControl(
-            Loopback(sitting(AutopilotIdentity.GENERIC), 0.1, random.Random(seed)), ROBOT, ardupilot=False
-        )
+        station = QGroundControl(Loopback(AutopilotIdentity.GENERIC, 0.1, random.Random(seed)), ROBOT, ardupilot=False)
         station.asks_for_metadata()
         assert station.learned.files.items() <= learned.files.items()
         if station.learned.files == learned.files:

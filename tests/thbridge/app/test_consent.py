@@ -37,7 +37,7 @@ class Visitor:
     """A program at a desk."""
 
     def __init__(self, setting: StudySetting, hello: bytes) -> None:
-        self.desk = ConsentDesk(Session(build_keeper(setting), []), introduction(setting))
+        self.desk = ConsentDesk(Session(build_keeper(setting), []).router, introduction(setting))
         connection = self.desk.connect(0.0)
         assert not isinstance(connection, TurnedAway)
         self._connection = connection

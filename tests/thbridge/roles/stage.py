@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from thbridge.app.compose.game import build_bot, build_hider, known_treasures
-from thbridge.app.session.session import Session, TickRecord
+from thbridge.app.session.session import NO_OUTLETS, Session, SessionOutlets, TickRecord
 from thbridge.app.trials.puppets import Puppets
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.scripted.protocols import TemplateProtocol
@@ -71,6 +71,8 @@ class Stage:
         adviser: Adviser | None = None,
         talk: DialogueEngine | None = None,
         patience: int | None = None,
+        outlets: SessionOutlets = NO_OUTLETS,
+        run: str = "",
     ) -> None:
         self.templates = templates(set_name)
         if kinds is not None:
@@ -98,8 +100,8 @@ class Stage:
         roles: list[Role] = [self.puppets, self.tabui]
         roles.append(build_hider(self.templates, seed))
         roles = [role for role in roles if role.name not in outside]
-        self.session = Session(self.keeper, roles, log=self.log)
-        self.router = self.session._router
+        self.session = Session(self.keeper, roles, log=self.log, outlets=outlets, run=run)
+        self.router = self.session._local
         self.tick_records: list[TickRecord] = []
 
     def run(self, ticks: int) -> None:

@@ -396,10 +396,10 @@ def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
     played.router.detach(legacy.TABUI)
     played.keeper._participants._members.clear()
     played.session._roles = tuple(role for role in played.session._roles if role is not played.tabui)
-    connection = played.router.connect(0.0)
+    connection = played.session.router.connect(0.0)
 
     def line(text: str) -> None:
-        played.session.perform(played.router.receive_data(connection, text.encode(), 0.0))
+        played.session.perform(played.session.router.receive_data(connection, text.encode(), 0.0))
 
     line("%%setid TabUI\n%%goto TabUI SimR 0 2 2 45\n")
     played.run(20)
@@ -422,8 +422,8 @@ def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
 def test_a_hider_of_2016_is_believed():
     """Its treasures are its own secret; the game learns from what it says."""
     played = Stage(outside={"Hider"})
-    connection = played.router.connect(0.0)
-    played.session.perform(played.router.receive_data(connection, b"%%setid Hider\n", 0.0))
+    connection = played.session.router.connect(0.0)
+    played.session.perform(played.session.router.receive_data(connection, b"%%setid Hider\n", 0.0))
     answered = 0
 
     def answer() -> None:
@@ -437,7 +437,7 @@ def test_a_hider_of_2016_is_believed():
                 reply = "%%score Hider TabUI ,10\n"
             else:
                 continue
-            played.session.perform(played.router.receive_data(connection, reply.encode(), 0.0))
+            played.session.perform(played.session.router.receive_data(connection, reply.encode(), 0.0))
         answered = len(played.lines)
 
     for _ in range(6000):

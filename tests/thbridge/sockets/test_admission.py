@@ -56,8 +56,8 @@ def test_a_stranger_is_cut_off_before_it_is_heard(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(Admission, "refused", lambda self, transport: "10.0.0.6")
 
     async def knock() -> bytes:
-        server = TextServer(MessageRouter())
-        where = await server.start("127.0.0.1", 0)
+        server = TextServer()
+        where = await server.start(MessageRouter(), "127.0.0.1", 0)
         assert isinstance(where, ListeningAddress)
         with socket.create_connection((where.host, where.port)) as client:
             client.settimeout(20)

@@ -92,7 +92,7 @@ def port_of(where: object) -> int:
 
 def test_what_is_recorded_can_be_opened_while_all_doors_are_full(tmp_path: Path) -> None:
     async def whole() -> None:
-        text = TextServer(MessageRouter())
+        text = TextServer()
         watch = WatchServer(House(), SingleKey("0123456789abcdef"), Definitions(()))
         mavlink = MavlinkServer(MavlinkPorts((), Address(LOCALHOST, 0), None))
         master = XmlRpcServer(("getPid",), lambda call, peer: 1)
@@ -101,7 +101,7 @@ def test_what_is_recorded_can_be_opened_while_all_doors_are_full(tmp_path: Path)
         assert isinstance(names, list), names
         await mavlink.serve(Exchange())
         ports = [
-            port_of(await text.start(LOCALHOST, 0)),
+            port_of(await text.start(MessageRouter(), LOCALHOST, 0)),
             port_of(await watch.start(LOCALHOST, 0)),
             port_of(await master.start()),
             port_of(await tcpros.start(LOCALHOST)),

@@ -24,7 +24,7 @@ from thbridge.text_protocol.sockets.server import TextServer
 from thbridge.text_protocol.wire.client import NameRegistered
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import notice
-from thbridge.text_protocol.wire.router import Forwarded, MessageRouter
+from thbridge.text_protocol.wire.router import ConnectionId, Forwarded, MessageRouter, RouterOutput
 from thbridge.watching.sockets import server as watch_server
 from thbridge.watching.sockets.client import SessionMessage, WatchClient, WatchConnected
 from thbridge.watching.sockets.server import SessionPace, WatchServer
@@ -58,6 +58,19 @@ class Session:
         pass
 
 
+class HearingRouter(MessageRouter):
+    """Router that keeps what it forwarded."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.heard: list[Forwarded] = []
+
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
+        outputs = super().receive_data(connection, data, now)
+        self.heard += [output for output in outputs if isinstance(output, Forwarded)]
+        return outputs
+
+
 class House:
     """A session's doors for whoever has a key of a ring, which has one for each right, named after it."""
 
@@ -69,17 +82,16 @@ class House:
             for right in Right
         }
         self.session = Session()
-        self.heard: list[Forwarded] = []
         self.verifier = RingKeys(self.ring, server_context(certificate_of(self.ring.folder, NOW)))
-        self.router = MessageRouter()
+        self.router = HearingRouter()
         self.router.attach("Game")
-        self.text = TextServer(self.router, self.heard.append, keys=self.verifier)
+        self.text = TextServer(keys=self.verifier)
         self.watch = WatchServer(self.session, self.verifier)
         self.ports = (0, 0)
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[None]:
-        where = await self.text.start("127.0.0.1", 0), await self.watch.start("127.0.0.1", 0)
+        where = await self.text.start(self.router, "127.0.0.1", 0), await self.watch.start("127.0.0.1", 0)
         assert isinstance(where[0], ListeningAddress)
         assert isinstance(where[1], ListeningAddress)
         self.ports = where[0].port, where[1].port
@@ -225,7 +237,7 @@ def test_whoever_loses_the_right_to_a_key_is_cut_off_and_told(house: House) -> N
             assert await first(hider) == ConnectionLost(LossReason.REFUSED, "the key hider has expired")
 
     asyncio.run(play())
-    house.text = TextServer(MessageRouter(), keys=house.verifier)
+    house.router, house.text = HearingRouter(), TextServer(keys=house.verifier)
     asyncio.run(play_on())
 
 
@@ -240,12 +252,12 @@ def test_whoever_has_a_key_speaks_in_the_name_of_their_connection_alone(house: H
             assert isinstance(await first(simr), NameRegistered)
             tabui.send(TextMessage("%%goto", "SimR", "Game", tuple("1234")))
             tabui.send(TextMessage("%%goto", "TabUI", "Game", tuple("4321")))
-            await until(lambda: len(house.heard) >= 1)
-            assert [each.message.text for each in house.heard] == ["4 3 2 1"]
+            await until(lambda: len(house.router.heard) >= 1)
+            assert [each.message.text for each in house.router.heard] == ["4 3 2 1"]
             tabui.send(notice("TabUI", "Game", "PlayAgain", game=1))
             tabui.send(TextMessage("%%goto", "TabUI", "Game", tuple("5555")))
-            await until(lambda: len(house.heard) >= 2)
-            assert [each.message.text for each in house.heard] == ["4 3 2 1", "5 5 5 5"]
+            await until(lambda: len(house.router.heard) >= 2)
+            assert [each.message.text for each in house.router.heard] == ["4 3 2 1", "5 5 5 5"]
 
     asyncio.run(play())
 
@@ -337,8 +349,8 @@ def test_programs_of_other_machines_show_a_key_or_speak_as_in_2016(
             assert await reader.readline() == b"%%ack \n"
             ready = notice("TabUI", "Game", "ParticipantReady", run="x").line().encode()
             writer.write(ready + b"\n%%goto TabUI Game 1 2\n")
-            await until(lambda: len(house.heard) > 0)
-            assert [each.message.command for each in house.heard] == ["%%goto"]
+            await until(lambda: len(house.router.heard) > 0)
+            assert [each.message.command for each in house.router.heard] == ["%%goto"]
             writer.close()
             assert isinstance(await house.joins("Anybody", house.keys[Right.PARTICIPANT]), NameRegistered)
             # There is no plain way to watch.

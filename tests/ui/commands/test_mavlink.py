@@ -39,7 +39,6 @@ class Fleet:
         self.tcp = 0
         self._hub = Hub([Vehicle(number, game, OPTIONS) for number, game in enumerate(self.games, 1)], 5.0)
         self._links = 0
-        self.transmit = lambda sent: None
         self._server = MavlinkServer(MavlinkPorts((UdpTarget(address),), Address("127.0.0.1", 0), key))
         self._over = False
         self._stands = threading.Event()
@@ -77,7 +76,7 @@ class Fleet:
         self._stands.set()
         tick = 0
         while not self._over:
-            self.transmit(self._hub.step(tick, [game.readings for game in self.games]))
+            self._server.transmit(self._hub.step(tick, [game.readings for game in self.games]))
             for game in self.games:
                 if game.readings.under_way and tick % 10 == 0:
                     game.arrive()

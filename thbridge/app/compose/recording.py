@@ -8,6 +8,8 @@ from sim.world.sensors import mount_of
 from thbridge.app.compose.machine import machine, versions
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.live import TeamDescription
+from thbridge.app.session.broadcast import Broadcast, Listener
+from thbridge.app.session.recording import BagRecorder
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.recording.bag.options import DefinitionTexts, RecordingDetail
 from thbridge.recording.bag.writing.writer import BagWriter
@@ -35,6 +37,23 @@ def build_publisher(setting: StudySetting) -> TeamPublisher:
     planners = [Planners.of(study.software(number)) for number in robot_numbers(study.robots)]
     rooms = room_labels(setting)
     return TeamPublisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners, rooms, vehicles=study.mavlink.on)
+
+
+def build_recorder(
+    setting: StudySetting,
+    opening: SessionRecord,
+    listeners: Sequence[Listener],
+    publisher: TeamPublisher | None = None,
+) -> BagRecorder:
+    """Return the recorder that turns ticks into messages, which gives the opening to its listeners at once.
+
+    Args:
+        setting: the study.
+        opening: first record, see `build_record`.
+        listeners: get all messages.
+        publisher: of the robots' messages, if another part needs it, too.
+    """
+    return BagRecorder(Broadcast(publisher or build_publisher(setting), opening, setting.map.grid, listeners))
 
 
 def room_labels(setting: StudySetting) -> tuple[RoomLabel, ...]:

@@ -18,8 +18,9 @@ from thbridge.mavlink.role.speed_limit import SpeedLimit
 from thbridge.mavlink.role.vehicles import RequestSink, Vehicles
 from thbridge.offline.plan import costmap
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
+from thbridge.roles.simr.game_moves import GameMap
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions
-from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, GameMap, SimR
+from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, SimR
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.roles.simr.travel_times import TravelTimes
 from thbridge.study.things import schedule_of

@@ -13,14 +13,12 @@ from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from sim.common.robot_numbers import RobotNumber, index_of, number_of
-from thbridge.app.compose.game import build_hider, build_keeper
-from thbridge.app.compose.recording import build_publisher, build_record, build_writer
-from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.recording import build_record, build_recorder, build_writer
+from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY
-from thbridge.app.session.broadcast import Broadcast, Listener
+from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.mavros import frame_in
-from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import kind_of
@@ -179,11 +177,9 @@ async def replay_frames(
         listening: list[Listener] = [poses]
         if options.to is not None:
             listening.append(opened.enter_context(build_writer(setting, options.to)))
-        simr, hider = build_simr(setting), build_hider(setting.templates, setting.study.seed)
-        record = build_record(setting, PLAY, [simr.name, hider.name], "")
-        recorder = BagRecorder(Broadcast(build_publisher(setting), record, setting.map.grid, listening))
-        vehicles = vehicle_factory(setting, simr)
-        session = Session(build_keeper(setting), [simr, hider], [recorder, hunt], None, vehicles)
+        programs = build_programs(setting)
+        recorder = build_recorder(setting, build_record(setting, PLAY, programs.names, ""), listening)
+        session = open_session(setting, programs, SessionRecording([recorder, hunt]))
 
         def tick() -> bool:
             frames.give(session, setting.study.robots)
@@ -250,8 +246,8 @@ class _RecordedFrames:
                 continue
             self.given += 1
             if received.link not in self._links:
-                self._links[received.link] = session.open_link(received.link)
-            session.transmit(session.receive_frame(self._links[received.link], frame, robot).replies)
+                self._links[received.link] = session.links.open_link(received.link)
+            session.transmit(session.links.receive_frame(self._links[received.link], frame, robot).replies)
 
 
 def _robot_of(topic: str) -> int | None:

@@ -15,17 +15,16 @@ from pathlib import Path
 from typing import Self
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from thbridge.app.compose.game import build_bot, build_hider, build_keeper
-from thbridge.app.compose.recording import build_publisher, build_record, build_writer, message_filter
-from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.recording import build_record, build_recorder, build_writer, message_filter
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY
 from thbridge.app.programs import SIMR
 from thbridge.app.session import inputs
-from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.giving import RecordedParticipant, give
 from thbridge.app.session.input_records import from_record
-from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.errors import BadFile
@@ -228,8 +227,8 @@ class RecordingReplay:
         self._buffer = _MessageBuffer(_recorded_by(path, record))
         with ExitStack() as opened:
             kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
-            broadcast = Broadcast(build_publisher(setting), fresh, setting.map.grid, [self._buffer, *kept])
-            recorders: list[TickRecorder] = [BagRecorder(broadcast), _ProgressReporter(progress, options.start)]
+            recorder = build_recorder(setting, fresh, [self._buffer, *kept])
+            recorders: list[TickRecorder] = [recorder, _ProgressReporter(progress, options.start)]
             self._session, self._give = _replayed_session(setting, record, options.participant, recorders)
             self._opened = opened.pop_all()
 
@@ -284,18 +283,16 @@ def _replayed_session(
     setting: StudySetting, record: SessionRecord, participant: str | None, recorders: Sequence[TickRecorder]
 ) -> tuple[Session | SimrSession, Callable[[inputs.Input], None]]:
     """Return the recorded session anew, and what takes its inputs; messages of its participant are among these."""
-    simr, study = build_simr(setting), setting.study
     if record.program == SIMR:
-        alone = SimrSession(simr, recorders)
+        alone = SimrSession(build_simr(setting), recorders)
         return alone, partial(_give_to_simr, alone)
-    roles: list[Role] = [simr]
-    if legacy.HIDER in record.roles:
-        roles.append(build_hider(setting.templates, study.seed))
+    study = setting.study
     recorded_participant = RecordedParticipant() if legacy.TABUI in record.roles and participant is None else None
     player: Role | None = recorded_participant
     if participant is not None:
         player = TabUI(build_bot(setting.templates, participant, study.seed, study.participant.attitude))
-    session = Session(build_keeper(setting), roles, recorders, player, vehicle_factory(setting, simr))
+    programs = build_programs(setting, player, outside={legacy.HIDER} - set(record.roles))
+    session = open_session(setting, programs, SessionRecording(recorders))
     return session, partial(give, session, recorded_participant)
 
 

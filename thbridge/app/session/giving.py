@@ -33,25 +33,25 @@ def give(session: Session, participant: RecordedParticipant | None, item: inputs
     """Give an input to a session of `thbridge play`, by the method that took it when it was recorded."""
     match item:
         case inputs.ConnectionOpened(_, now, credentials):
-            session.perform(session.make_room(now))
-            session.connect(now, credentials)
+            session.perform(session.router.make_room(now))
+            session.router.connect(now, credentials)
         case inputs.BytesReceived(connection, _, data, now):
-            session.perform(session.receive_data(connection, data, now))
+            session.perform(session.router.receive_data(connection, data, now))
         case inputs.ConnectionClosed(connection):
-            session.perform(session.eof(connection))
+            session.perform(session.router.eof(connection))
         case inputs.ConnectionBacklogged(connection, _, size):
-            session.perform(session.report_backlog(connection, size))
+            session.perform(session.router.report_backlog(connection, size))
         case inputs.ClockAdvanced(now):
-            session.perform(session.advance(now))
+            session.perform(session.router.advance(now))
         case inputs.ParticipantSent(message) if participant is not None:
             participant.prompt(message)
         case inputs.ClientRequest(sender, request):
             session.ask(sender, request)
         case inputs.LinkOpened(_, name, robot) if session.has_vehicles:
-            session.open_link(name, robot)
+            session.links.open_link(name, robot)
         case inputs.LinkClosed(link):
-            session.close_link(link)
+            session.links.close_link(link)
         case inputs.FrameReceived(link, _, frame, robot):
-            session.transmit(session.receive_frame(link, frame, robot).replies)
+            session.transmit(session.links.receive_frame(link, frame, robot).replies)
         case inputs.HeartbeatsSent():
             session.keep_alive()

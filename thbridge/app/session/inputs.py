@@ -146,3 +146,19 @@ Input: TypeAlias = (
     | FrameReceived
     | HeartbeatsSent
 )
+
+
+class InputQueue:
+    """Inputs that wait for the next tick."""
+
+    def __init__(self) -> None:
+        self._inputs: list[Input] = []
+
+    def add(self, item: Input) -> None:
+        """Add an input."""
+        self._inputs.append(item)
+
+    def take(self) -> list[Input]:
+        """Return the inputs since the last call, in order."""
+        taken, self._inputs = self._inputs, []
+        return taken

@@ -23,7 +23,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.mavlink.wire.outgoing import VehicleStatus
-from thbridge.roles.keeper.dialogues import MATTERS
+from thbridge.roles.keeper.agreements import MATTERS
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.ros.messages.records import GraphRequest, Record, SendRobots, Success
 from thbridge.ros.messages.session_records import (

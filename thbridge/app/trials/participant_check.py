@@ -7,10 +7,10 @@ from pathlib import Path
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import number_of
-from thbridge.app.compose.game import build_hider, build_keeper, knowledge_of
+from thbridge.app.compose.game import build_hider, knowledge_of
 from thbridge.app.compose.installed import installed_participant
+from thbridge.app.compose.session import Programs, open_session
 from thbridge.app.compose.setting import StudySetting, read_setting
-from thbridge.app.session.session import Session
 from thbridge.app.trials.plugin_trial import PluginTrial
 from thbridge.app.trials.puppets import Puppets
 from thbridge.dialogue.conditions import DialogueCondition
@@ -94,7 +94,7 @@ def _play(
     robots = Puppets(study.robots, plain_costs(setting.costs))
     robots.stuck.update(stuck)
     participant = TabUI(player)
-    session = Session(build_keeper(setting), [robots, build_hider(setting.templates, study.seed)], (), participant)
+    session = open_session(setting, Programs(robots, build_hider(setting.templates, study.seed), participant))
     refused = Counter[tuple[str, str]]()
     while session.tick < LONGEST_GAME:
         record = session.step()

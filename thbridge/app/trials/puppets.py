@@ -4,10 +4,19 @@ from collections.abc import Sequence
 
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
-from thbridge.roles.shared.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, TeamRejection, TeamStatus
+from thbridge.roles.shared.notices import (
+    KEEPER,
+    SIMR_NOTICES,
+    MoveOrder,
+    MoveResult,
+    Orders,
+    RobotsReady,
+    TeamRejection,
+    TeamStatus,
+)
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice import encode_notice
 
 
 class Puppets:
@@ -60,12 +69,11 @@ class Puppets:
             self._introduce = False
             said.append(encode_notice(self.name, KEEPER, RobotsReady(self.place, self.robots, self.costs)))
         for message in messages:
-            notice = parse_notice(message)
-            if isinstance(notice, Notice):
-                if (orders := decode_notice(notice, Orders)) is not None and len(orders.moves) == self.robots:
+            match SIMR_NOTICES.read(message):
+                case Orders(moves=moves) as orders if len(moves) == self.robots:
                     self._follow(orders, tick)
-                if (unfit := decode_notice(notice, TeamRejection)) is not None:
-                    self.unfit = unfit.sentence
+                case TeamRejection(sentence):
+                    self.unfit = sentence
         ended = [(robot, order) for robot, (order, due) in self._moves.items() if due <= tick]
         for robot, order in ended:
             del self._moves[robot]

@@ -45,13 +45,7 @@ _log = logging.getLogger(__name__)
 
 
 class MavlinkSession(Protocol):
-    """Session behind the links, with its vehicles.
-
-    Attributes:
-        transmit: sends frames that are no answers; set by the links.
-    """
-
-    transmit: Callable[[Sequence[OutgoingFrame]], None]
+    """Session behind the links, with its vehicles; it sends frames that are no answers by `MavlinkLinks.transmit`."""
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:
         """Open a link of this name, to this robot alone if one is given, from 0."""
@@ -160,7 +154,6 @@ class MavlinkLinks:
     def serve(self, exchange: MavlinkSession) -> None:
         """Connect the links to a session; links can be opened from now on."""
         self._exchange = exchange
-        exchange.transmit = self.transmit
 
     def channel(self, *, datagrams: bool) -> Channel:
         """Return a channel for a new peer, which may become a link."""

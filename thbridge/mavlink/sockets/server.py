@@ -1,6 +1,7 @@
 """MAVLink server of a session: its UDP targets and ports, and its TCP port, opened and closed together."""
 
 import logging
+from collections.abc import Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 
@@ -8,6 +9,7 @@ from thbridge.mavlink.sockets.links import MavlinkLinks, MavlinkSession, Timesta
 from thbridge.mavlink.sockets.tcp import TcpPort, tcp_port
 from thbridge.mavlink.sockets.udp import UdpPort, udp_listener, udp_port
 from thbridge.mavlink.wire.frames.signing import SigningKey
+from thbridge.mavlink.wire.traffic import OutgoingFrame
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
@@ -74,6 +76,10 @@ class MavlinkServer:
             self._opened.callback(port.close)
             self._udp_ports.append(port)
         return port
+
+    def transmit(self, sent: Sequence[OutgoingFrame]) -> None:
+        """Send frames of the session, each on its link; frames of unknown links are dropped."""
+        self._links.transmit(sent)
 
     async def serve(self, exchange: MavlinkSession) -> None:
         """Connect all ports to a session."""

@@ -6,39 +6,36 @@ are events; the caller must write them to the journal before it passes on the me
 
 import math
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
-from typing import get_args
-
-from msgspec import structs
+from typing import TypeAlias, get_args
 
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt import rules
-from thbridge.hunt.codec import treasure_of
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
-    Commander,
     DialogueOpened,
     DialogueSaid,
     Event,
     GameStarted,
     JournalEntry,
     KeyUsed,
-    TreasuresHidden,
 )
 from thbridge.hunt.game import GameState
 from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.roles.keeper.advice.adviser import Adviser
+from thbridge.roles.keeper.advice.robot_knowledge import RobotKnowledge
 from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.keeper.disclosed.consent import ConsentAnswer, ConsentStatus
 from thbridge.roles.keeper.disclosed.debriefing import debrief_of
 from thbridge.roles.keeper.disclosed.disclosure import view_of
 from thbridge.roles.keeper.disclosed.participants import Participants
+from thbridge.roles.keeper.initiative import decide_alone, report_failures
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.keeper.requests.legacy_lines import LegacyLines, LineReason, request_kind, undone
+from thbridge.roles.keeper.programs import ConnectedHider, ConnectedTeam
+from thbridge.roles.keeper.requests.legacy_lines import LegacyLines, LineReason, undone
 from thbridge.roles.keeper.requests.participant_requests import handle_participant_request
 from thbridge.roles.keeper.requests.station_requests import (
     handle_station_request,
@@ -50,33 +47,48 @@ from thbridge.roles.keeper.requests.wizard import WizardState, handle_wizard_req
 from thbridge.roles.shared.notices import (
     KEEPER,
     ConsentQuery,
-    HideRequest,
     HiderReady,
     HideTreasures,
     LegacyReply,
     MoveCosts,
-    Orders,
+    ParticipantFault,
     ParticipantReady,
-    RecordingPermission,
     RobotsReady,
     TeamRejection,
     TeamStatus,
 )
+from thbridge.roles.shared.participant_lines import decode_request_line
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.robot_requests import CommandRequest, GameRequest
-from thbridge.roles.shared.view import Debrief, DeclineConsent, GiveConsent, ParticipantRequest, PlayAgain, SendRobot
+from thbridge.roles.shared.view import Debrief, DeclineConsent, GiveConsent, ParticipantRequest, PlayAgain
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
 from thbridge.text_protocol.wire.notice import (
     Notice,
+    NoticeDecoder,
     NoticeValue,
-    decode_notice,
     encode_notice,
     is_notice,
     kind_of,
     parse_notice,
 )
 from thbridge.text_protocol.wire.router import Forwarded
+
+KeeperNotice: TypeAlias = (
+    RobotsReady
+    | TeamStatus
+    | MoveCosts
+    | HiderReady
+    | HideTreasures
+    | ParticipantReady
+    | ParticipantFault
+    | ConsentQuery
+    | DeclineConsent
+    | ParticipantRequest
+)
+"""A notice to the keeper."""
+
+KEEPER_NOTICES = NoticeDecoder[KeeperNotice](KeeperNotice)
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
 _WISHES = {kind_of(kind) for kind in get_args(ParticipantRequest)}
@@ -198,21 +210,18 @@ class Keeper:
         self._refusals: list[ProgramRefusal] = []
         self._rules = rules
         self._briefing = briefing or Briefing()
-        kinds = self._briefing.kinds
-        self._game = OpenGame(engine, last_game, self._briefing.room_names, adviser or Adviser(), kinds, patience)
+        knowledge = RobotKnowledge(adviser or Adviser(), self._briefing.kinds)
+        self._game = OpenGame(engine, last_game, self._briefing.room_names, knowledge)
+        self._patience = patience
         self._game.restore(history)
         return_robots(self._game)
         self._legacy_lines = LegacyLines(self._game)
         # The programs that are connected, and what they were sent last.
-        self._team: RobotsReady | None = None
-        self._hider_ready = False
+        self._team = ConnectedTeam(self._game)
+        self._hider = ConnectedHider(self._game)
         self._participants = Participants(KEEPER, self._briefing)
         self._consent = ConsentAnswer(self._briefing.consent is not None)
-        self._poses: tuple[tuple[float, float, float], ...] | None = None
         self._debrief: Debrief | None = None
-        self._ordered: Orders | None = None
-        # The answer to SimR's last question for consent; None: it has not asked.
-        self._permission: RecordingPermission | None = None
         # Of the current step, and of the last one.
         self._has_input = False
         self._requests: list[GameRequest] = []
@@ -268,9 +277,9 @@ class Keeper:
             return
         # Programs of 2016 hold their dialogues internally: no consent of theirs is visible here.
         ours = item.sender_extended and item.message.sender in self._participants
-        kind = request_kind(item)
-        if ours and kind is not None and self._consent.awaited(self.state):
-            self._game.refuse(kind, _BEFORE_AGREEING)
+        request = decode_request_line(item)
+        if ours and request is not None and self._consent.awaited(self.state):
+            self._game.refuse(kind_of(type(request)), _BEFORE_AGREEING)
             return
         reply = self._legacy_lines.handle(self.state, item, needs_consent=ours)
         if reply is not None:
@@ -284,7 +293,8 @@ class Keeper:
         """Run one tick; see `Role`."""
         if self._game.advance(tick):
             self._has_input = True
-        if self.consent.recordable and not self._participants.is_empty and self._game.decide_alone():
+        attended = self.consent.recordable and not self._participants.is_empty
+        if attended and self._patience is not None and decide_alone(self._game, self._patience):
             self._has_input = True
         requests, self._requests = self._requests, []
         for request in requests:
@@ -293,7 +303,7 @@ class Keeper:
                 handle_wizard_request(self._game, self.state, request)
             elif self.state is not None:
                 handle_station_request(
-                    self._game, self.state, request, awaits_treasures=self._awaits_treasures(self.state)
+                    self._game, self.state, request, awaits_treasures=self._hider.awaits_treasures(self.state)
                 )
         for message in messages:
             value = parse_notice(message)
@@ -305,16 +315,18 @@ class Keeper:
                 if value.kind in _WISHES and now is not None and now is not last:
                     self._note_refusal(value.sender, value.kind, RequestRefused(now.reason, now.sentence))
         # A robot that has stopped is priced anew by a message of the same tick.
-        self._game.report_failures()
+        report_failures(self._game)
         wizard = self.decisions.wizard
         # State changes only by messages and requests; most ticks have none.
         if self._has_input:
             self._has_input = False
             if self.state is not None:
                 sense_for_stations(self._game, self.state)
-            self._end_if_over()
+            if self.state is not None:
+                # No decision of 2016's programs, which never give a treasure up, is awaited.
+                awaits = not self._participants.is_empty
+                self._game.record(rules.ending(self.state, wait_for_decisions=awaits))
             self._send_notices()
-            self._send_permission()
             wizard = wizard_state(self._game, self.state)
         self._outgoing += self._participants.pieces(tick)
         self.decisions = KeeperDecisions(
@@ -330,48 +342,52 @@ class Keeper:
     # Notices to the keeper
 
     def _handle_notice(self, notice: Notice) -> None:
-        if not _is_from_its_program(notice):
+        if not _is_from_its_program(notice) or self._is_turned_away(notice):
             return
-        if (robots := decode_notice(notice, RobotsReady)) is not None:
-            self._robots(notice.sender, robots)
-        elif (status := decode_notice(notice, TeamStatus)) is not None:
-            self._status(status)
-        elif (priced := decode_notice(notice, MoveCosts)) is not None:
-            self._price(priced)
-        elif decode_notice(notice, HiderReady) is not None:
-            self._hider_ready = True
-            self._ask_to_hide()
-        elif (hidden := decode_notice(notice, HideTreasures)) is not None:
-            self._hide(hidden)
-        elif (ready := decode_notice(notice, ParticipantReady)) is not None:
-            self._consent.join(self.state, ready.run)
-            for robot in range(0 if self.state is None else len(self.state.robots)):
-                self._game.attend(robot)
-            self._outgoing += self._participants.join(
-                notice.sender, None if self._team is None else self._team.map, ready.run
-            )
-        elif decode_notice(notice, ConsentQuery) is not None:
-            self._permission = RecordingPermission(self.consent.recordable)
-            self._send(notice.sender, self._permission)
-        elif decode_notice(notice, DeclineConsent) is not None:
-            self._consent.decline(self.state)
-        elif (consent := decode_notice(notice, GiveConsent)) is not None:
-            self._game.record(self._consent.agree(self.state, consent))
-        elif notice.kind in _COUNTED_WISHES and self.state is not None and self._participants.is_repetition(notice):
-            # It was granted or refused; the view shows that.
-            pass
-        elif self.state is not None and notice.kind in _AFTER_AGREEING and self._consent.awaited(self.state):
-            self._game.refuse(notice.kind, _BEFORE_AGREEING)
-        elif (again := decode_notice(notice, PlayAgain)) is not None:
-            self._play_again(again.game)
-        elif self.state is not None:
-            handle_participant_request(
-                self._game, self.state, notice, awaits_treasures=self._awaits_treasures(self.state)
-            )
+        value, state = KEEPER_NOTICES.decode(notice), self.state
+        match value:
+            case RobotsReady():
+                self._robots(notice.sender, value)
+            case TeamStatus():
+                self._team.take_status(value)
+            case MoveCosts():
+                self._team.price(value)
+            case HiderReady():
+                self._hider.ready = True
+                self._send(legacy.HIDER, self._hider.request())
+            case HideTreasures():
+                self._hider.hide(value)
+            case ParticipantReady(run):
+                self._consent.join(state, run)
+                for robot in range(0 if state is None else len(state.robots)):
+                    self._game.attend(robot)
+                self._outgoing += self._participants.join(notice.sender, self._team.map, run)
+            case ConsentQuery():
+                self._send(notice.sender, self._team.permission(recordable=self.consent.recordable))
+            case DeclineConsent():
+                self._consent.decline(state)
+            case GiveConsent():
+                self._game.record(self._consent.agree(state, value))
+            case PlayAgain(game):
+                self._play_again(game)
+            case ParticipantFault() | None:
+                pass  # The first is for the record alone.
+            case _:
+                if state is not None:
+                    awaits = self._hider.awaits_treasures(state)
+                    handle_participant_request(self._game, state, value, awaits_treasures=awaits)
 
-    def _awaits_treasures(self, state: GameState) -> bool:
-        """Return True while Hider is about to hide the treasures."""
-        return self._hider_ready and state.treasures is None
+    def _is_turned_away(self, notice: Notice) -> bool:
+        """Return True for a request that is a repetition, or that comes before the participant has agreed."""
+        if self.state is None:
+            return False
+        if notice.kind in _COUNTED_WISHES and self._participants.is_repetition(notice):
+            # It was granted or refused; the view shows that.
+            return True
+        if notice.kind in _AFTER_AGREEING and self._consent.awaited(self.state):
+            self._game.refuse(notice.kind, _BEFORE_AGREEING)
+            return True
+        return False
 
     def _robots(self, sender: str, robots: RobotsReady) -> None:
         state = self.state
@@ -381,15 +397,15 @@ class Keeper:
         elif not 0 < robots.robots <= MOST_ROBOTS:
             self._send(sender, TeamRejection(f"A team has 1 to {MOST_ROBOTS} robots, not {robots.robots}."))
         elif state is None:
-            self._team = robots
+            self._team.ready = robots
             self._start(robots.robots, costs)
         elif state.ended is not None:
-            self._team = robots
+            self._team.ready = robots
         elif len(state.robots) != robots.robots or state.started.costs != costs:
             self._send(sender, TeamRejection(_mismatch(state, robots)))
         else:
-            self._team = robots
-            self._give_orders(state, with_poses=True)
+            self._team.ready = robots
+            self._send(legacy.SIMR, self._team.orders(state, with_poses=True))
 
     def _start(self, robots: int, costs: CostMatrix) -> None:
         started = self._rules.start(self._game.last_game + 1, robots, costs, self._briefing.properties)
@@ -397,126 +413,51 @@ class Keeper:
         former = self.state
         kept = () if former is None else kept_commands(former, robots)
         self._game.record((started, *self._consent.first_events(former), *kept))
-        if self._team is not None:
-            self._price(MoveCosts(started.game, self._team.from_starts))
-        self._poses = None
-        self._ask_to_hide()
+        self._team.begin(started.game)
+        self._send(legacy.HIDER, self._hider.request())
 
     def _play_again(self, finished: int) -> None:
-        state = self.state
-        if state is None or state.ended is None or state.started.game != finished or self._team is None:
+        state, team = self.state, self._team.ready
+        if state is None or state.ended is None or state.started.game != finished or team is None:
             return
-        costs = costs_of(self._team.costs)
+        costs = costs_of(team.costs)
         if isinstance(costs, CostMatrix):
-            self._start(self._team.robots, costs)
-
-    def _ask_to_hide(self) -> None:
-        state = self.state
-        if self._hider_ready and state is not None and state.treasures is None and state.ended is None:
-            self._send(legacy.HIDER, HideRequest(state.started.game, len(state.rooms)))
-
-    def _hide(self, hidden: HideTreasures) -> None:
-        state = self.state
-        fresh = state is not None and state.treasures is None and state.started.game == hidden.game
-        if state is None or not fresh or len(hidden.treasures) != len(state.rooms):
-            return
-        with suppress(ValueError):
-            self._game.record((TreasuresHidden(tuple(treasure_of(fields) for fields in hidden.treasures)),))
-
-    def _status(self, status: TeamStatus) -> None:
-        state = self.state
-        if state is None or status.game != state.started.game or state.ended is not None:
-            return
-        if {len(status.poses), len(status.results), len(status.conditions)} != {len(state.robots)}:
-            return
-        self._poses = status.poses
-        for robot, result in enumerate(status.results):
-            if result is None or self.state is None or not self._game.is_executing(robot, result.move):
-                continue
-            bound_for = self.state.robots[robot].bound_for
-            if result.arrived and bound_for is not None:
-                self._game.apply_ruling("Arrived", rules.arrive(self.state, robot, bound_for))
-            else:
-                recalled = self._game.is_recalled(robot)
-                self._game.apply_ruling("Failed", rules.fail(self.state, robot, result.sentence, result.share))
-                if not recalled:
-                    self._game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.NO_PATH, result.sentence))
-        for robot, condition in enumerate(status.conditions):
-            if self.state is not None:
-                self._game.apply_ruling("Reported", rules.report(self.state, robot, condition))
-        for robot, researcher in enumerate(status.researchers):
-            if self.state is not None:
-                self._game.apply_ruling("Commanded", rules.intervene(self.state, robot, researcher))
-
-    def _price(self, priced: MoveCosts) -> None:
-        state = self.state
-        if state is None or priced.game != state.started.game or len(priced.costs) != len(state.robots):
-            return
-        for robot, costs in enumerate(priced.costs):
-            if costs and state.robots[robot].bound_for is None:
-                self._game.apply_ruling("Priced", rules.price(state, robot, costs))
-
-    def _end_if_over(self) -> None:
-        """End the game when it is over; no decision of 2016's programs, which never give a treasure up, is awaited."""
-        if self.state is not None:
-            self._game.record(rules.ending(self.state, wait_for_decisions=not self._participants.is_empty))
+            self._start(team.robots, costs)
 
     # Notices of the keeper
 
-    def _send(self, receiver: str, value: NoticeValue) -> None:
-        self._outgoing.append(encode_notice(self.name, receiver, value))
+    def _send(self, receiver: str, value: NoticeValue | None) -> None:
+        if value is not None:
+            self._outgoing.append(encode_notice(self.name, receiver, value))
 
     def _send_notices(self) -> None:
-        state = self.state
-        if state is None:
-            return
-        if self._team is not None:
-            self._give_orders(state, with_poses=False)
-        dialogues, refusal = self._game.dialogues, self._game.refusal
-        self._outgoing += self._participants.show(
-            view_of(
-                state,
-                dialogues,
-                refusal,
-                self._briefing,
-                robots_ready=self._team is not None,
-                asks=self._consent.awaited(state),
-                asked_back=self._game.asked_back,
-                debrief=self._debriefed(state),
+        state, robots_ready = self.state, self._team.ready is not None
+        if state is not None:
+            if robots_ready:
+                self._send(legacy.SIMR, self._team.orders(state, with_poses=False))
+            self._outgoing += self._participants.show(
+                view_of(
+                    state,
+                    self._game.dialogues,
+                    self._game.refusal,
+                    self._briefing,
+                    robots_ready=robots_ready,
+                    asks=self._consent.awaited(state),
+                    asked_back=self._game.handbacks.robots,
+                    debrief=self._debriefed(state),
+                )
             )
-        )
-
-    def _send_permission(self) -> None:
-        fresh = RecordingPermission(self.consent.recordable)
-        if self._permission not in {None, fresh}:
-            self._permission = fresh
-            self._send(legacy.SIMR, fresh)
+        self._send(legacy.SIMR, self._team.changed_permission(recordable=self.consent.recordable))
 
     def _debriefed(self, state: GameState) -> Debrief | None:
         """Return the debrief of a game that is over, made once."""
         if state.ended is None:
             self._debrief = None
         elif self._debrief is None:
-            rows = () if self._team is None else self._team.from_starts
-            starts = [[math.inf if cost is None else cost for cost in row] for row in rows]
+            starts = [[math.inf if cost is None else cost for cost in row] for row in self._team.from_starts]
             by_matrix = [state.started.costs.rows[0]] * len(state.robots)
             self._debrief = debrief_of(state, starts or by_matrix, self._briefing)
         return self._debrief
-
-    def _give_orders(self, state: GameState, *, with_poses: bool) -> None:
-        orders = Orders(
-            game=state.started.game,
-            moves=self._game.orders(state),
-            energy=tuple(robot.energy for robot in state.robots),
-            at=tuple(robot.at.people for robot in state.robots),
-            poses=self._poses if with_poses else None,
-            taken=tuple(
-                number for number, robot in enumerate(state.robots) if robot.command.by is not Commander.PARTICIPANT
-            ),
-        )
-        if with_poses or self._ordered is None or structs.replace(self._ordered, poses=None) != orders:
-            self._ordered = orders
-            self._send(legacy.SIMR, orders)
 
 
 def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | RequestRefused:

@@ -10,7 +10,8 @@ import msgspec
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.dialogue.other_programs import RAISED, in_a_line, told_error
 from thbridge.roles.participant.bots import TreasureKnowledge
-from thbridge.roles.participant.tabui import Player, encode_request_line
+from thbridge.roles.participant.tabui import Player
+from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.view import ParticipantRequest, View
 
 MOST_REQUESTS = 1000

@@ -1,11 +1,11 @@
 """TabUI: the program of a participant, who is a person or simulated."""
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, TypeAlias, assert_never
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.hunt.rooms import Room, RoomNames
+from thbridge.hunt.rooms import RoomNames
 from thbridge.roles.shared.notices import (
     KEEPER,
     FloorPlan,
@@ -17,20 +17,17 @@ from thbridge.roles.shared.notices import (
     PoseTelemetry,
     Subscribe,
 )
+from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.view import (
     DeclineConsent,
     GiveConsent,
-    IdentifyTreasure,
     ParticipantRequest,
-    SendRobot,
-    SenseTreasure,
-    TakePicture,
     View,
     refusal_wishes,
 )
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice import NoticeDecoder, encode_notice
 
 RETRY_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks after which a request is sent again if the view does not show its effect."""
@@ -47,8 +44,10 @@ After this time without a connection, the server has closed it.
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks from one subscription to the next, so that a restarted SimR learns of it."""
 
-ParticipantUpdate = View | GameTexts | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
+ParticipantUpdate: TypeAlias = View | GameTexts | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
 """A notice to the participant's program."""
+
+_UPDATES = NoticeDecoder[ParticipantUpdate](ParticipantUpdate)
 
 
 class ParticipantObserver(Protocol):
@@ -129,13 +128,18 @@ class TabUI:
         changed = False
         for message in messages:
             update = _decode_update(message)
-            if isinstance(update, View):
-                self._note_refusal(update)
-                self.view, changed = update, True
-            elif isinstance(update, FloorPlan):
-                self.room_names = update.room_names
-            elif isinstance(update, GameTexts):
-                self.texts = update.texts() or self.texts
+            match update:
+                case View():
+                    self._note_refusal(update)
+                    self.view, changed = update, True
+                case FloorPlan():
+                    self.room_names = update.room_names
+                case GameTexts():
+                    self.texts = update.texts() or self.texts
+                case PicturePiece() | PoseTelemetry() | PlannedPaths() | None:
+                    pass  # For the observer alone.
+                case _:
+                    assert_never(update)
             if update is not None and self._observer is not None:
                 self._observer.observe(update)
         outgoing: list[TextMessage] = []
@@ -185,34 +189,5 @@ class TabUI:
 
 def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
     """Return the notice in a message, or None when it holds none for participants or is malformed."""
-    shown = parse_notice(message)
-    if not isinstance(shown, Notice):
-        return None
-    return (
-        View.of_notice(shown)
-        or decode_notice(shown, PoseTelemetry)
-        or decode_notice(shown, PlannedPaths)
-        or decode_notice(shown, GameTexts)
-        or decode_notice(shown, FloorPlan)
-        or decode_notice(shown, PicturePiece)
-    )
-
-
-def encode_request_line(request: ParticipantRequest, number: int | None = None) -> TextMessage:
-    """Return the message for a request: a line of 2016 where there is one, else a notice to the keeper.
-
-    Args:
-        request: the request.
-        number: of the request, the same in each repetition; lines of 2016 have none.
-    """
-    match request:
-        case SendRobot(robot, room):
-            return legacy.GotoRoom(robot, Room(room).wire).message()
-        case SenseTreasure(room):
-            return legacy.AskTreasure(Room(room).wire).message()
-        case TakePicture(room):
-            return legacy.SnapTreasure(Room(room).wire).message()
-        case IdentifyTreasure(room, name):
-            return legacy.NameTreasure(Room(room).wire, name).message()
-        case _:
-            return encode_notice(TabUI.name, KEEPER, request, number)
+    update = _UPDATES.read(message)
+    return None if isinstance(update, View) and not update.is_consistent() else update

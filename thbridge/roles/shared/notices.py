@@ -7,14 +7,14 @@ import base64
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, Self
+from typing import Literal, Self, TypeAlias
 
 import msgspec
 
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import RoomNames
-from thbridge.text_protocol.wire.notice import NoticeValue
+from thbridge.text_protocol.wire.notice import NoticeDecoder, NoticeValue
 
 KEEPER = "Game"
 """Name of the keeper at the text server."""
@@ -334,3 +334,14 @@ class TeamRejection(NoticeValue, frozen=True, tag="Unfit"):
     """Keeper to SimR: these robots do not fit the game in progress; SimR ends."""
 
     sentence: str
+
+
+SimrNotice: TypeAlias = Orders | Subscribe | TeamRejection | RecordingPermission
+"""A notice to SimR."""
+
+SIMR_NOTICES = NoticeDecoder[SimrNotice](SimrNotice)
+
+HiderNotice: TypeAlias = HideRequest | LegacyReply
+"""A notice to Hider."""
+
+HIDER_NOTICES = NoticeDecoder[HiderNotice](HiderNotice)

@@ -292,9 +292,9 @@ class View(NoticeValue, frozen=True, tag="View"):
     def of_notice(cls, notice: Notice) -> "View | None":
         """Return the view in a notice, or None when there is none or it is malformed, as from another release."""
         view = decode_notice(notice, cls)
-        return view if view is not None and view._is_consistent() else None
+        return view if view is not None and view.is_consistent() else None
 
-    def _is_consistent(self) -> bool:
+    def is_consistent(self) -> bool:
         """Return True when every robot and room named in the view is also part of it, and no cost is negative."""
         places, robots = range(len(self.rooms) + 1), range(len(self.robots))
         rooms = places[1:]

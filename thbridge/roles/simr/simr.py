@@ -1,25 +1,25 @@
 """SimR: the robots' program. It drives a team of robots by the keeper's orders and reports the results."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from typing import assert_never
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.inputs import CancelGoal, DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput
 from sim.numerics import elementary
-from sim.robot.navigator.goals import Goal, GoalReached, NoPath
-from sim.robot.software import RobotOutput
+from sim.robot.navigator.goals import Goal
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
-from thbridge.roles.shared import failure_reasons as reasons
 from thbridge.roles.shared.notices import (
     KEEPER,
+    SIMR_NOTICES,
     MoveCosts,
     MoveOrder,
-    MoveResult,
     Orders,
+    RecordingPermission,
     RobotsReady,
+    SimrNotice,
     Subscribe,
     TeamRejection,
     TeamStatus,
@@ -27,14 +27,14 @@ from thbridge.roles.shared.notices import (
 from thbridge.roles.shared.robot_requests import RobotRequest, Tuning
 from thbridge.roles.shared.robots_role import RobotsRole
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS, RobotControls
+from thbridge.roles.simr.game_moves import GameMap, MovePrices, MovesInProgress
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
 from thbridge.roles.simr.team import RobotTeam
-from thbridge.roles.simr.travel_times import TravelTimes
 from thbridge.text_protocol.values.dialect import Dialect
 from thbridge.text_protocol.wire import canonical, legacy
 from thbridge.text_protocol.wire.canonical import GotoPoint, MoveByHand, PoseQuery, decode_goto
 from thbridge.text_protocol.wire.lines import TextCommand, TextMessage
-from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice import encode_notice
 
 STATUS_PERIOD = TICKS_PER_SECOND
 """Ticks from one status to the next; one is also sent whenever a move, a condition or a researcher changes."""
@@ -45,9 +45,6 @@ KEEPER_TIMEOUT = TICKS_PER_SECOND
 RESPONSE_TIMEOUT = 5 * TICKS_PER_SECOND
 """Default ticks without observations after which a robot counts as silent."""
 
-PRICED_DISTANCE = 0.5
-"""Metres that a robot moves before its moves are priced anew: an estimate at rest wanders a little."""
-
 MANUAL_SPEEDS = {
     canonical.MoveDirection.FORWARD: (1.0, 0.0),
     canonical.MoveDirection.BACKWARD: (-1.0, 0.0),
@@ -57,37 +54,6 @@ MANUAL_SPEEDS = {
     canonical.MoveDirection.TURN_ANTICLOCKWISE: (0.0, 1.0),
 }
 """Shares of forward speed and turn rate; at full intensity 0.5 m/s and 1 rad/s."""
-
-
-@dataclass(frozen=True, slots=True)
-class GameMap:
-    """The map of the game as SimR needs it.
-
-    Attributes:
-        name: of the map.
-        goals: goal pose of each room, room 1 first.
-        starts: start pose of each robot.
-        costs: energy from place to place as people count them, None where there is no move.
-        travel: travel times from any other place; None: the costs of the corridor count there.
-    """
-
-    name: str
-    goals: tuple[Pose2, ...]
-    starts: tuple[Pose2, ...]
-    costs: tuple[tuple[float | None, ...], ...]
-    travel: TravelTimes | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class _Move:
-    """A move in progress. `length` is its longest plan so far, metres; 0 until there is one."""
-
-    order: MoveOrder
-    length: float = 0.0
-    remaining: float = 0.0
-
-    def share(self) -> float:
-        return 1.0 - self.remaining / self.length if self.length > 0.0 else 0.0
 
 
 class SimR(RobotsRole):
@@ -126,16 +92,14 @@ class SimR(RobotsRole):
         self._response_timeout = response_timeout
         self._introduce = False
         self._inputs: list[TeamInput] = []
-        self._moves: dict[int, _Move] = {}
-        self._results: list[MoveResult | None] = [None] * robots.size
+        self._moves = MovesInProgress(game_map.goals, robots.size)
+        self._prices = MovePrices(game_map.travel, robots.size)
         self._conditions = (Condition.WELL,) * robots.size
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
         # The keeper's last orders; None until a keeper gives some.
         self._orders: Orders | None = None
         self._waiting: list[tuple[int, legacy.GotoRoom]] = []
         self._without_keeper = 0
-        # Where each robot stood when its moves were priced, and their costs.
-        self._priced: list[tuple[Pose2, tuple[float | None, ...]] | None] = [None] * robots.size
         self._telemetry = TelemetryPublisher(self.name, telemetry or TelemetryOptions())
         self.rejection: str | None = None
 
@@ -169,25 +133,22 @@ class SimR(RobotsRole):
         self.snapshot = self._team.step([*resumed, *asked, *self._inputs])
         self._inputs.clear()
         self._controls.follow(self.snapshot)
-        before = self._conditions, self._researchers, tuple(self._results)
-        outgoing += self._finish_moves(self.snapshot)
+        before = self._conditions, self._researchers, tuple(self._moves.results)
+        outgoing += self._follow_moves(self.snapshot)
         self._conditions, self._researchers = self._conditions_in(self.snapshot), self._controls.researchers
-        changed = before != (self._conditions, self._researchers, tuple(self._results))
+        changed = before != (self._conditions, self._researchers, tuple(self._moves.results))
         if changed or tick % STATUS_PERIOD == 0:
             outgoing.append(encode_notice(self.name, KEEPER, self._status(self.snapshot)))
         if self._price(self.snapshot) or changed or tick % STATUS_PERIOD == 0:
             outgoing += self._move_costs()
-        progress = {robot: move.share() for robot, move in self._moves.items()}
-        return outgoing + self._telemetry.messages(tick, self.snapshot, self._conditions, progress)
+        return outgoing + self._telemetry.messages(tick, self.snapshot, self._conditions, self._moves.shares)
 
     # Messages to SimR
 
     def _handle_message(self, tick: int, message: TextMessage) -> list[TextMessage]:
         match message.command:
             case TextCommand.ERROR:
-                notice = parse_notice(message)
-                if isinstance(notice, Notice):
-                    self._handle_notice(tick, notice)
+                self._handle_notice(tick, message.sender, SIMR_NOTICES.read(message))
             case TextCommand.GOTO:
                 goto = decode_goto(message, self._dialect, len(self._game_map.goals))
                 if isinstance(goto, legacy.GotoRoom) and goto.robot < self._team.size:
@@ -209,14 +170,19 @@ class SimR(RobotsRole):
                     self._inputs.append(DriveManually(move.robot, twist, MANUAL_DRIVE_TICKS))
         return []
 
-    def _handle_notice(self, tick: int, notice: Notice) -> None:
-        if (orders := decode_notice(notice, Orders)) is not None:
-            if self._can_follow(orders):
-                self._follow(orders)
-        elif decode_notice(notice, Subscribe) is not None:
-            self._telemetry.subscribe(notice.sender, tick)
-        elif (rejected := decode_notice(notice, TeamRejection)) is not None:
-            self.rejection = rejected.sentence
+    def _handle_notice(self, tick: int, sender: str, notice: SimrNotice | None) -> None:
+        match notice:
+            case Orders():
+                if self._can_follow(notice):
+                    self._follow(notice)
+            case Subscribe():
+                self._telemetry.subscribe(sender, tick)
+            case TeamRejection(sentence):
+                self.rejection = sentence
+            case RecordingPermission() | None:
+                pass  # The program that runs this role takes it.
+            case _:
+                assert_never(notice)
 
     def _can_follow(self, orders: Orders) -> bool:
         """Return True for orders that fit this team and map; others come from a faulty sender and are ignored."""
@@ -235,8 +201,8 @@ class SimR(RobotsRole):
         if former is None or former.game != orders.game:
             self._begin(orders, again=former is not None)
         for robot, order in enumerate(orders.moves):
-            if order is not None and order.move != self._last_move(robot):
-                self._go(robot, order)
+            if order is not None and order.move != self._moves.last(robot):
+                self._inputs.append(self._moves.go(robot, order))
             elif order is None and robot in self._moves:
                 self._inputs.append(CancelGoal(robot))
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
@@ -244,35 +210,17 @@ class SimR(RobotsRole):
     def _begin(self, orders: Orders, *, again: bool) -> None:
         """Put every robot in its place for a new game, or for one in progress that SimR comes back to."""
         self._waiting.clear()
-        self._moves.clear()
-        self._results = [None] * self._team.size
-        self._priced = [None] * self._team.size
+        self._moves.restart()
+        self._prices.restart()
         if orders.poses is not None:
             places = [Pose2(*pose) for pose in orders.poses]
         elif again or any(orders.at):
-            places = [self._place(robot, room) for robot, room in enumerate(orders.at)]
+            starts, goals = self._game_map.starts, self._game_map.goals
+            places = [goals[Room(room).wire] if room else starts[robot] for robot, room in enumerate(orders.at)]
         else:
             return
         for robot, pose in enumerate(places):
             self._inputs += [CancelGoal(robot), PlaceRobot(robot, pose)]
-
-    def _place(self, robot: int, room: int) -> Pose2:
-        return self._game_map.starts[robot] if room == 0 else self._game_map.goals[Room(room).wire]
-
-    def _go(self, robot: int, order: MoveOrder) -> None:
-        self._results[robot] = None
-        self._moves[robot] = _Move(order)
-        self._inputs.append(SendGoal(robot, self._goal(order)))
-
-    def _last_move(self, robot: int) -> int:
-        """Return the number of the robot's move in progress, or else of its last one; 0 before the first."""
-        move, result = self._moves.get(robot), self._results[robot]
-        if move is not None:
-            return move.order.move
-        return 0 if result is None else result.move
-
-    def _goal(self, order: MoveOrder) -> Goal:
-        return Goal(order.move, self._game_map.goals[Room(order.room).wire])
 
     def _obey_without_keeper(self, tick: int) -> None:
         """Obey lines that have waited for a keeper until the timeout; with a keeper only its orders count."""
@@ -281,7 +229,8 @@ class SimR(RobotsRole):
         while self._waiting and tick - self._waiting[0][0] >= KEEPER_TIMEOUT:
             _, goto = self._waiting.pop(0)
             self._without_keeper += 1
-            self._go(goto.robot, MoveOrder(self._without_keeper, Room.of_wire(goto.room).people))
+            order = MoveOrder(self._without_keeper, Room.of_wire(goto.room).people)
+            self._inputs.append(self._moves.go(goto.robot, order))
 
     def _is_free(self, robot: int) -> bool:
         """Return True when a text line may drive a robot: it has no move of the game, and nobody else commands it."""
@@ -305,72 +254,36 @@ class SimR(RobotsRole):
 
     # Messages of SimR
 
-    def _finish_moves(self, snapshot: TeamSnapshot) -> list[TextMessage]:
-        outgoing = []
-        for robot, output in enumerate(snapshot.robots):
-            move = self._moves.get(robot)
-            if move is None:
-                continue
-            navigation = output.navigation
-            goal = self._goal(move.order)
-            if navigation.goal == goal and navigation.state == "controlling":
-                self._moves[robot] = move = replace(
-                    move, length=max(move.length, navigation.remaining), remaining=navigation.remaining
-                )
-            result = navigation.result
-            if self._is_silent(snapshot, output):
-                self._fail(robot, move, reasons.unresponsive_sentence(robot))
-            elif result is not None and result.goal != goal:
-                pass  # The result of an earlier goal, or of one that somebody else set.
-            elif isinstance(result, GoalReached):
-                del self._moves[robot]
-                self._results[robot] = MoveResult(move.order.move, True, "", 1.0)
-                outgoing.append(legacy.RoomReached(robot, Room(move.order.room).wire).message())
-            elif isinstance(result, NoPath):
-                self._fail(robot, move, reasons.failure_sentence(robot, result.reason))
-            elif navigation.goal is None and output.tick == snapshot.tick:
-                if self._orders is not None and self._orders.moves[robot] is None:
-                    self._fail(robot, move, reasons.CALLED_BACK)
-                elif not self._controls.is_driven(robot):
-                    # It was dead for a while, or sent elsewhere or driven by hand: its navigator has lost the goal.
-                    self._inputs.append(SendGoal(robot, goal))
-        return outgoing
+    def _follow_moves(self, snapshot: TeamSnapshot) -> list[TextMessage]:
+        orders = () if self._orders is None else self._orders.moves
+        called_back = [robot for robot, order in enumerate(orders) if order is None]
+        lines, lost = self._moves.follow(snapshot, self._silent(snapshot), called_back, self._controls.is_driven)
+        self._inputs += lost
+        return lines
 
     def _price(self, snapshot: TeamSnapshot) -> bool:
         """Price the moves of robots that have come to rest elsewhere; return True if any was priced anew."""
-        travel = self._game_map.travel
-        if travel is None:
-            return False
-        anew = False
-        for robot, output in enumerate(snapshot.robots):
-            moving = robot in self._moves or output.navigation.goal is not None or self._controls.is_driven(robot)
-            if moving or output.lost or self._is_silent(snapshot, output):
-                continue
-            here, priced = output.estimate.base_in_map, self._priced[robot]
-            if priced is None or elementary.hypot(here.x - priced[0].x, here.y - priced[0].y) > PRICED_DISTANCE:
-                self._priced[robot] = here, travel.costs_from(here)
-                anew = True
-        return anew
+        robots = range(self._team.size)
+        moving = {robot for robot in robots if robot in self._moves or self._controls.is_driven(robot)}
+        return self._prices.update(snapshot, moving | self._silent(snapshot))
 
     def _move_costs(self) -> list[TextMessage]:
-        if self._orders is None or not any(self._priced):
+        costs = self._prices.costs
+        if self._orders is None or costs is None:
             return []
-        costs = tuple(() if priced is None else priced[1] for priced in self._priced)
         return [encode_notice(self.name, KEEPER, MoveCosts(self._orders.game, costs))]
 
-    def _fail(self, robot: int, move: _Move, sentence: str) -> None:
-        del self._moves[robot]
-        self._results[robot] = MoveResult(move.order.move, False, sentence, move.share())
-
-    def _is_silent(self, snapshot: TeamSnapshot, robot: RobotOutput) -> bool:
-        """Return True for a robot whose last observations are older than the timeout."""
-        return snapshot.tick - robot.tick >= self._response_timeout
+    def _silent(self, snapshot: TeamSnapshot) -> set[int]:
+        """Return the robots whose last observations are older than the timeout."""
+        due = snapshot.tick - self._response_timeout
+        return {robot for robot, output in enumerate(snapshot.robots) if output.tick <= due}
 
     def _conditions_in(self, snapshot: TeamSnapshot) -> tuple[Condition, ...]:
         """Return the condition of each robot, as far as its messages show it."""
+        silent = self._silent(snapshot)
         return tuple(
-            Condition.SILENT if self._is_silent(snapshot, robot) else Condition.LOST if robot.lost else Condition.WELL
-            for robot in snapshot.robots
+            Condition.SILENT if robot in silent else Condition.LOST if output.lost else Condition.WELL
+            for robot, output in enumerate(snapshot.robots)
         )
 
     def _status(self, snapshot: TeamSnapshot) -> TeamStatus:
@@ -380,4 +293,4 @@ class SimR(RobotsRole):
         else:
             places = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
         game = 0 if self._orders is None else self._orders.game
-        return TeamStatus(game, places, tuple(self._results), self._conditions, self._researchers)
+        return TeamStatus(game, places, tuple(self._moves.results), self._conditions, self._researchers)

@@ -94,16 +94,10 @@ class RouterInterface(Protocol):
         """Close all connections."""
 
 
-def _ignore(forwarded: Forwarded) -> None:
-    """Do nothing."""
-
-
 class TextServer:
     """TCP server of one router, plain, and with keys in TLS, too.
 
     Args:
-        router: makes the decisions; it may have local endpoints without a socket.
-        tap: called with every message passed on, delivered or not, in order. It must not raise.
         clock: returns seconds; must not run backwards.
         admission: of clients that speak plain, by their addresses.
         keys: by which clients are admitted from everywhere, in TLS; None: there are none.
@@ -111,8 +105,6 @@ class TextServer:
 
     def __init__(
         self,
-        router: RouterInterface,
-        tap: Callable[[Forwarded], None] = _ignore,
         clock: Callable[[], float] = time.monotonic,
         admission: Admission = OWN_MACHINE,
         keys: RingKeys | None = None,
@@ -123,8 +115,7 @@ class TextServer:
         self._without_key: dict[_Connection, None] = {}
         self._game: str | None = None
         self._over = False
-        self._router = router
-        self._tap = tap
+        self._router: RouterInterface
         self._clock = clock
         self._transports: dict[ConnectionId, Transport] = {}
         self._open: set[Transport] = set()
@@ -137,11 +128,18 @@ class TextServer:
         self._names: dict[ConnectionId, str] = {}
         self._watch: asyncio.Task[None] | None = None
 
-    async def start(self, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT) -> ListeningAddress | CannotListen:
-        """Begin to serve; port 0 takes any that is free.
+    async def start(
+        self, router: RouterInterface, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT
+    ) -> ListeningAddress | CannotListen:
+        """Begin to serve.
 
-        Whoever asks for `LOCALHOST` gets `DEBIAN_HOST`, too, where the machine has it and nobody else serves there.
+        Args:
+            router: makes the decisions; it may have local endpoints without a socket.
+            host: address to listen on. With `LOCALHOST` the server also listens on `DEBIAN_HOST`, if the machine has
+                that address and no other program serves there.
+            port: TCP port; 0 takes any that is free.
         """
+        self._router = router
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
         tls = None if self._keys is None else self._keys.tls
@@ -213,7 +211,7 @@ class TextServer:
                     _log.info("client %d is %s no more", connection, name)
                     self._names.pop(connection, None)
                 case Forwarded():
-                    self._tap(output)
+                    pass  # A session notes it; there is nothing to send.
 
     def note_game(self, name: str, over: bool) -> None:
         """Note the game that is played or comes next, by a name unlike all others; or that it is over.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NoReturn, TypeAlias, TypeVar
+from typing import Generic, NoReturn, TypeAlias, TypeVar
 
 import msgspec
 
@@ -82,14 +82,33 @@ def encode_notice(sender: str, receiver: str, value: NoticeValue, request: int |
     return _message(sender, receiver, fields if request is None else {**fields, _REQUEST: request})
 
 
+class NoticeDecoder(Generic[N]):
+    """Decoder of all notices that one program takes.
+
+    Args:
+        union: class of their values, or a union of such classes, told apart by their tags.
+    """
+
+    def __init__(self, union: object) -> None:
+        self._union = union
+
+    def decode(self, notice: Notice) -> N | None:
+        """Return the value of a notice; None if it is none of this program's, or malformed."""
+        try:
+            value: N = msgspec.convert({**notice.fields, "kind": notice.kind}, self._union)
+        except msgspec.ValidationError:
+            return None
+        return value
+
+    def read(self, message: TextMessage) -> N | None:
+        """Return the value of the notice that a message carries; None likewise, and if it carries none."""
+        notice = parse_notice(message)
+        return self.decode(notice) if isinstance(notice, Notice) else None
+
+
 def decode_notice(notice: Notice, value_class: type[N]) -> N | None:
     """Return the value of a notice if it is of this class and well formed, else None."""
-    if notice.kind != kind_of(value_class):
-        return None
-    try:
-        return msgspec.convert(notice.fields, value_class)
-    except msgspec.ValidationError:
-        return None
+    return NoticeDecoder[N](value_class).decode(notice)
 
 
 def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> TextMessage:

@@ -97,13 +97,13 @@ class Visited:
         recorder = BagRecorder(Broadcast(publisher, record, setting.map.grid, [graph, self.writer]))
         roles, vehicles = [simr, build_hider(setting.templates, setting.study.seed)], vehicle_factory(setting, simr)
         self._session = Session(build_keeper(setting), roles, [recorder], vehicles=vehicles)
-        self._link = self._session.open_link(GRAPH_LINK) if setting.study.mavlink.on else LinkId(0)
+        self._link = self._session.links.open_link(GRAPH_LINK) if setting.study.mavlink.on else LinkId(0)
 
     def ask(self, sender: str, request: Request) -> None:
         self._session.ask(sender, request)
 
     def _hear(self, robot: int, frame: Frame) -> None:
-        self._session.transmit(self._session.receive_frame(self._link, frame, robot).replies)
+        self._session.transmit(self._session.links.receive_frame(self._link, frame, robot).replies)
 
     def say(self, topic: str, data: bytes, caller: str = "/client") -> None:
         self.doors.heard[topic](data, caller)

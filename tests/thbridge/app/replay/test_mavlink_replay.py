@@ -55,20 +55,20 @@ class Station:
         self._session = session
         self._system = system
         self._sequence = 0
-        self._link: LinkId = session.open_link(name, robot)
+        self._link: LinkId = session.links.open_link(name, robot)
 
     def say(self, message: Message) -> None:
         seed = crc_extra(message.get_msgId())
         assert seed is not None
         frame = Frame(self._system, 190, self._sequence, message.get_msgId(), payload_of(message), seed)
         self._sequence = (self._sequence + 1) % 256
-        self._session.transmit(self._session.receive_frame(self._link, frame).replies)
+        self._session.transmit(self._session.links.receive_frame(self._link, frame).replies)
 
     def beat(self) -> None:
         self.say(mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3))
 
     def leave(self) -> None:
-        self._session.close_link(self._link)
+        self._session.links.close_link(self._link)
 
 
 class Follower:
@@ -302,12 +302,12 @@ class Storm:
     def __call__(self, tick: int, session: Session) -> None:
         if tick % 40 == 10:
             if tick > 10:
-                session.close_link(self._link)
-            self._link = session.open_link(f"tcp {tick}")
+                session.links.close_link(self._link)
+            self._link = session.links.open_link(f"tcp {tick}")
         for _ in range(10 if tick > 10 else 0):
             for found in self._framer.receive_data(self._foe.says()):
                 if isinstance(found, Frame):
-                    session.transmit(session.receive_frame(self._link, found).replies)
+                    session.transmit(session.links.receive_frame(self._link, found).replies)
 
 
 @pytest.mark.parametrize("ticks", [150, pytest.param(1500, marks=pytest.mark.slow)])

@@ -26,8 +26,9 @@ from sim.inputs import (
 from sim.parameters import WorldParameters
 from sim.world.thing import Thing
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
-from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.recording import build_publisher, build_record, build_recorder, build_writer
 from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.session import SessionRecording, build_programs, open_session
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import PLAY, HuntUnfinished, PlayOptions, play
@@ -53,7 +54,7 @@ from thbridge.app.session.inputs import (
     ParticipantSent,
 )
 from thbridge.app.session.recording import BagRecorder
-from thbridge.app.session.session import Session, TickRecord
+from thbridge.app.session.session import NO_OUTLETS, Session, SessionOutlets, TickRecord
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.app.session.watch_requests import request_line
 from thbridge.files.errors import BadFile
@@ -90,7 +91,7 @@ from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.client import NameRegistered
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import encode_notice
-from thbridge.text_protocol.wire.router import ConnectionId, Forwarded, RouterOutput, SendToClient
+from thbridge.text_protocol.wire.router import ConnectionId, RouterOutput, SendToClient
 from thbridge.watching import wire
 from thbridge.watching.sockets.client import WatchClient
 
@@ -152,14 +153,20 @@ def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, R
     ]
 
 
-def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], None]) -> None:
+def act(
+    bag: Path,
+    study: Study,
+    ticks: int,
+    doing: Callable[[int, Session], None],
+    outlets: SessionOutlets = NO_OUTLETS,
+) -> None:
     """A hunt with a simulated participant, and something that is done from outside before each tick."""
     setting = setting_of(study)
-    roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
-    session_record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
+    programs = build_programs(setting, bot_of(setting))
+    opening = build_record(setting, PLAY, programs.names, "suggestion")
     with build_writer(setting, bag) as writer:
-        recorder = BagRecorder(Broadcast(build_publisher(setting), session_record, setting.map.grid, [writer]))
-        session = Session(build_keeper(setting), roles, [recorder], bot_of(setting))
+        recording = SessionRecording([build_recorder(setting, opening, [writer])])
+        session = open_session(setting, programs, recording, outlets)
         for tick in range(ticks):
             doing(tick, session)
             session.step()
@@ -390,29 +397,29 @@ class TestSame:
     def test_connections_of_every_kind_of_misbehaviour(self, tmp_path: Path) -> None:
         def doing(tick: int, session: Session) -> None:
             def send(connection: int, data: bytes) -> None:
-                session.perform(session.receive_data(ConnectionId(connection), data, tick * 0.1))
+                session.perform(session.router.receive_data(ConnectionId(connection), data, tick * 0.1))
 
             match tick:
                 case 5:
-                    session.connect(0.3)
-                    session.connect(0.1 + 0.2)
+                    session.router.connect(0.3)
+                    session.router.connect(0.1 + 0.2)
                     send(1, b"%%setid Noise extended a\n%%goto Noise SimR 0 5\r\n%%pi")
                     send(2, b"\xff\x00 \r\n%%setid SimR\n")
                 case 9:
                     send(1, b"ng\n%%error Noise Game thbridge {\n")
                     send(2, b"%%ping\n")
                 case 20:
-                    session.perform(session.report_backlog(ConnectionId(1), 1000))
-                    session.perform(session.report_backlog(ConnectionId(1), 2**30))
-                    session.perform(session.eof(ConnectionId(1)))
+                    session.perform(session.router.report_backlog(ConnectionId(1), 1000))
+                    session.perform(session.router.report_backlog(ConnectionId(1), 2**30))
+                    session.perform(session.router.eof(ConnectionId(1)))
                 case 30:
-                    session.connect(3.0)
+                    session.router.connect(3.0)
                     send(3, b"%%setid Noise\n%%where Noise SimR 0\n")
                 case 200 | 400:
-                    session.perform(session.advance(tick * 0.1))
+                    session.perform(session.router.advance(tick * 0.1))
                 case 420:
-                    session.connect(42.0)
-                    session.perform(session.eof(ConnectionId(4)))
+                    session.router.connect(42.0)
+                    session.perform(session.router.eof(ConnectionId(4)))
 
         act(tmp_path / "noise.bag", STUDY, 450, doing)
         kinds = {type(item) for item in inputs(tmp_path / "noise.bag")}
@@ -427,21 +434,21 @@ class TestSame:
         equal(tmp_path / "noise.bag", 450)
 
     def test_a_reader_that_lags_behind_while_it_is_sent_something(self, tmp_path: Path) -> None:
+        sessions: list[Session] = []
+
+        def perform(outputs: Sequence[RouterOutput]) -> None:
+            for output in outputs:
+                if isinstance(output, SendToClient) and sessions[0].tick > 30:
+                    perform(sessions[0].router.report_backlog(output.connection, 2**30))
+
         def doing(tick: int, session: Session) -> None:
-            def perform(outputs: Sequence[RouterOutput]) -> None:
-                for output in outputs:
-                    if isinstance(output, Forwarded):
-                        session.note_forwarded(output)
-                    if isinstance(output, SendToClient) and tick > 30:
-                        perform(session.report_backlog(output.connection, 2**30))
-
-            session.perform = perform
             if tick == 5:
-                session.connect(0.0)
-                perform(session.receive_data(ConnectionId(1), b"%%setid Deaf extended\n", 0.0))
-                perform(session.receive_data(ConnectionId(1), subscription("Deaf"), 0.0))
+                sessions.append(session)
+                session.router.connect(0.0)
+                session.perform(session.router.receive_data(ConnectionId(1), b"%%setid Deaf extended\n", 0.0))
+                session.perform(session.router.receive_data(ConnectionId(1), subscription("Deaf"), 0.0))
 
-        act(tmp_path / "deaf.bag", STUDY, 100, doing)
+        act(tmp_path / "deaf.bag", STUDY, 100, doing, SessionOutlets(perform))
         assert [type(item) for item in inputs(tmp_path / "deaf.bag") if isinstance(item, ConnectionBacklogged)] == [
             ConnectionBacklogged
         ]

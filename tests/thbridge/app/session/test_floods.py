@@ -3,10 +3,10 @@
 import asyncio
 from pathlib import Path
 
-from thbridge.app.compose.game import build_keeper
+from thbridge.app.compose.session import Programs, SessionRecording, open_session
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.inputs import BytesReceived
-from thbridge.app.session.session import Session, TickRecord
+from thbridge.app.session.session import Session, SessionOutlets, TickRecord
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.study.study_file import Study
 from thbridge.text_protocol.sockets.server import TextServer
@@ -31,10 +31,9 @@ def heard(ticks: list[TickRecord], sender: str) -> bytes:
 
 async def served() -> tuple[Session, TextServer, ListeningAddress, Records]:
     records = Records()
-    session = Session(build_keeper(read_setting(Study(), Path())), [], [records])
-    server = TextServer(session, session.note_forwarded)
-    session.perform = server.perform
-    where = await server.start("127.0.0.1", 0)
+    setting, server = read_setting(Study(), Path()), TextServer()
+    session = open_session(setting, Programs(), SessionRecording([records]), SessionOutlets(server.perform))
+    where = await server.start(session.router, "127.0.0.1", 0)
     assert isinstance(where, ListeningAddress)
     return session, server, where, records
 

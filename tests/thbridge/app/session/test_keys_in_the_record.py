@@ -9,20 +9,19 @@ from thbridge.text_protocol.wire.router import TurnedAway
 
 
 def test_a_game_has_the_keys_of_its_programs_and_what_was_asked_by_others() -> None:
-    stage = Stage()
-    stage.session.run = lambda game: f"run/{game}"
-    early = stage.session.connect(0.0, Credentials("maria", (Right.PARTICIPANT,)))
+    stage = Stage(run="run")
+    early = stage.session.router.connect(0.0, Credentials("maria", (Right.PARTICIPANT,)))
     assert not isinstance(early, TurnedAway)
-    stage.session.receive_data(early, b"%%setid Anna extended\n", 0.0)
+    stage.session.router.receive_data(early, b"%%setid Anna extended\n", 0.0)
     while stage.session.game is None:
         stage.run(1)
-    late = stage.session.connect(1.0, Credentials("jo", (Right.ADMIN,)))
+    late = stage.session.router.connect(1.0, Credentials("jo", (Right.ADMIN,)))
     assert not isinstance(late, TurnedAway)
-    stage.session.receive_data(late, b"%%setid Bert\n", 1.0)
-    stage.session.granted("dora", 'ClearCostmaps {"robot": 0}')
-    nobody = stage.session.connect(1.0)
+    stage.session.router.receive_data(late, b"%%setid Bert\n", 1.0)
+    stage.session.keys.granted("dora", 'ClearCostmaps {"robot": 0}')
+    nobody = stage.session.router.connect(1.0)
     assert not isinstance(nobody, TurnedAway)
-    stage.session.receive_data(nobody, b"%%setid Local\n", 1.0)
+    stage.session.router.receive_data(nobody, b"%%setid Local\n", 1.0)
     stage.run(2)
     assert [entry for entry in stage.log.entries if isinstance(entry, KeyUsed)] == [
         KeyUsed("maria", "joined as Anna", "run/1"),

@@ -10,10 +10,10 @@ import pytest
 from sim.parameters import RobotParameters, WorldParameters
 from tests.thbridge.app.replay.test_mavlink_replay import STUDY, Station, by_frames, record
 from tests.thbridge.app.replay.test_replay import equal
-from thbridge.app.compose.game import build_hider, build_keeper
-from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
+from thbridge.app.compose.robots import build_team
+from thbridge.app.compose.session import build_programs, open_session
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.session.session import Session
+from thbridge.app.session.session import Session, SessionOutlets
 from thbridge.mavlink.role.parameters import PARAMETERS
 from thbridge.mavlink.wire.dialect import Message, decoded, mav
 from thbridge.mavlink.wire.traffic import OutgoingFrame
@@ -34,11 +34,9 @@ class Played:
     def __init__(self) -> None:
         setting = read_setting(STUDY, Path())
         self.team = build_team(setting)
-        simr = build_simr(setting, self.team)
-        roles, vehicles = [simr, build_hider(setting.templates, setting.study.seed)], vehicle_factory(setting, simr)
-        self.session = Session(build_keeper(setting), roles, vehicles=vehicles)
         self._said: list[tuple[int, Message | None]] = []
-        self.session.transmit = self._take
+        programs = build_programs(setting, team=self.team)
+        self.session = open_session(setting, programs, outlets=SessionOutlets(transmit=self._take))
         self.station = Station(self.session)
 
     def _take(self, sent: Sequence[OutgoingFrame]) -> None:

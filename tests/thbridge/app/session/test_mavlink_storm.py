@@ -38,7 +38,7 @@ def stormed(seed, ticks, bytes_a_tick):
     chance = random.Random(seed)
     session.step()
     names = [parameter.name for parameter in VehicleParameters(0, simr).settings()]
-    foe, framer, link = Foe(chance, SYSTEMS, names), FrameParser(), session.open_link("storm")
+    foe, framer, link = Foe(chance, SYSTEMS, names), FrameParser(), session.links.open_link("storm")
     digest, beats = hashlib.sha256(), dict.fromkeys(SYSTEMS, 0)
     for tick in range(1, ticks):
         some = 0
@@ -47,7 +47,7 @@ def stormed(seed, ticks, bytes_a_tick):
             some += len(data)
             for found in framer.receive_data(data):
                 if isinstance(found, Frame):
-                    session.receive_frame(link, found)
+                    session.links.receive_frame(link, found)
         tick_record = session.step()
         for one in tick_record.traffic:
             digest.update(one.frame.to_bytes())

@@ -11,16 +11,16 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import KillRobot
 from tests.thbridge.app.session.test_recording import Tape
 from tests.thbridge.ros.drive import snapshots
-from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record
-from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.session import Programs, SessionRecording, open_session
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.inputs import FrameReceived, HeartbeatsSent, LinkClosed, LinkOpened
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
-from thbridge.app.session.session import Session, TickRecord
+from thbridge.app.session.session import Session, SessionOutlets, TickRecord
 from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
 from thbridge.mavlink.wire.frames.frame import Frame
@@ -39,10 +39,15 @@ FRAME = Frame(255, 190, 7, HEARTBEAT.id, payload_of(HEARTBEAT), crc_extra(HEARTB
 
 
 @pytest.fixture
-def session() -> Session:
+def transmitted() -> list[OutgoingFrame]:
+    return []
+
+
+@pytest.fixture
+def session(transmitted: list[OutgoingFrame]) -> Session:
     setting = read_setting(WITH_VEHICLES, Path())
-    simr = build_simr(setting)
-    return Session(build_keeper(setting), [simr], vehicles=vehicle_factory(setting, simr))
+    outlets = SessionOutlets(transmit=transmitted.extend)
+    return open_session(setting, Programs(build_simr(setting)), outlets=outlets)
 
 
 def steps(session: Session, ticks: int) -> list[TickRecord]:
@@ -50,10 +55,10 @@ def steps(session: Session, ticks: int) -> list[TickRecord]:
 
 
 def test_links_and_frames_are_inputs_of_the_next_tick(session: Session):
-    link = session.open_link("a")
-    session.receive_frame(link, FRAME, 1)
-    session.close_link(link)
-    session.close_link(link)
+    link = session.links.open_link("a")
+    session.links.receive_frame(link, FRAME, 1)
+    session.links.close_link(link)
+    session.links.close_link(link)
     inputs = session.step().inputs
     assert inputs == (LinkOpened(link, "a"), FrameReceived(link, "a", FRAME, 1), LinkClosed(link, "a"))
     assert tuple(from_record(to_record(item)) for item in inputs) == inputs
@@ -61,19 +66,19 @@ def test_links_and_frames_are_inputs_of_the_next_tick(session: Session):
 
 
 def test_a_link_of_one_robot_is_recorded_as_such(session: Session):
-    link = session.open_link("a", 1)
+    link = session.links.open_link("a", 1)
     (opened,) = session.step().inputs
     assert opened == LinkOpened(link, "a", 1)
     assert from_record(to_record(opened)) == opened
 
 
 def test_what_vehicles_drop_is_not_recorded(session: Session):
-    link = session.open_link("a")
+    link = session.links.open_link("a")
     ours, setup = replace(FRAME, system=1, component=1), mav.MAVLink_setup_signing_message(1, 1, list(range(32)), 5)
     secret = replace(FRAME, message_id=setup.id, payload=payload_of(setup), seed=setup.crc_extra)
     session.step()
     for frame in (ours, secret):
-        outcome = session.receive_frame(link, frame)
+        outcome = session.links.receive_frame(link, frame)
         assert outcome.dropped is not None
         assert not outcome.replies
     tick_record = session.step()
@@ -82,8 +87,8 @@ def test_what_vehicles_drop_is_not_recorded(session: Session):
 
 
 def test_people_read_in_the_bag_what_came(session: Session):
-    link = session.open_link("udp 127.0.0.1:14550")
-    session.receive_frame(link, FRAME)
+    link = session.links.open_link("udp 127.0.0.1:14550")
+    session.links.receive_frame(link, FRAME)
     told = [to_record(item) for item in session.step().inputs]
     assert [(record.sender, record.line) for record in told] == [
         ("udp 127.0.0.1:14550", "a link is opened"),
@@ -93,17 +98,15 @@ def test_people_read_in_the_bag_what_came(session: Session):
 
 def test_what_a_vehicle_hears_and_says_is_told_with_the_tick_it_acts_in(session: Session):
     session.step()
-    link = session.open_link("a")
-    session.receive_frame(link, FRAME)
+    link = session.links.open_link("a")
+    session.links.receive_frame(link, FRAME)
     heard = [traffic for traffic in session.step().traffic if traffic.incoming]
     assert [(traffic.robot, traffic.link, traffic.frame) for traffic in heard] == [(0, "a", FRAME), (1, "a", FRAME)]
     assert not any(traffic.incoming for traffic in session.step().traffic)
 
 
-def test_heartbeats_go_out_on_every_link_once_a_second_and_are_told(session: Session):
-    transmitted: list[OutgoingFrame] = []
-    session.transmit = transmitted.extend
-    links = [session.open_link("a"), session.open_link("b")]
+def test_heartbeats_go_out_on_every_link_once_a_second_and_are_told(session: Session, transmitted: list[OutgoingFrame]):
+    links = [session.links.open_link("a"), session.links.open_link("b")]
     tick_records = steps(session, TICKS_PER_SECOND)
     beats = [sent for sent in transmitted if sent.frame.message_id == HEARTBEAT.id]
     assert sorted((sent.link, sent.frame.system) for sent in beats) == [(link, n) for link in links for n in (1, 2)]
@@ -114,13 +117,13 @@ def test_heartbeats_go_out_on_every_link_once_a_second_and_are_told(session: Ses
 
 
 def test_frames_of_links_or_for_robots_that_there_are_not_change_nothing(session: Session):
-    link = session.open_link("a")
-    session.close_link(link)
+    link = session.links.open_link("a")
+    session.links.close_link(link)
     session.step()
-    assert not session.receive_frame(link, FRAME).replies
+    assert not session.links.receive_frame(link, FRAME).replies
     assert session.step().inputs == ()
-    link = session.open_link("a")
-    assert not session.receive_frame(link, FRAME, 2).replies
+    link = session.links.open_link("a")
+    assert not session.links.receive_frame(link, FRAME, 2).replies
     assert not any(traffic.incoming for traffic in session.step().traffic)
 
 
@@ -135,9 +138,9 @@ def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Sessio
     publisher = build_publisher(setting)
     ear = BagRecorder(Broadcast(publisher, build_record(setting, PLAY, [], ""), setting.map.grid, [Ear()]))
     session.step()
-    link, graph = session.open_link("a"), session.open_link("ros")
-    session.receive_frame(link, FRAME, 1)
-    session.receive_frame(graph, FRAME, 0)
+    link, graph = session.links.open_link("a"), session.links.open_link("ros")
+    session.links.receive_frame(link, FRAME, 1)
+    session.links.receive_frame(graph, FRAME, 0)
     tick_records = steps(session, 2 * TICKS_PER_SECOND)
     for tick_record in tick_records:
         ear.record(tick_record)
@@ -183,9 +186,9 @@ def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Pa
     log = tmp_path / "hunt.tlog"
     with TlogFile(log) as file:
         recorders = [TlogRecorder(file)]
-        session = Session(build_keeper(setting), [simr], recorders, vehicles=vehicle_factory(setting, simr))
+        session = open_session(setting, Programs(simr), SessionRecording(recorders))
         session.step()
-        session.receive_frame(session.open_link("a"), FRAME)
+        session.links.receive_frame(session.links.open_link("a"), FRAME)
         tick_record = session.step()
     assert tick_record.snapshot is not None
     first = (stamp_ns(tick_record.snapshot.tick) // 1000).to_bytes(8, "big") + FRAME.to_bytes()
@@ -194,17 +197,17 @@ def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Pa
 
 def test_where_robots_are_no_vehicles_there_is_no_link():
     setting = read_setting(Study(), Path())
-    simr = build_simr(setting)
-    session = Session(build_keeper(setting), [simr], vehicles=vehicle_factory(setting, simr))
+    session = open_session(setting, Programs(build_simr(setting)))
     with pytest.raises(ValueError, match="no vehicles"):
-        session.open_link("a")
+        session.links.open_link("a")
 
 
-def test_between_two_ticks_that_are_long_apart_vehicles_say_that_they_are_there(session: Session):
-    transmitted: list[OutgoingFrame] = []
-    link = session.open_link("a")
+def test_between_two_ticks_that_are_long_apart_vehicles_say_that_they_are_there(
+    session: Session, transmitted: list[OutgoingFrame]
+):
+    link = session.links.open_link("a")
     steps(session, 60)
-    session.transmit = transmitted.extend
+    transmitted.clear()
     session.keep_alive()
     session.keep_alive()
     assert [(sent.link, sent.frame.system) for sent in transmitted] == [(link, 1), (link, 2)] * 2
@@ -217,11 +220,12 @@ def test_between_two_ticks_that_are_long_apart_vehicles_say_that_they_are_there(
     assert sequences == list(range(sequences[0], sequences[0] + len(sequences)))
 
 
-def test_a_robot_that_does_not_answer_says_nothing_between_ticks_either(session: Session):
-    session.open_link("a")
+def test_a_robot_that_does_not_answer_says_nothing_between_ticks_either(
+    session: Session, transmitted: list[OutgoingFrame]
+):
+    session.links.open_link("a")
     session.ask("researcher", KillRobot(0))
     steps(session, TICKS_PER_SECOND + 5)
-    transmitted: list[OutgoingFrame] = []
-    session.transmit = transmitted.extend
+    transmitted.clear()
     session.keep_alive()
     assert [sent.frame.system for sent in transmitted] == [2]

@@ -1,7 +1,7 @@
 """Links of stations that send more than the session has time for, without sockets; time is the test's."""
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import pytest
 
@@ -33,7 +33,6 @@ class Exchange:
 
     def __init__(self, watch: Watch, cost: float) -> None:
         self.received: list[tuple[LinkId, Frame]] = []
-        self.transmit: Callable[[Sequence[OutgoingFrame]], None] = lambda sent: None
         self._watch, self._cost = watch, cost
         self._opened = 0
         self.answers = 0

@@ -104,6 +104,7 @@ async def served(
     try:
         names = await server.open()
         assert not isinstance(names, CannotListen), names
+        exchange.transmit = server.transmit
         await server.serve(exchange)
         yield exchange, names
     finally:

@@ -1,6 +1,6 @@
 """Links with a key, without sockets: who is heard, and what goes out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -26,7 +26,6 @@ class Exchange:
 
     def __init__(self) -> None:
         self.received: list[Frame] = []
-        self.transmit: Callable[[Sequence[OutgoingFrame]], None] = lambda sent: None
         self._opened = 0
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.thbridge.roles.stage import Stage
+from thbridge.app.session.session import SessionOutlets
 from thbridge.app.trouble_log import TroubleLog
 from thbridge.dialogue.moves import Author, DialogueTopic, DialogueUtterance, Leave, Scenario, Speaker
 from thbridge.hunt.events import RobotArrived, RobotDeparted, TreasureLeft, TreasurePictured, TreasureSensed
@@ -13,7 +14,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.keeper import ProgramRefusal
 from thbridge.text_protocol.wire import legacy
-from thbridge.text_protocol.wire.router import Forwarded, SendToClient
+from thbridge.text_protocol.wire.router import SendToClient
 
 
 class Outsider:
@@ -21,11 +22,10 @@ class Outsider:
 
     def __init__(self, *, tells_refusals: bool = False, robots: bool = True) -> None:
         outside = {legacy.TABUI} if robots else {legacy.TABUI, legacy.SIMR}
-        self.stage = Stage(outside=outside, tells_refusals=tells_refusals)
         self.heard: list[str] = []
+        self.stage = Stage(outside=outside, tells_refusals=tells_refusals, outlets=SessionOutlets(self._perform))
         self.session = self.stage.session
-        self.session.perform = self._perform
-        self.connection = self.session.connect(0.0)
+        self.connection = self.session.router.connect(0.0)
         self.say("%%setid TabUI")
         self.stage.run(6)
 
@@ -33,11 +33,9 @@ class Outsider:
         for output in outputs:
             if isinstance(output, SendToClient):
                 self.heard.append(output.data.decode().strip())
-            elif isinstance(output, Forwarded):
-                self.session.note_forwarded(output)
 
     def say(self, line: str) -> None:
-        self._perform(self.session.receive_data(self.connection, f"{line}\n".encode(), 0.0))
+        self._perform(self.session.router.receive_data(self.connection, f"{line}\n".encode(), 0.0))
 
     def refused(self, line: str) -> list[str]:
         """Say a line; return the sentences of the refusals that follow."""

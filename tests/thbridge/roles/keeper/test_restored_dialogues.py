@@ -40,9 +40,9 @@ class Standing:
         conversations = {
             # Time and number of dialogues are part of what is believed.
             robot: (each.agents, each.plays, each.since)
-            for robot, (_, each) in dialogues._memories.items()
+            for robot, (_, each) in dialogues.memories._memories.items()
         }
-        return cls(dialogues.views(), dialogues.consents, conversations, dialogues.next_number)
+        return cls(dialogues.views(), dialogues.agreements.all, conversations, dialogues.next_number)
 
 
 def restored(stage: Stage, talk: DialogueEngine, history: list[JournalEntry]) -> Keeper:

@@ -11,7 +11,8 @@ from tests.thbridge.roles.stage import RULES, Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import Condition
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.roles.participant.tabui import TabUI, encode_request_line
+from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.participant_rules import judge, revealed
 from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from thbridge.roles.shared.view import (

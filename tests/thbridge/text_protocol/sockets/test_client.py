@@ -30,8 +30,8 @@ async def soon(event: Awaitable[T]) -> T:
 @asynccontextmanager
 async def serving(port: int = 0) -> AsyncIterator[tuple[MessageRouter, ListeningAddress]]:
     router = MessageRouter()
-    server = TextServer(router)
-    address = await server.start("127.0.0.1", port)
+    server = TextServer()
+    address = await server.start(router, "127.0.0.1", port)
     assert isinstance(address, ListeningAddress)
     try:
         yield router, address

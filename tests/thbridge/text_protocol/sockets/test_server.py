@@ -15,7 +15,7 @@ from thbridge.sockets.listening import ServerDoor
 from thbridge.text_protocol.sockets import server as text_server
 from thbridge.text_protocol.sockets.server import TextServer
 from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.router import Forwarded, MessageRouter, RouterLimits
+from thbridge.text_protocol.wire.router import MessageRouter, RouterLimits
 
 ACK = b"%%ack \n"
 SHUTDOWN = b"%%sshhuuttddoowwnn \n"
@@ -62,11 +62,10 @@ class House:
 @asynccontextmanager
 async def serving(
     router: MessageRouter | None = None,
-    tap: Callable[[Forwarded], None] = lambda forwarded: None,
     clock: Callable[[], float] = lambda: 0.0,
 ) -> AsyncIterator[House]:
-    server = TextServer(router or MessageRouter(), tap, clock)
-    address = await server.start("127.0.0.1", 0)
+    server = TextServer(clock)
+    address = await server.start(router or MessageRouter(), "127.0.0.1", 0)
     assert isinstance(address, ListeningAddress)
     house = House(server, address)
     try:
@@ -257,8 +256,8 @@ async def test_a_stopping_server_says_farewell_and_frees_its_port() -> None:
         await stopping
         with pytest.raises(ConnectionRefusedError):
             await house.enter()
-        again = TextServer(MessageRouter())
-        assert await again.start(house.address.host, house.address.port) == house.address
+        again = TextServer()
+        assert await again.start(MessageRouter(), house.address.host, house.address.port) == house.address
         await again.stop()
 
 
@@ -286,8 +285,8 @@ async def test_the_window_of_2016_finds_the_server_at_the_address_that_it_was_bu
 @run
 async def test_who_has_that_address_keeps_it_and_the_server_serves_all_the_same() -> None:
     with socket.create_server(("127.0.1.1", 0)) as other:
-        server = TextServer(MessageRouter())
-        address = await server.start("127.0.0.1", other.getsockname()[1])
+        server = TextServer()
+        address = await server.start(MessageRouter(), "127.0.0.1", other.getsockname()[1])
         assert isinstance(address, ListeningAddress)
         await server.stop()
 
@@ -295,7 +294,7 @@ async def test_who_has_that_address_keeps_it_and_the_server_serves_all_the_same(
 @run
 async def test_a_port_in_use_is_told_in_one_line() -> None:
     async with serving() as house:
-        refusal = await TextServer(MessageRouter()).start(house.address.host, house.address.port)
+        refusal = await TextServer().start(MessageRouter(), house.address.host, house.address.port)
         assert isinstance(refusal, CannotListen)
         assert str(refusal).startswith(f"cannot listen on 127.0.0.1:{house.address.port}: ")
         assert "\n" not in str(refusal)
@@ -305,18 +304,17 @@ async def test_a_port_in_use_is_told_in_one_line() -> None:
     ("host", "port"), [("127.0.0.1", 70_000), ("127.0.0.1", -1), ("not a host", 0), ("x" * 80, 0), ("203.0.113.7", 0)]
 )
 def test_a_bad_address_is_told_in_one_line(host: str, port: int) -> None:
-    refusal = asyncio.run(TextServer(MessageRouter()).start(host, port))
+    refusal = asyncio.run(TextServer().start(MessageRouter(), host, port))
     assert isinstance(refusal, CannotListen)
     assert str(refusal).startswith(f"cannot listen on {host}:{port}: ")
     assert "\n" not in str(refusal)
 
 
 @run
-async def test_programs_of_this_process_talk_with_clients_and_the_tap_hears_all() -> None:
-    heard: list[Forwarded] = []
+async def test_programs_of_this_process_talk_with_clients() -> None:
     router = MessageRouter()
     router.attach("SimR")
-    async with serving(router, heard.append) as house:
+    async with serving(router) as house:
         tabui = await house.enter("TabUI")
         await tabui.says(b"%%goto TabUI SimR 0 3 3 45\n%%snap TabUI Hider 3\n")
         assert [await tabui.hears(), await tabui.hears()] == [ACK, ACK]
@@ -327,23 +325,20 @@ async def test_programs_of_this_process_talk_with_clients_and_the_tap_hears_all(
         router.submit("SimR", arrived)
         house.server.perform(router.exchange())
         assert await tabui.hears() == b'%%error SimR TabUI "0;3" \n'
-    assert heard == [
-        Forwarded(goto, delivered=True, sender_extended=False),
-        Forwarded(TextMessage("%%snap", "TabUI", "Hider", ("3",)), delivered=False, sender_extended=False),
-        Forwarded(arrived, delivered=True, sender_extended=True),
-    ]
 
 
 @run
 async def test_messages_in_the_request_of_a_page_in_a_browser_are_not_heard():
-    forwarded: list[Forwarded] = []
-    async with serving(tap=forwarded.append) as house:
+    router = MessageRouter()
+    router.attach("Game")
+    async with serving(router) as house:
         hider = await house.enter("hider")
         page = await house.enter()
-        await page.says(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n%%setid simr \n%%where simr hider robot1 \n")
+        await page.says(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n%%setid simr \n%%goto simr Game 0 1 1 45 \n")
         with contextlib.suppress(ConnectionError):
             assert await page.hears_the_rest() == b""
         await house.enter("simr")  # the name is free: whoever has it is the first
         await hider.says(b"%%ping \n")
         assert (await hider.hears()).startswith(b"%%pong")
-        assert forwarded == []
+        router.exchange()
+        assert router.take("Game") == []

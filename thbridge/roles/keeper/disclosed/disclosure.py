@@ -45,7 +45,7 @@ def view_of(
         robots=tuple(_robot(state, number, number in asked_back) for number in range(len(state.robots))),
         rooms=tuple(_room(state, room) for room in state.started.costs.rooms),
         dialogues=dialogues.views(),
-        consents=dialogues.consents,
+        consents=dialogues.agreements.all,
         score=state.score,
         over=None if state.ended is None else state.ended.reason.value,
         picture_cost=state.started.picture_cost,
@@ -61,7 +61,7 @@ def view_of(
         wrong_share=state.started.wrong_share if briefing.worth else None,
         sound=briefing.sound,
         properties=_with_words(state, briefing),
-        last_words=dialogues.last_words,
+        last_words=dialogues.last_words.all,
         has_last_word=_HAVE_LAST_WORD.get(briefing.condition),
     )
 

@@ -4,7 +4,7 @@ With a Hider of ours the keeper knows the treasures, judges each question and de
 does not reveal them; then the game learns from its answers.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from enum import StrEnum
 
 from sim.common.robot_numbers import robot_name
@@ -15,6 +15,7 @@ from thbridge.hunt.properties import labelled, named_by_labels
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.open_game import OpenGame
+from thbridge.roles.shared.participant_lines import LineRequest, decode_request_line
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.view import DialogueMatter, IdentifyTreasure, SendRobot, SenseTreasure, TakePicture
 from thbridge.text_protocol.wire import canonical, legacy
@@ -22,19 +23,7 @@ from thbridge.text_protocol.wire.lines import TextCommand, TextMessage, Unreadab
 from thbridge.text_protocol.wire.notice import kind_of
 from thbridge.text_protocol.wire.router import Forwarded
 
-_WISHES: Mapping[type, str] = {
-    legacy.GotoRoom: kind_of(SendRobot),
-    legacy.AskTreasure: kind_of(SenseTreasure),
-    legacy.SnapTreasure: kind_of(TakePicture),
-    legacy.NameTreasure: kind_of(IdentifyTreasure),
-}
-
 _COMMANDS_TO_SIMR = frozenset({TextCommand.GOTO, TextCommand.WHERE, TextCommand.MOVE})
-
-
-def request_kind(line: Forwarded) -> str | None:
-    """Return the kind of the request in a line of 2016; None when it holds none."""
-    return _WISHES.get(type(line.legacy_value))
 
 
 def undone(line: Forwarded, state: GameState | None) -> RequestRefused | None:
@@ -47,7 +36,7 @@ def undone(line: Forwarded, state: GameState | None) -> RequestRefused | None:
         value = canonical.decode(line.message)
         if isinstance(value, UnreadableText):
             return RequestRefused(LineReason.UNREADABLE, f"SimR cannot read it: {value.reason}.")
-    if state is None and request_kind(line) is not None:
+    if state is None and decode_request_line(line) is not None:
         return RequestRefused(LineReason.NO_GAME, "There is no game yet, because no robots have joined.")
     return None
 
@@ -83,18 +72,32 @@ class LegacyLines:
         Returns:
             The message that a Hider of ours shall send to the participant now, or None.
         """
+        request = decode_request_line(line)
+        if request is None:
+            self._report(state, line)
+        elif line.message.receiver == (legacy.SIMR if isinstance(request, SendRobot) else legacy.HIDER):
+            return self._request(state, request, needs_consent)
+        return None
+
+    def _request(self, state: GameState, request: LineRequest, needs_consent: bool) -> TextMessage | None:
+        """Handle a request of the participant; return Hider's answer."""
+        match request:
+            case SendRobot(robot, room):
+                self._send(state, robot, Room(room), needs_consent)
+                return None
+            case SenseTreasure(room):
+                return self._sense(state, Room(room))
+            case TakePicture(room):
+                return self._picture(state, Room(room), needs_consent)
+            case IdentifyTreasure(room, name):
+                return self._identify(state, Room(room), name, needs_consent)
+
+    def _report(self, state: GameState, line: Forwarded) -> None:
+        """Take in what SimR or a Hider of 2016 says has happened."""
         game, message = self._game, line.message
         match line.legacy_value:
-            case legacy.GotoRoom(robot, room) if message.receiver == legacy.SIMR:
-                self._send(state, robot, Room.of_wire(room), needs_consent)
             case legacy.RoomReached(robot, room) if message.sender == legacy.SIMR:
                 self._arrived(state, robot, Room.of_wire(room))
-            case legacy.AskTreasure(room) if message.receiver == legacy.HIDER:
-                return self._sense(state, Room.of_wire(room))
-            case legacy.SnapTreasure(room) if message.receiver == legacy.HIDER:
-                return self._picture(state, Room.of_wire(room), needs_consent)
-            case legacy.NameTreasure(room, name) if message.receiver == legacy.HIDER:
-                return self._identify(state, Room.of_wire(room), name, needs_consent)
             case legacy.FoundTreasure(room, senses) if message.sender == legacy.HIDER:
                 sensed = named_by_labels(state.started.properties, senses)
                 self._apply_reported(state, lambda: rules.sense(state, Room.of_wire(room), sensed))
@@ -104,7 +107,6 @@ class LegacyLines:
                 (number, place, name), self._named = self._named, None
                 if game.last_game == number:
                     self._apply_reported(state, lambda: rules.identify(state, place, name, points))
-        return None
 
     def _send(self, state: GameState, robot: int, room: Room, needs_consent: bool) -> None:
         if _has_gone(state, robot, room, arrived=needs_consent):
@@ -113,7 +115,7 @@ class LegacyLines:
         if (
             isinstance(ruling, tuple)
             and needs_consent
-            and not self._game.dialogues.is_agreed(robot, "select-room", room)
+            and not self._game.dialogues.agreements.is_agreed(robot, "select-room", room)
         ):
             name = robot_name(robot)
             ruling = RequestRefused(
@@ -175,7 +177,7 @@ class LegacyLines:
         robot = state.decider(room)
         if isinstance(ruling, RequestRefused) or robot is None:
             return ruling
-        if not self._game.dialogues.is_agreed(robot, matter, room, name):
+        if not self._game.dialogues.agreements.is_agreed(robot, matter, room, name):
             return RequestRefused(KeeperReason.NO_CONSENSUS, f"You have not agreed on that with {robot_name(robot)}.")
         return ruling
 

@@ -1,13 +1,14 @@
 """The participant's requests beyond the lines of 2016: dialogues, leaving treasures, calling a robot back."""
 
-from typing import get_args
+from typing import TypeAlias, assert_never
 
 from thbridge.dialogue.moves import Scenario
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.dialogues import MATTERS
+from thbridge.roles.keeper.agreements import MATTERS
+from thbridge.roles.keeper.initiative import discuss, suggest
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.shared.participant_rules import Situation, judge, place
 from thbridge.roles.shared.view import (
@@ -15,65 +16,93 @@ from thbridge.roles.shared.view import (
     CallBack,
     GiveUp,
     GiveUpTreasure,
+    IdentifyTreasure,
     MeasureProperty,
     OpenDialogue,
-    ParticipantRequest,
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
+    SendRobot,
+    SenseTreasure,
+    TakePicture,
     TakeUpTreasure,
     TellProperty,
 )
-from thbridge.text_protocol.wire.notice import Notice, decode_notice, kind_of
+from thbridge.text_protocol.wire.notice import kind_of
+
+NoticeRequest: TypeAlias = (
+    SelectRoom
+    | RequestSuggestion
+    | AnswerDialogue
+    | SendRobot
+    | CallBack
+    | RequestHandback
+    | SenseTreasure
+    | OpenDialogue
+    | TakePicture
+    | IdentifyTreasure
+    | GiveUpTreasure
+    | TakeUpTreasure
+    | GiveUp
+    | MeasureProperty
+    | TellProperty
+)
+"""A request of the participant in a game, which a notice may carry."""
 
 
-def handle_participant_request(game: OpenGame, state: GameState, notice: Notice, *, awaits_treasures: bool) -> None:
-    """Grant a request, or keep its refusal; another notice changes nothing.
+def handle_participant_request(
+    game: OpenGame, state: GameState, request: NoticeRequest, *, awaits_treasures: bool
+) -> None:
+    """Grant a request, or keep its refusal; what programs ask by lines of 2016 changes nothing here.
 
     Args:
         game: the game in progress.
         state: of the game.
-        notice: the request.
+        request: the request.
         awaits_treasures: Hider is about to hide them; until then no robot is sent.
     """
-    now = Situation(state, game.dialogues.discussed, awaits_treasures)
-    asked = _decode_request(notice)
-    robot = _robot_of(game, state, asked)
+    now, kind = Situation(state, game.dialogues.discussed, awaits_treasures), kind_of(type(request))
+    robot = _robot_of(game, state, request)
     if robot is not None:
         game.attend(robot)
-    match asked:
-        case GiveUpTreasure() | TakeUpTreasure() | MeasureProperty() | TellProperty() as request:
-            game.apply_ruling(notice.kind, judge(now, request))
-        case GiveUp() as request if request.game == state.started.game:
-            game.apply_ruling(notice.kind, judge(now, request))
-        case RequestHandback() as request:
+    match request:
+        case GiveUpTreasure() | TakeUpTreasure() | MeasureProperty() | TellProperty():
+            game.apply_ruling(kind, judge(now, request))
+        case GiveUp():
+            if request.game == state.started.game:
+                game.apply_ruling(kind, judge(now, request))
+        case RequestHandback():
             ruling = judge(now, request)
             # Who asked a moment ago is refused what has become impossible, and else waits for the answer.
-            if isinstance(ruling, RequestRefused) or request.robot not in game.asked_back:
-                game.apply_ruling(notice.kind, ruling)
-        case CallBack() as request:
-            if game.apply_ruling(notice.kind, judge(now, request)):
+            if isinstance(ruling, RequestRefused) or request.robot not in game.handbacks.robots:
+                game.apply_ruling(kind, ruling)
+        case CallBack():
+            if game.apply_ruling(kind, judge(now, request)):
                 game.recall(request.robot)
-        case RequestSuggestion() as request:
+        case RequestSuggestion():
             ruling = judge(now, request)
             if isinstance(ruling, RequestRefused):
-                game.refuse(notice.kind, ruling)
+                game.refuse(kind, ruling)
             elif not game.dialogues.has_advised(request.robot):
                 suggest_or_await(game, state, request.robot)
-        case SelectRoom() as request:
+        case SelectRoom():
             _open(game, state, judge(now, request), Scenario.SPECIFIC_ROOM, request.robot, place(request.room))
-        case OpenDialogue() as request:
+        case OpenDialogue():
             scenario = Scenario.TAKE_PICTURE if request.matter == "take-picture" else Scenario.TAKE_TREASURE
             name = request.name if scenario is Scenario.TAKE_TREASURE else None
             _open(game, state, judge(now, request), scenario, request.robot, place(request.room), name)
-        case AnswerDialogue() as request:
-            game.dialogues.answer(state, request.dialogue, request.turn, request.choice)
+        case AnswerDialogue(dialogue, turn, choice):
+            game.dialogues.answer(state, dialogue, turn, choice)
+        case SendRobot() | SenseTreasure() | TakePicture() | IdentifyTreasure():
+            pass
+        case _:
+            assert_never(request)
 
 
-def _robot_of(game: OpenGame, state: GameState, request: ParticipantRequest | None) -> int | None:
+def _robot_of(game: OpenGame, state: GameState, request: NoticeRequest) -> int | None:
     """Return the robot that a request attends to, or None."""
     if isinstance(request, AnswerDialogue):
-        return game.dialogues.robot_of(request.dialogue)
+        return game.dialogues.under_way.robot_of(request.dialogue)
     room: int | None = getattr(request, "room", None)
     robot: int | None = getattr(request, "robot", None)
     return state.decider(place(room)) if robot is None and room is not None else robot
@@ -87,7 +116,7 @@ def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
     elif number in game.dialogues.puppets:
         game.dialogues.await_advice(number)
     else:
-        game.suggest(state, number, advice)
+        suggest(game, state, number, advice)
 
 
 def _open(
@@ -103,9 +132,4 @@ def _open(
     if isinstance(ruling, RequestRefused):
         game.refuse(MATTERS[scenario], ruling)
     else:
-        game.discuss(state, scenario, robot, room, name)
-
-
-def _decode_request(notice: Notice) -> ParticipantRequest | None:
-    decoded = (decode_notice(notice, kind) for kind in get_args(ParticipantRequest))
-    return next((request for request in decoded if request is not None), None)
+        discuss(game, state, scenario, robot, room, name)

@@ -87,7 +87,7 @@ def return_robots(game: OpenGame) -> None:
 
 def _stop(game: OpenGame, state: GameState, robot: int) -> None:
     """Call a robot back, once; a participant who commands it learns by a refusal who stopped it."""
-    if not game.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
+    if not game.moves.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {robot_name(robot)}."
         game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.STOPPED, sentence))
     game.recall(robot)

@@ -12,6 +12,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.advice.adviser import Advice, possible_rooms
 from thbridge.roles.keeper.dialogues import HeldTurn
+from thbridge.roles.keeper.initiative import suggest
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.keeper.requests.participant_requests import suggest_or_await
 from thbridge.roles.shared.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
@@ -69,7 +70,8 @@ def handle_wizard_request(game: OpenGame, state: GameState | None, request: Wiza
             if state is not None and robot in game.dialogues.asked_for_advice:
                 own, room = game.advice(state, robot), Room(max(number, 0))
                 if isinstance(own, Advice) and room in possible_rooms(state, game.dialogues.discussed, robot):
-                    game.suggest(state, robot, own.instead(room, game.adviser.reason_by_cost(state.cost(robot, room))))
+                    reason = game.knowledge.adviser.reason_by_cost(state.cost(robot, room))
+                    suggest(game, state, robot, own.instead(room, reason))
 
 
 def _advice(game: OpenGame, state: GameState, robot: int) -> HeldAdvice:

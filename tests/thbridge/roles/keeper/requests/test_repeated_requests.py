@@ -13,8 +13,8 @@ from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.roles.keeper.advice.adviser import Adviser
-from thbridge.roles.participant.tabui import encode_request_line
 from thbridge.roles.shared.notices import ParticipantReady
+from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.robot_requests import (
     GameRequest,
     ReleaseCommand,

@@ -1,0 +1,108 @@
+"""Opener of sessions: the one place where keeper, robots, treasures and participant become a session."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.setting import StudySetting
+from thbridge.app.session.session import NO_OUTLETS, EventLog, Session, SessionOutlets, TickRecorder
+from thbridge.roles.hider import Hider
+from thbridge.roles.keeper.keeper import Keeper
+from thbridge.roles.shared.role import Role
+from thbridge.roles.simr.simr import SimR
+from thbridge.roles.simr.team import RobotTeam
+from thbridge.text_protocol.wire import legacy
+
+
+@dataclass(frozen=True, slots=True)
+class Programs:
+    """Programs of a game that run inside a session, in addition to the keeper; the others connect from outside.
+
+    Attributes:
+        robots: role of the robots.
+        hider: role of the treasures.
+        participant: role of the participant, whose messages are inputs.
+    """
+
+    robots: Role | None = None
+    hider: Hider | None = None
+    participant: Role | None = None
+
+    @property
+    def roles(self) -> list[Role]:
+        """Roles whose messages follow from the inputs, in the order of their steps."""
+        return [role for role in (self.robots, self.hider) if role is not None]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all roles, as recordings have them."""
+        return [role.name for role in (*self.roles, self.participant) if role is not None]
+
+
+def build_programs(
+    setting: StudySetting,
+    participant: Role | None = None,
+    outside: Collection[str] = (),
+    team: RobotTeam | None = None,
+) -> Programs:
+    """Return the programs of a session with simulated robots.
+
+    Args:
+        setting: the study.
+        participant: role of the participant.
+        outside: names of the roles that other programs take; the robots are always inside.
+        team: the robots; None: simulated ones that no other part needs to know.
+    """
+    return Programs(
+        robots=build_simr(setting, team),
+        hider=None if legacy.HIDER in outside else build_hider(setting.templates, setting.study.seed),
+        participant=None if legacy.TABUI in outside else participant,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class SessionRecording:
+    """Record that is made of a session; by default none.
+
+    Attributes:
+        recorders: take every tick.
+        log: of the game's events, and of the keys by which programs take part.
+        run: name of this run, unlike all others, for what keys were used in.
+    """
+
+    recorders: Sequence[TickRecorder] = ()
+    log: EventLog | None = None
+    run: str = ""
+
+
+NOT_RECORDED = SessionRecording()
+
+
+def open_session(
+    setting: StudySetting,
+    programs: Programs,
+    recording: SessionRecording = NOT_RECORDED,
+    outlets: SessionOutlets = NO_OUTLETS,
+    keeper: Keeper | None = None,
+) -> Session:
+    """Return a new session, complete: nothing of it is set afterwards.
+
+    Args:
+        setting: the study. Its simulated robots are MAVLink vehicles if it says so.
+        programs: of the game that run inside.
+        recording: that is made of the session.
+        outlets: servers of the session's connections and links.
+        keeper: of a game that goes on; None: of a new one.
+    """
+    robots = programs.robots
+    return Session(
+        keeper or build_keeper(setting),
+        programs.roles,
+        recording.recorders,
+        programs.participant,
+        vehicle_factory(setting, robots) if isinstance(robots, SimR) else None,
+        recording.log,
+        outlets,
+        recording.run,
+    )

@@ -1,0 +1,83 @@
+"""Links of a session to its robots' vehicles, with what is recorded of them."""
+
+from typing import TYPE_CHECKING
+
+from thbridge.app.session import inputs
+from thbridge.app.session.inputs import InputQueue
+from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.links import HubLink
+from thbridge.mavlink.wire.outgoing import LinkId
+from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame
+
+if TYPE_CHECKING:  # Only sessions with robots need these.
+    from thbridge.mavlink.role.vehicles import Vehicles
+
+
+class RecordedLinks:
+    """Links of ground stations: what comes in is an input of the next tick.
+
+    Args:
+        vehicles: the robots; None: they are no vehicles.
+        queue: takes the inputs.
+    """
+
+    def __init__(self, vehicles: "Vehicles | None", queue: InputQueue) -> None:
+        self._vehicles = vehicles
+        self._inputs = queue
+
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
+        """Open a link to the robots' vehicles.
+
+        Args:
+            name: of the link.
+            robot: the only robot on the link, from 0; None: all robots.
+
+        Raises:
+            ValueError: the robots are no vehicles.
+        """
+        if self._vehicles is None:
+            raise ValueError("the robots are no vehicles")
+        link = self._vehicles.open(name, robot)
+        self._inputs.add(inputs.LinkOpened(link, name, robot))
+        return link
+
+    def close_link(self, link: LinkId) -> None:
+        """Close a link, unless it is closed already."""
+        there = self.link(link)
+        if self._vehicles is not None and there is not None:
+            self._vehicles.hub.close(link)
+            self._inputs.add(inputs.LinkClosed(link, there.name))
+
+    def link(self, link: LinkId) -> HubLink | None:
+        """Return the state of an open link; None: there is no such link."""
+        return None if self._vehicles is None else self._vehicles.hub.link(link)
+
+    def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> FrameOutcome:
+        """Take a frame that came in.
+
+        It acts at once on vehicles, whose state is that after the last tick; requests of vehicles to robots and game
+        act in the next tick.
+
+        Args:
+            link: its number; a frame of an unknown link is dropped.
+            frame: checked, and without its signature.
+            robot: the only robot that gets it, from 0; None: its addressees.
+
+        Returns:
+            Why it was dropped, or the frames sent in reply, for `transmit`.
+        """
+        there = self.link(link)
+        if self._vehicles is None or there is None:
+            return FrameOutcome()
+        outcome = self._vehicles.hub.receive(link, frame, robot)
+        # A dropped frame has no effect, and may hold a secret: it is not recorded.
+        if outcome.dropped is None:
+            self._inputs.add(inputs.FrameReceived(link, there.name, frame, robot))
+        return outcome
+
+    def keep_alive(self) -> list[OutgoingFrame]:
+        """Return heartbeats that are due in real time while the session is paused or slow."""
+        if self._vehicles is None:
+            return []
+        self._inputs.add(inputs.HeartbeatsSent())
+        return self._vehicles.hub.keep_alive()

@@ -1,0 +1,83 @@
+"""Knowledge of robots in the open game: the advice of each, and the facts for its arguments."""
+
+from dataclasses import replace
+
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts
+from thbridge.dialogue.moves import Scenario
+from thbridge.hunt.events import DialogueOpened
+from thbridge.hunt.game import GameState
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.keeper.advice.adviser import Advice, Adviser
+from thbridge.roles.keeper.advice.robot_facts import what_facts, where_facts
+from thbridge.roles.keeper.agreements import MATTERS
+from thbridge.roles.keeper.dialogues import GameDialogues
+from thbridge.roles.keeper.moves import UnreachedRooms
+
+
+class RobotKnowledge:
+    """Knowledge of the robots of a game, from which they advise and argue.
+
+    Args:
+        adviser: suggests rooms in the place of robots.
+        kinds: treasures that there are, as everybody knows them.
+
+    Attributes:
+        adviser: as above.
+        unreached: rooms that robots did not reach lately.
+    """
+
+    def __init__(self, adviser: Adviser, kinds: tuple[TreasureKind, ...]) -> None:
+        self.adviser = adviser
+        self.unreached = UnreachedRooms()
+        self._kinds = kinds
+
+    def begin(self) -> None:
+        """Forget what concerns the game before, because another one begins."""
+        self.unreached = UnreachedRooms()
+
+    def advice(self, state: GameState, dialogues: GameDialogues, robot: int) -> Advice | RequestRefused:
+        """Return what a robot suggests now; see `Adviser.advise`."""
+        stands = dialogues.under_way.suggestion_stands(robot)
+        number = state.robots[robot].advice + (0 if stands else 1)
+        return self.adviser.advise(state, dialogues.discussed, robot, number)
+
+    def where(
+        self,
+        state: GameState,
+        dialogues: GameDialogues,
+        robot: int,
+        tick: int,
+        advised: Room | None,
+        rival: Room | None = None,
+    ) -> WhereFacts:
+        """Return what a robot that argues knows about where to go, and which room its planner has chosen.
+
+        Args:
+            state: of the game.
+            dialogues: of the game.
+            robot: index in the team.
+            tick: present tick.
+            advised: the room that its planner has chosen; None where it has none.
+            rival: room that the participant wants it to go to.
+        """
+        facts = where_facts(state, dialogues.discussed, robot, self.unreached.of(robot), tick, rival)
+        facts = replace(facts, compares=self.adviser.error_rate <= 0.0)
+        return facts if advised is None else replace(facts, advised=advised)
+
+    def what(self, state: GameState, robot: int, room: Room, tick: int, name: str = "") -> WhatFacts:
+        """Return what a robot knows about the treasure in a room, which the participant takes for one of a name."""
+        return what_facts(state, robot, room, self._kinds, tick, name)
+
+    def about(
+        self, state: GameState, dialogues: GameDialogues, opened: DialogueOpened, tick: int
+    ) -> WhereFacts | WhatFacts | None:
+        """Return the facts of a robot for a dialogue that is opened; None where robots do not argue."""
+        scenario, robot, room = Scenario(opened.scenario), opened.robot, opened.room
+        if not dialogues.argues:
+            return None
+        if MATTERS[scenario] == "select-room":
+            rival = room if scenario is Scenario.SPECIFIC_ROOM else None
+            return self.where(state, dialogues, robot, tick, opened.advised, rival)
+        return replace(self.what(state, robot, room, tick, opened.name), unsure=scenario is Scenario.UNSURE_NAME)

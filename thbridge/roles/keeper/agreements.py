@@ -1,0 +1,145 @@
+"""Agreements of participant and robots, and the last words of their dialogues."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+from thbridge.dialogue.moves import (
+    CloseQuestions,
+    Conclude,
+    Dialogue,
+    DialogueUtterance,
+    Move,
+    OpenQuestions,
+    Scenario,
+)
+from thbridge.hunt import rules
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+from thbridge.roles.shared.view import Consent, DialogueMatter, LastWords
+
+MATTERS: dict[Scenario, DialogueMatter] = {
+    Scenario.SPECIFIC_ROOM: "select-room",
+    Scenario.DONT_KNOW: "select-room",
+    Scenario.TAKE_PICTURE: "take-picture",
+    Scenario.TAKE_TREASURE: "take-treasure",
+    Scenario.UNSURE_NAME: "take-treasure",
+}
+
+
+class Agreements:
+    """Agreements that are not acted upon yet.
+
+    Attributes:
+        all: these, oldest first.
+    """
+
+    def __init__(self) -> None:
+        self.all: tuple[Consent, ...] = ()
+
+    def add(self, consent: Consent) -> None:
+        """Add an agreement."""
+        self.all += (consent,)
+
+    def is_agreed(self, robot: int, matter: DialogueMatter, room: Room, name: str = "") -> bool:
+        """Return True when the participant may act on this now; of an agreement on a name, by this name."""
+        return any(
+            (consent.robot, consent.matter, consent.room) == (robot, matter, room.people) and consent.name in {"", name}
+            for consent in self.all
+        )
+
+    def has(self, robot: int, matter: DialogueMatter) -> bool:
+        """Return True when there is any with a robot on a matter."""
+        return any((consent.robot, consent.matter) == (robot, matter) for consent in self.all)
+
+    def covers(self, scenario: Scenario, robot: int, room: Room, name: str) -> bool:
+        """Return True when a dialogue about this would be about what is agreed."""
+        if scenario is Scenario.UNSURE_NAME:
+            return any(
+                (consent.robot, consent.matter, consent.room) == (robot, MATTERS[scenario], room.people)
+                for consent in self.all
+            )
+        return self.is_agreed(robot, MATTERS[scenario], room, name)
+
+    def withdraw(self, robot: int, matter: DialogueMatter) -> None:
+        """Withdraw an agreement, because it was acted upon or the matter is open again."""
+        self.all = tuple(consent for consent in self.all if (consent.robot, consent.matter) != (robot, matter))
+
+    def drop_stale(self, state: GameState) -> None:
+        """Withdraw those that have no purpose any more."""
+        self.all = tuple(
+            consent for consent in self.all if still_open(state, consent.robot, consent.matter, Room(consent.room))
+        )
+
+
+class LastSentences:
+    """Last words of dialogues that have ended, at most one per robot.
+
+    Attributes:
+        all: these, the newest last.
+    """
+
+    def __init__(self) -> None:
+        self.all: tuple[LastWords, ...] = ()
+
+    def keep(self, dialogue: Dialogue, utterances: tuple[DialogueUtterance, ...], *, agreed: bool) -> None:
+        """Keep how a dialogue has ended; where robots do as they are told without a word, there is nothing to keep."""
+        if agreed and not dialogue.turns:
+            return
+        said_truly = true_utterances(utterances, agreed=agreed)
+        topic, (said, speakers) = dialogue.topic, sentences(said_truly)
+        # Of what is done the robot's last sentence tells, of what is not only its conclusion.
+        is_told = agreed or any(isinstance(each.move, Conclude) for each in said_truly[-1:])
+        matter = MATTERS[topic.scenario]
+        words = LastWords(dialogue.number, topic.robot, matter, topic.room.people, said, speakers, agreed, is_told)
+        self.forget(topic.robot)
+        self.all += (words,)
+
+    def forget(self, robot: int) -> None:
+        """Forget those with a robot."""
+        self.all = tuple(words for words in self.all if words.robot != robot)
+
+    def drop_stale(self, state: GameState, agreements: Agreements) -> None:
+        """Forget those that matter no more."""
+        agreed = {(consent.robot, consent.matter, consent.room) for consent in agreements.all}
+        self.all = tuple(
+            words
+            for words in self.all
+            if _still_matters(state, words) or (words.robot, words.matter, words.room) in agreed
+        )
+
+
+def sentences(
+    utterances: Sequence[DialogueUtterance],
+) -> tuple[tuple[str, ...], tuple[Literal["robot", "person"], ...]]:
+    """Return what was said and by whom; to look for a question, and to ask none after all, says nothing."""
+    said = [each for each in utterances if not isinstance(each.move, OpenQuestions | CloseQuestions)]
+    return tuple(each.text for each in said), tuple(each.speaker.value for each in said)
+
+
+def true_utterances(utterances: tuple[DialogueUtterance, ...], *, agreed: bool) -> tuple[DialogueUtterance, ...]:
+    """Return what was said, without a conclusion that tells of something that is not done."""
+
+    def is_true(move: Move) -> bool:
+        return agreed or not isinstance(move, Conclude) or move.about is None
+
+    return tuple(each for each in utterances if is_true(each.move))
+
+
+def still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room) -> bool:
+    """Return True while a robot could still do what a dialogue or agreement is about."""
+    if state.ended is not None:
+        return False
+    if matter == "select-room":
+        return isinstance(rules.move(state, robot, room), tuple)
+    worker = state.decider(room) if matter == "take-treasure" else state.standing_in(room)
+    return worker == robot and not state.robots[robot].is_silent and not state.room(room).is_decided
+
+
+def _still_matters(state: GameState, words: LastWords) -> bool:
+    """Return True until what was agreed is done; without an agreement, until the robot or its treasure moves on."""
+    if state.ended is not None:
+        return False
+    robot, room = state.robots[words.robot], Room(words.room)
+    if words.matter == "select-room":
+        return robot.bound_for == (room if words.agreed else None)
+    return not words.agreed and still_open(state, words.robot, words.matter, room)

@@ -1,0 +1,123 @@
+"""Initiative of robots: what they suggest, open dialogues about, and decide by themselves."""
+
+from msgspec import structs
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.dialogue.moves import Scenario, Speaker
+from thbridge.hunt import rules
+from thbridge.hunt.events import DialogueOpened
+from thbridge.hunt.game import GameState
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.tour import NoTour
+from thbridge.roles.keeper.advice.adviser import Advice
+from thbridge.roles.keeper.advice.neglect import decide_about_treasure, decide_to_go, neglected
+from thbridge.roles.keeper.agreements import MATTERS
+from thbridge.roles.keeper.open_game import OpenGame
+from thbridge.roles.shared.view import RequestSuggestion
+from thbridge.text_protocol.wire.notice import kind_of
+
+_READING = 30 * TICKS_PER_SECOND
+"""Ticks that a robot gives the participant at least to read what it has said, and to answer."""
+
+
+def suggest(game: OpenGame, state: GameState, robot: int, advice: Advice, *, unasked: bool = False) -> None:
+    """Record an advice, and let the robot open the dialogue about it."""
+    room = advice.room
+    if game.dialogues.argues:
+        chosen = game.dialogues.memories.decision(game.where_facts(state, robot, room))
+        if chosen is None:
+            sentence = "I know of no room that I should go to, after all that you have told me."
+            game.refuse(kind_of(RequestSuggestion), RequestRefused(NoTour.NOTHING_LEFT, sentence))
+            return
+        room = chosen
+    opener = Speaker.ROBOT if unasked else Speaker.PERSON
+    opened = _opening(game, Scenario.DONT_KNOW, robot, room, opener, advice.room)
+    game.record((advice.event(robot), structs.replace(opened, reason=advice.reason, confidence=advice.confidence)))
+
+
+def discuss(
+    game: OpenGame, state: GameState, scenario: Scenario, robot: int, room: Room, name: str | None = None
+) -> None:
+    """Open the dialogue about what the participant wants, unless it is open or has led to an agreement.
+
+    Args:
+        game: the open game.
+        state: of the game.
+        scenario: the decision.
+        robot: index in the team.
+        room: the room that it is about.
+        name: that the treasure is to be given; empty: she asks what it is; None: she does not say.
+    """
+    if name == "" and game.dialogues.argues:
+        scenario = Scenario.UNSURE_NAME
+    said = (name or "") if game.dialogues.argues else ""
+    if game.dialogues.is_discussed(scenario, robot, room, said):
+        return
+    advised = None
+    if game.dialogues.argues and MATTERS[scenario] == "select-room":
+        advice = game.advice(state, robot)
+        advised = None if isinstance(advice, RequestRefused) else advice.room
+    opened = _opening(game, scenario, robot, room, Speaker.PERSON, advised)
+    game.record((structs.replace(opened, name=said),))
+
+
+def _opening(
+    game: OpenGame, scenario: Scenario, robot: int, room: Room, opener: Speaker, advised: Room | None
+) -> DialogueOpened:
+    at = game.tick / TICKS_PER_SECOND
+    return DialogueOpened(game.dialogues.next_number, scenario, robot, room, at, opener, advised)
+
+
+def decide_alone(game: OpenGame, patience: int) -> bool:
+    """Let robots decide that nobody has attended to for too long; return True if any did.
+
+    Args:
+        game: the open game.
+        patience: ticks after which a robot that nobody attends to decides by itself.
+    """
+    state = game.state
+    if state is None:
+        return False
+    waiting = [
+        robot
+        for robot in neglected(state, game.attended, game.tick, patience)
+        # Reading a robot's reasons is attending to it.
+        if robot not in game.dialogues.under_way or game.tick - game.attended.get(robot, 0) >= _READING
+    ]
+    for robot in waiting:
+        game.attend(robot)
+        if game.state is not None:
+            _decide_alone(game, game.state, robot, patience)
+    return bool(waiting)
+
+
+def _decide_alone(game: OpenGame, state: GameState, robot: int, patience: int) -> None:
+    here = state.robots[robot].at
+    names = game.knowledge.what(state, robot, here, game.tick).names if state.has_room(here) else ()
+    decision = decide_about_treasure(state, robot, names)
+    if decision is None:
+        advice = game.advice(state, robot)
+        room = None if isinstance(advice, RequestRefused) else advice.room
+        if room is not None and game.dialogues.argues and not isinstance(advice, RequestRefused):
+            room = game.dialogues.memories.decision(game.where_facts(state, robot, advice.room))
+        decision = None if room is None else decide_to_go(state, robot, room)
+    if decision is not None:
+        game.record(decision.events)
+        if decision.departs and game.state is not None:
+            game.dialogues.decided_alone(game.state, robot, decision.room, patience / TICKS_PER_SECOND)
+
+
+def report_failures(game: OpenGame) -> None:
+    """Let robots that argue say where they would go instead, when they did not get where they were sent."""
+    unreached = game.knowledge.unreached
+    for robot in unreached.to_report:
+        state = game.state
+        if state is None or not game.dialogues.argues or robot in game.dialogues.puppets:
+            continue
+        advice = game.advice(state, robot)
+        if isinstance(advice, RequestRefused) or rules.unable(state, robot):
+            continue
+        if game.dialogues.memories.decision(game.where_facts(state, robot, advice.room)) is not None:
+            suggest(game, state, robot, advice, unasked=True)
+    unreached.reported()

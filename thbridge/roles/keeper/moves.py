@@ -1,0 +1,88 @@
+"""Moves of the robots in one game: what is ordered to SimR, who was called back, who did not get there."""
+
+from thbridge.hunt.events import JournalEntry, MoveFailed, RobotArrived, RobotDeparted
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+from thbridge.roles.shared.notices import MoveOrder
+
+
+class TeamMoves:
+    """Moves of a game's robots, by the numbers that orders to SimR have.
+
+    Args:
+        robots: size of the team.
+    """
+
+    def __init__(self, robots: int) -> None:
+        # The number of each robot's latest move; then those of them that are ordered.
+        self._latest = [0] * robots
+        self._ordered = [0] * robots
+        self._departures = 0
+        self._recalled: set[int] = set()
+
+    def note(self, event: JournalEntry) -> None:
+        """Note an event of the game."""
+        match event:
+            case RobotDeparted(robot=robot):
+                self._departures += 1
+                self._latest[robot] = self._departures
+            case RobotArrived(robot=robot) | MoveFailed(robot=robot):
+                self._recalled.discard(robot)
+
+    def is_ordered(self, robot: int) -> bool:
+        """Return True when SimR has the order of a robot's latest move."""
+        return self._ordered[robot] == self._latest[robot]
+
+    def recall(self, robot: int) -> None:
+        """Call a moving robot back; its move ends when SimR reports how far it came."""
+        self._recalled.add(robot)
+
+    def is_recalled(self, robot: int) -> bool:
+        """Return True while a robot that was called back has not stopped yet."""
+        return robot in self._recalled
+
+    def is_executing(self, state: GameState, robot: int, move: int) -> bool:
+        """Return True while a robot executes the move of this number."""
+        return state.has_robot(robot) and state.robots[robot].bound_for is not None and self._latest[robot] == move
+
+    def orders(self, state: GameState) -> tuple[MoveOrder | None, ...]:
+        """Return the order of each robot, and note these as sent."""
+        self._ordered = list(self._latest)
+        return tuple(
+            None
+            if robot.bound_for is None or number in self._recalled
+            else MoveOrder(self._latest[number], robot.bound_for.people)
+            for number, robot in enumerate(state.robots)
+        )
+
+
+class UnreachedRooms:
+    """Rooms that robots did not reach lately, and the failures that they have not talked about yet."""
+
+    def __init__(self) -> None:
+        # By robot, the rooms that it could not reach since it last reached one.
+        self._rooms: dict[int, frozenset[Room]] = {}
+        self._to_report: set[int] = set()
+
+    def note(self, event: JournalEntry, state: GameState | None, moves: TeamMoves) -> None:
+        """Note an event before it changes state and moves; a robot that reaches a room reconsiders all others."""
+        if isinstance(event, RobotArrived):
+            self._rooms.pop(event.robot, None)
+        elif isinstance(event, MoveFailed) and state is not None and not moves.is_recalled(event.robot):
+            room = state.robots[event.robot].bound_for
+            if room is not None:
+                self._rooms[event.robot] = self.of(event.robot) | {room}
+                self._to_report.add(event.robot)
+
+    def of(self, robot: int) -> frozenset[Room]:
+        """Return the rooms that a robot could not reach."""
+        return self._rooms.get(robot, frozenset())
+
+    @property
+    def to_report(self) -> list[int]:
+        """Robots that did not get where they were sent, and have not said so yet."""
+        return sorted(self._to_report)
+
+    def reported(self) -> None:
+        """Forget the failures, which robots have talked about, or will not."""
+        self._to_report.clear()

@@ -1,0 +1,80 @@
+"""Open dialogues of one game, and what robots remember of earlier ones."""
+
+from collections.abc import Iterator
+
+from thbridge.dialogue.arguing import decision_of
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts, is_decision, situation_of
+from thbridge.dialogue.games.control import Conversation
+from thbridge.dialogue.moves import Dialogue, Scenario
+from thbridge.dialogue.propositions import NextRoom
+from thbridge.hunt.rooms import Room
+
+
+class OpenDialogues:
+    """Open dialogues, at most one per robot, in the order of opening."""
+
+    def __init__(self) -> None:
+        self._by_robot: dict[int, Dialogue] = {}
+
+    def __iter__(self) -> Iterator[Dialogue]:
+        return iter(tuple(self._by_robot.values()))
+
+    def __contains__(self, robot: int) -> bool:
+        """Return True while a dialogue with a robot is open."""
+        return robot in self._by_robot
+
+    def put(self, dialogue: Dialogue) -> None:
+        """Put a dialogue in the place of that with its robot, or last."""
+        self._by_robot[dialogue.topic.robot] = dialogue
+
+    def drop(self, robot: int) -> None:
+        """Drop the dialogue with a robot, if there is one."""
+        self._by_robot.pop(robot, None)
+
+    def of(self, robot: int) -> Dialogue | None:
+        """Return the dialogue with a robot."""
+        return self._by_robot.get(robot)
+
+    def numbered(self, number: int) -> Dialogue | None:
+        """Return the dialogue of a number."""
+        return next((dialogue for dialogue in self._by_robot.values() if dialogue.number == number), None)
+
+    def robot_of(self, number: int) -> int | None:
+        """Return the robot of the dialogue with this number, or None."""
+        dialogue = self.numbered(number)
+        return None if dialogue is None else dialogue.topic.robot
+
+    def at_turn(self, number: int, turn: int) -> Dialogue | None:
+        """Return the dialogue of this number if it is at this turn."""
+        dialogue = self.numbered(number)
+        return dialogue if dialogue is not None and len(dialogue.turns) == turn else None
+
+    def suggestion_stands(self, robot: int) -> bool:
+        """Return True while participant and robot talk about a room that the robot suggested."""
+        given = self.of(robot)
+        return given is not None and given.topic.scenario is Scenario.DONT_KNOW
+
+
+class RobotMemories:
+    """By robot: the situation it was in when it last talked, and all that was said and believed."""
+
+    def __init__(self) -> None:
+        self._memories: dict[int, tuple[WhereFacts | WhatFacts, Conversation]] = {}
+
+    def note(self, dialogue: Dialogue) -> None:
+        """Remember a dialogue of a robot that argues."""
+        if dialogue.conversation is not None and dialogue.topic.facts is not None:
+            self._memories[dialogue.topic.robot] = (situation_of(dialogue.topic.facts), dialogue.conversation)
+
+    def former(self, robot: int, facts: WhereFacts | WhatFacts) -> Conversation | None:
+        """Return what was said before; where the situation is another one, without what was decided in the last."""
+        if robot not in self._memories:
+            return None
+        situation, conversation = self._memories[robot]
+        return conversation if situation == situation_of(facts) else conversation.begun_anew(is_decision)
+
+    def decision(self, facts: WhereFacts) -> Room | None:
+        """Return the room that a robot would go to by itself, in the light of what it was told; None: none."""
+        decision = decision_of(facts, self.former(facts.robot, facts))
+        goes = None if decision is None else decision.proposition
+        return goes.room if isinstance(goes, NextRoom) else None

@@ -1,0 +1,156 @@
+"""SimR and Hider as the keeper knows them: what they said last, and what they were sent."""
+
+from contextlib import suppress
+
+from msgspec import structs
+
+from thbridge.hunt import rules
+from thbridge.hunt.codec import treasure_of
+from thbridge.hunt.events import Commander, TreasuresHidden
+from thbridge.hunt.game import GameState
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.roles.keeper.open_game import OpenGame
+from thbridge.roles.shared.notices import (
+    HideRequest,
+    HideTreasures,
+    MoveCosts,
+    Orders,
+    RecordingPermission,
+    RobotsReady,
+    TeamStatus,
+)
+from thbridge.roles.shared.participant_rules import KeeperReason
+from thbridge.roles.shared.view import SendRobot
+from thbridge.text_protocol.wire.notice import kind_of
+
+
+class ConnectedTeam:
+    """SimR, as far as it is connected: its robots, where they are, its last orders.
+
+    Args:
+        game: the open game.
+
+    Attributes:
+        ready: the robots; None before SimR has joined.
+    """
+
+    def __init__(self, game: OpenGame) -> None:
+        self._game = game
+        self.ready: RobotsReady | None = None
+        self._poses: tuple[tuple[float, float, float], ...] | None = None
+        self._ordered: Orders | None = None
+        # The answer to SimR's last question for consent; None: it has not asked.
+        self._permission: RecordingPermission | None = None
+
+    @property
+    def map(self) -> str | None:
+        """Name of the map that the robots are on; None while that is unknown."""
+        return None if self.ready is None else self.ready.map
+
+    @property
+    def from_starts(self) -> tuple[tuple[float | None, ...], ...]:
+        """Energy from the start of each robot to each place; empty where that is not known."""
+        return () if self.ready is None else self.ready.from_starts
+
+    def begin(self, game: int) -> None:
+        """Price moves from the starts, because a game begins."""
+        self.price(MoveCosts(game, self.from_starts))
+        self._poses = None
+
+    def take_status(self, status: TeamStatus) -> None:
+        """Take in where robots are, and which moves have ended."""
+        game = self._game
+        state = game.state
+        if state is None or status.game != state.started.game or state.ended is not None:
+            return
+        if {len(status.poses), len(status.results), len(status.conditions)} != {len(state.robots)}:
+            return
+        self._poses = status.poses
+        for robot, result in enumerate(status.results):
+            if result is None or game.state is None or not game.moves.is_executing(game.state, robot, result.move):
+                continue
+            bound_for = game.state.robots[robot].bound_for
+            if result.arrived and bound_for is not None:
+                game.apply_ruling("Arrived", rules.arrive(game.state, robot, bound_for))
+            else:
+                recalled = game.moves.is_recalled(robot)
+                game.apply_ruling("Failed", rules.fail(game.state, robot, result.sentence, result.share))
+                if not recalled:
+                    game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.NO_PATH, result.sentence))
+        for robot, condition in enumerate(status.conditions):
+            if game.state is not None:
+                game.apply_ruling("Reported", rules.report(game.state, robot, condition))
+        for robot, researcher in enumerate(status.researchers):
+            if game.state is not None:
+                game.apply_ruling("Commanded", rules.intervene(game.state, robot, researcher))
+
+    def price(self, priced: MoveCosts) -> None:
+        """Take in what moves cost from where robots stand."""
+        state = self._game.state
+        if state is None or priced.game != state.started.game or len(priced.costs) != len(state.robots):
+            return
+        for robot, costs in enumerate(priced.costs):
+            if costs and state.robots[robot].bound_for is None:
+                self._game.apply_ruling("Priced", rules.price(state, robot, costs))
+
+    def orders(self, state: GameState, *, with_poses: bool) -> Orders | None:
+        """Return the orders for SimR, with the poses to put robots at; None: without these it has them."""
+        orders = Orders(
+            game=state.started.game,
+            moves=self._game.moves.orders(state),
+            energy=tuple(robot.energy for robot in state.robots),
+            at=tuple(robot.at.people for robot in state.robots),
+            poses=self._poses if with_poses else None,
+            taken=tuple(
+                number for number, robot in enumerate(state.robots) if robot.command.by is not Commander.PARTICIPANT
+            ),
+        )
+        if not with_poses and self._ordered is not None and structs.replace(self._ordered, poses=None) == orders:
+            return None
+        self._ordered = orders
+        return orders
+
+    def permission(self, *, recordable: bool) -> RecordingPermission:
+        """Return the answer to the question whether the participant may be recorded."""
+        self._permission = RecordingPermission(recordable)
+        return self._permission
+
+    def changed_permission(self, *, recordable: bool) -> RecordingPermission | None:
+        """Return the answer if it is another than before; None where SimR has not asked."""
+        known = self._permission
+        return None if known in {None, RecordingPermission(recordable)} else self.permission(recordable=recordable)
+
+
+class ConnectedHider:
+    """Hider, as far as it is connected.
+
+    Args:
+        game: the open game.
+
+    Attributes:
+        ready: it has joined.
+    """
+
+    def __init__(self, game: OpenGame) -> None:
+        self._game = game
+        self.ready = False
+
+    def awaits_treasures(self, state: GameState) -> bool:
+        """Return True while Hider is about to hide the treasures."""
+        return self.ready and state.treasures is None
+
+    def request(self) -> HideRequest | None:
+        """Return the request to hide the treasures, if they are still to be hidden."""
+        state = self._game.state
+        if state is None or not self.awaits_treasures(state) or state.ended is not None:
+            return None
+        return HideRequest(state.started.game, len(state.rooms))
+
+    def hide(self, hidden: HideTreasures) -> None:
+        """Take in what Hider has hidden."""
+        state = self._game.state
+        fresh = state is not None and state.treasures is None and state.started.game == hidden.game
+        if state is None or not fresh or len(hidden.treasures) != len(state.rooms):
+            return
+        with suppress(ValueError):
+            self._game.record((TreasuresHidden(tuple(treasure_of(fields) for fields in hidden.treasures)),))

@@ -1,0 +1,46 @@
+"""Lines of the participant's requests: those of 2016 where there are such, else notices to the keeper."""
+
+from thbridge.hunt.rooms import Room
+from thbridge.roles.shared.notices import KEEPER
+from thbridge.roles.shared.view import IdentifyTreasure, ParticipantRequest, SendRobot, SenseTreasure, TakePicture
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextMessage
+from thbridge.text_protocol.wire.notice import encode_notice
+from thbridge.text_protocol.wire.router import Forwarded
+
+LineRequest = SendRobot | SenseTreasure | TakePicture | IdentifyTreasure
+"""A request that has a line of 2016."""
+
+
+def encode_request_line(request: ParticipantRequest, number: int | None = None) -> TextMessage:
+    """Return the message for a request: a line of 2016 where there is one, else a notice to the keeper.
+
+    Args:
+        request: the request.
+        number: of the request, the same in each repetition; lines of 2016 have none.
+    """
+    match request:
+        case SendRobot(robot, room):
+            return legacy.GotoRoom(robot, Room(room).wire).message()
+        case SenseTreasure(room):
+            return legacy.AskTreasure(Room(room).wire).message()
+        case TakePicture(room):
+            return legacy.SnapTreasure(Room(room).wire).message()
+        case IdentifyTreasure(room, name):
+            return legacy.NameTreasure(Room(room).wire, name).message()
+        case _:
+            return encode_notice(legacy.TABUI, KEEPER, request, number)
+
+
+def decode_request_line(line: Forwarded) -> LineRequest | None:
+    """Return the request in a line of 2016, whoever its receiver is; None if it holds none."""
+    match line.legacy_value:
+        case legacy.GotoRoom(robot, room):
+            return SendRobot(robot, Room.of_wire(room).people)
+        case legacy.AskTreasure(room):
+            return SenseTreasure(Room.of_wire(room).people)
+        case legacy.SnapTreasure(room):
+            return TakePicture(Room.of_wire(room).people)
+        case legacy.NameTreasure(room, name):
+            return IdentifyTreasure(Room.of_wire(room).people, name)
+    return None

@@ -1,0 +1,194 @@
+"""Moves of the game as SimR carries them out: goals of robots, results, and what further moves would cost."""
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+
+from sim.common.geometry import Pose2
+from sim.inputs import SendGoal
+from sim.numerics import elementary
+from sim.robot.navigator.goals import Goal, GoalReached, NoPath
+from sim.team import TeamSnapshot
+from thbridge.hunt.rooms import Room
+from thbridge.roles.shared import failure_reasons as reasons
+from thbridge.roles.shared.notices import MoveOrder, MoveResult
+from thbridge.roles.simr.travel_times import TravelTimes
+from thbridge.text_protocol.wire import legacy
+from thbridge.text_protocol.wire.lines import TextMessage
+
+PRICED_DISTANCE = 0.5
+"""Metres that a robot moves before its moves are priced anew: an estimate at rest wanders a little."""
+
+
+@dataclass(frozen=True, slots=True)
+class GameMap:
+    """The map of the game as SimR needs it.
+
+    Attributes:
+        name: of the map.
+        goals: goal pose of each room, room 1 first.
+        starts: start pose of each robot.
+        costs: energy from place to place as people count them, None where there is no move.
+        travel: travel times from any other place; None: the costs of the corridor count there.
+    """
+
+    name: str
+    goals: tuple[Pose2, ...]
+    starts: tuple[Pose2, ...]
+    costs: tuple[tuple[float | None, ...], ...]
+    travel: TravelTimes | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Move:
+    """A move in progress. `length` is its longest plan so far, metres; 0 until there is one."""
+
+    order: MoveOrder
+    length: float = 0.0
+    remaining: float = 0.0
+
+    def share(self) -> float:
+        return 1.0 - self.remaining / self.length if self.length > 0.0 else 0.0
+
+
+class MovesInProgress:
+    """Moves that robots were ordered to make, and the results of their last ones.
+
+    Args:
+        goals: goal pose of each room, room 1 first.
+        robots: size of the team.
+
+    Attributes:
+        results: of each robot's last move; None during a move and before the first.
+    """
+
+    def __init__(self, goals: tuple[Pose2, ...], robots: int) -> None:
+        self._goals = goals
+        self._moves: dict[int, _Move] = {}
+        self.results: list[MoveResult | None] = [None] * robots
+
+    def __contains__(self, robot: int) -> bool:
+        """Return True while a robot makes a move of the game."""
+        return robot in self._moves
+
+    @property
+    def shares(self) -> dict[int, float]:
+        """Driven share of the path, by robot that makes a move."""
+        return {robot: move.share() for robot, move in self._moves.items()}
+
+    def restart(self) -> None:
+        """Forget all moves and results."""
+        self._moves.clear()
+        self.results = [None] * len(self.results)
+
+    def go(self, robot: int, order: MoveOrder) -> SendGoal:
+        """Begin a move; return its goal for the robot."""
+        self.results[robot] = None
+        self._moves[robot] = _Move(order)
+        return SendGoal(robot, self._goal(order))
+
+    def last(self, robot: int) -> int:
+        """Return the number of the robot's move in progress, or else of its last one; 0 before the first."""
+        move, result = self._moves.get(robot), self.results[robot]
+        if move is not None:
+            return move.order.move
+        return 0 if result is None else result.move
+
+    def follow(
+        self,
+        snapshot: TeamSnapshot,
+        silent: Collection[int],
+        called_back: Collection[int],
+        is_driven: Callable[[int], bool],
+    ) -> tuple[list[TextMessage], list[SendGoal]]:
+        """Follow the moves by the team's step.
+
+        Args:
+            snapshot: of the team.
+            silent: robots that do not respond.
+            called_back: robots whose orders say that they stand.
+            is_driven: returns True for a robot that is driven by hand.
+
+        Returns:
+            The lines of 2016 about rooms that were reached, and goals that robots have lost.
+        """
+        lines: list[TextMessage] = []
+        lost: list[SendGoal] = []
+        for robot, output in enumerate(snapshot.robots):
+            move = self._moves.get(robot)
+            if move is None:
+                continue
+            navigation = output.navigation
+            goal = self._goal(move.order)
+            if navigation.goal == goal and navigation.state == "controlling":
+                self._moves[robot] = move = replace(
+                    move, length=max(move.length, navigation.remaining), remaining=navigation.remaining
+                )
+            result = navigation.result
+            if robot in silent:
+                self._fail(robot, move, reasons.unresponsive_sentence(robot))
+            elif result is not None and result.goal != goal:
+                pass  # The result of an earlier goal, or of one that somebody else set.
+            elif isinstance(result, GoalReached):
+                del self._moves[robot]
+                self.results[robot] = MoveResult(move.order.move, True, "", 1.0)
+                lines.append(legacy.RoomReached(robot, Room(move.order.room).wire).message())
+            elif isinstance(result, NoPath):
+                self._fail(robot, move, reasons.failure_sentence(robot, result.reason))
+            elif navigation.goal is None and output.tick == snapshot.tick:
+                if robot in called_back:
+                    self._fail(robot, move, reasons.CALLED_BACK)
+                elif not is_driven(robot):
+                    # It was dead for a while, or sent elsewhere or driven by hand: its navigator has lost the goal.
+                    lost.append(SendGoal(robot, goal))
+        return lines, lost
+
+    def _goal(self, order: MoveOrder) -> Goal:
+        return Goal(order.move, self._goals[Room(order.room).wire])
+
+    def _fail(self, robot: int, move: _Move, sentence: str) -> None:
+        del self._moves[robot]
+        self.results[robot] = MoveResult(move.order.move, False, sentence, move.share())
+
+
+class MovePrices:
+    """Prices of moves from where robots stand, updated whenever one has come to rest elsewhere.
+
+    Args:
+        travel: travel times from any place; None: moves are not priced.
+        robots: size of the team.
+    """
+
+    def __init__(self, travel: TravelTimes | None, robots: int) -> None:
+        self._travel = travel
+        # Where each robot stood when its moves were priced, and their costs.
+        self._priced: list[tuple[Pose2, tuple[float | None, ...]] | None] = [None] * robots
+
+    def restart(self) -> None:
+        """Forget all prices."""
+        self._priced = [None] * len(self._priced)
+
+    def update(self, snapshot: TeamSnapshot, busy: Collection[int]) -> bool:
+        """Price the moves of robots that have come to rest elsewhere; return True if any was priced anew.
+
+        Args:
+            snapshot: of the team.
+            busy: robots that move, or do not respond.
+        """
+        if self._travel is None:
+            return False
+        anew = False
+        for robot, output in enumerate(snapshot.robots):
+            if robot in busy or output.navigation.goal is not None or output.lost:
+                continue
+            here, priced = output.estimate.base_in_map, self._priced[robot]
+            if priced is None or elementary.hypot(here.x - priced[0].x, here.y - priced[0].y) > PRICED_DISTANCE:
+                self._priced[robot] = here, self._travel.costs_from(here)
+                anew = True
+        return anew
+
+    @property
+    def costs(self) -> tuple[tuple[float | None, ...], ...] | None:
+        """Costs of each robot's moves, empty where they are not known; None where no robot's are."""
+        if not any(self._priced):
+            return None
+        return tuple(() if priced is None else priced[1] for priced in self._priced)
