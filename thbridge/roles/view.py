@@ -1,0 +1,3 @@
+"""The participant's view and requests, where participants of labs import them; see docs/your-own-participant.md."""
+
+from thbridge.roles.shared.view import *  # noqa: F403
