@@ -154,6 +154,10 @@ _LAYER_ONLY = (
 )
 
 
+_NODES = ("amcl", "controller_server", "planner_server", "local_costmap", "global_costmap")
+"""Nodes that have a counterpart."""
+
+
 def is_of_ros2(tree: Node) -> bool:
     """True for a tree in which any node has `ros__parameters`."""
     match tree:
@@ -184,10 +188,28 @@ def _nodes(tree: Section) -> Iterator[tuple[Scalar, Section]]:
         if not isinstance(child, Section):
             continue
         own = next((inner for name, inner in child.entries if name.text == PARAMETERS), None)
-        if isinstance(own, Section):
-            yield key, own
+        if own is not None:
+            # A node without parameters has nothing after the colon.
+            yield key, own if isinstance(own, Section) else Section(key.line, [])
         else:
             yield from _nodes(child)
+
+
+def _nested(section: Section) -> Section:
+    """The entries of a section with those of dotted names, `static_layer.enabled`, in inner sections."""
+    entries: list[Entry] = []
+    inner: dict[str, list[Entry]] = {}
+    for key, child in section.entries:
+        name, dot, rest = key.text.partition(".")
+        within = [(_scalar(rest, key.line), child)] if dot else child.entries if isinstance(child, Section) else None
+        if within is None:
+            entries.append((key, child))
+            continue
+        if name not in inner:
+            inner[name] = []
+            entries.append((_scalar(name, key.line), Section(key.line, inner[name])))
+        inner[name] += within
+    return Section(section.line, [(key, _nested(one) if isinstance(one, Section) else one) for key, one in entries])
 
 
 def _dotted(section: Section, prefix: str = "") -> Iterator[Entry]:
@@ -215,20 +237,26 @@ class _Translation:
     def file(self, tree: Section) -> Section:
         entries: list[Entry] = []
         others: list[str] = []
+        known: set[str] = set()
         for key, parameters in _nodes(tree):
+            if key.text in known:
+                problem = f"{key.text} stands there for a second robot"
+                raise BadFile(self._path, problem, "write the nodes of one robot into a file of their own", key.line)
+            if key.text in _NODES:
+                known.add(key.text)
             match key.text:
                 case "amcl":
                     entries.append((key, self._amcl(key, parameters)))
                 case "local_costmap" | "global_costmap":
-                    entries.append((key, self._costmap(key, parameters)))
+                    entries.append((key, self._costmap(key, _nested(parameters))))
                 case "planner_server":
                     entries += self._planner(parameters)
                 case "controller_server":
                     entries += self._controller(parameters)
                 case other:
                     others.append(other)
-        if not entries:
-            remedy = "name a file with amcl, controller_server, planner_server, local_costmap or global_costmap"
+        if not known:
+            remedy = f"name a file with {', '.join(_NODES[:-1])} or {_NODES[-1]}"
             raise BadFile(self._path, "no node of this file of ROS 2 has a counterpart here", remedy)
         if others:
             self._tell(f"nodes of ROS 2 that have no counterpart here: {', '.join(sorted(set(others)))}")
@@ -289,7 +317,10 @@ class _Translation:
             listed = ", ".join(_COSTMAP_PLUGINS)
             self._tell(f"{node.text} leaves out plugins, which Nav2 takes by default: {listed}")
         listing = inner["plugins"]
-        plugins = [item for item in listing.items if isinstance(item, Scalar)] if isinstance(listing, Listing) else []
+        if not isinstance(listing, Listing):
+            remedy = f"write such as [{', '.join(_COSTMAP_PLUGINS)}], or delete the line for these, Nav2's default"
+            raise BadFile(self._path, "no list of layers", remedy, listing.line, f"{node.text}.plugins")
+        plugins = [item for item in listing.items if isinstance(item, Scalar)]
         names = {each.text for each in plugins}
         entries: list[Entry] = []
         for key, child in given:

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,8 +19,10 @@ _WHOLE_REAL = re.compile(r"([-+]?\d+)\.0*")
 _ANGLE = re.compile(r"(deg|rad)\((.*)\)")
 _OTHER_BASE = re.compile(r"[-+]?0(x[\da-fA-F]+|b[01]+|[0-7]+)")
 """Numbers in base 16, 2 and 8, as in YAML 1.1, by which ROS reads."""
-_TEXT_TAG = "tag:yaml.org,2002:str"
-_PLAIN_TAGS = {*(f"tag:yaml.org,2002:{kind}" for kind in ("float", "int", "bool", "null")), _TEXT_TAG}
+_GROUPED = re.compile(r"[-+]?\d+(_+\d+)+(\.\d*)?")
+"""Numbers with underscores between digits, as in YAML 1.1."""
+_TEXT_TAGS = {f"tag:yaml.org,2002:{kind}" for kind in ("str", "binary")}
+_PLAIN_TAGS = {*(f"tag:yaml.org,2002:{kind}" for kind in ("float", "int", "bool", "null")), *_TEXT_TAGS}
 
 
 @dataclass(slots=True)
@@ -52,7 +54,7 @@ class RosYamlNormalizer:
                 return Listing(line, [self.node(item) for item in items])
             case Section(line, entries):
                 written: dict[str, Entry] = {}
-                for key, child in self.merged(entries):
+                for key, child in _below_root(self.merged(entries)):
                     name, inner = self.unfolded(key, self.node(child))
                     before, known = written.get(name.text, (name, None))
                     if isinstance(inner, Section) and isinstance(known, Section) and "/" in key.text.strip("/"):
@@ -94,12 +96,14 @@ class RosYamlNormalizer:
             degrees = called[1] == "deg" if called else node.tag == "!degrees"
             return Scalar(repr(self.angle(text, node.line, degrees)), plain=True, line=node.line)
         if node.tag in _PLAIN_TAGS:
-            return self.scalar(dataclasses.replace(node, tag=None, plain=node.tag != _TEXT_TAG))
+            return self.scalar(dataclasses.replace(node, tag=None, plain=node.tag not in _TEXT_TAGS))
         if node.tag is not None:
             remedy = "Write the plain value; only !degrees and !radians are known"
             raise BadFile(self.path, "a tag (!)", remedy, line=node.line, key=node.tag)
         if not node.plain:
             return node
+        if _GROUPED.fullmatch(node.text):
+            return self.scalar(dataclasses.replace(node, text=node.text.replace("_", "")))
         if _OTHER_BASE.fullmatch(node.text):
             return dataclasses.replace(node, text=str(_in_ten(node.text)))
         whole = _WHOLE_REAL.fullmatch(node.text)
@@ -114,6 +118,15 @@ class RosYamlNormalizer:
         if value is None:
             raise BadFile(self.path, f"{text!r} is no angle", "Write a number, or such as pi/2", line=line)
         return math.radians(value) if degrees else value
+
+
+def _below_root(entries: Sequence[Entry]) -> Iterator[Entry]:
+    """Yield the entries; those of the root of all names, `/`, in its place."""
+    for key, child in entries:
+        if key.text == "/" and isinstance(child, Section):
+            yield from child.entries
+        else:
+            yield key, child
 
 
 def _in_ten(text: str) -> int:

@@ -253,7 +253,25 @@ def _parsed(path: Path, notices: list[str]) -> tuple[Path, Section]:
 
 def _normal(path: Path, notices: list[str]) -> Section:
     tree = RosYamlNormalizer(path, notices).section(parse(path, read_text(path), ros=True))
-    return as_ros1(path, tree, notices) if is_of_ros2(tree) else tree
+    return as_ros1(path, tree, notices) if is_of_ros2(tree) else _of_one_robot(path, tree)
+
+
+def _of_one_robot(path: Path, tree: Section) -> Section:
+    """The entries of a file; those in the namespace of a robot, as in a dump of the parameter server, outside of it."""
+    robots = [(key, child) for key, child in tree.entries if isinstance(child, Section) and _has_nodes(child)]
+    if not robots or any(key.text in SECTIONS for key, _ in tree.entries):
+        return tree
+    if len(robots) > 1:
+        problem = f"it has the parameters of several robots: {', '.join(key.text for key, _ in robots)}"
+        raise BadFile(path, problem, "write those of one into a file of their own, by `rosparam dump FILE NAMESPACE`")
+    others = [entry for entry in tree.entries if entry[0].text != robots[0][0].text]
+    return _of_one_robot(path, Section(tree.line, [*others, *robots[0][1].entries]))
+
+
+def _has_nodes(tree: Section) -> bool:
+    """Return True for a namespace with a node of ours, or with another such namespace."""
+    inner = [(key, child) for key, child in tree.entries if isinstance(child, Section)]
+    return any(key.text in {"amcl", "move_base"} or _has_nodes(child) for key, child in inner)
 
 
 def _without_static_map(path: Path, tree: Section, listed: Collection[str], notices: list[str]) -> Section:
@@ -301,7 +319,7 @@ class _Sorter:
                 parts.setdefault(key.text, []).extend(child.entries)
             else:
                 whole.append((key, child))
-        homes = self.homes(flat)
+        homes = self.homes(flat, by_node=bool(parts))
         # An unknown section is kept, so that the loader reports it.
         whole += homes.pop("", [])
         for section, entries in homes.items():
@@ -315,10 +333,14 @@ class _Sorter:
             whole.append((Scalar(section, plain=True, line=line), Section(line, shaped)))
         return Section(tree.line, whole)
 
-    def homes(self, flat: list[Entry]) -> dict[str, list[Entry]]:
+    def homes(self, flat: list[Entry], by_node: bool) -> dict[str, list[Entry]]:
         """Parameters without a section, by the section to which most of them belong, or else another that has them.
 
         Unknown sections are under an empty name.
+
+        Args:
+            flat: the parameters.
+            by_node: other parameters of the file have sections, so that an unknown one is of no node.
         """
         homes: dict[str, list[Entry]] = {}
         for key, _ in flat:
@@ -332,7 +354,8 @@ class _Sorter:
         for key, child in flat:
             home = next((section for section in ranked if key.text in known[section]), None)
             layer = ranked[0] in COSTMAPS and scores[ranked[0]] > 0.0 and self.unlisted(key.text)
-            if home is None and isinstance(child, Section) and not layer:
+            strange = by_node and not any(difflib.get_close_matches(key.text, names) for names in known.values())
+            if home is None and (isinstance(child, Section) or strange) and not layer:
                 if _PLANNER.fullmatch(key.text) and not difflib.get_close_matches(key.text, SECTIONS, cutoff=0.85):
                     self.tell(key, f"{key.text} has no effect here: there is no such planner")
                 elif not difflib.get_close_matches(key.text, ours, cutoff=0.7):
@@ -365,7 +388,9 @@ class _Sorter:
         """Yield the entries without those in `WITHOUT_EFFECT`, for each of which there is a notice."""
         for key, child in entries:
             meaning = WITHOUT_EFFECT.get(section, {}).get(key.text)
-            if meaning is None:
+            if key.text == "use_sim_time":
+                self.tell(key, f"{section}.{key.text} has no effect here: it belongs to the whole ROS graph")
+            elif meaning is None:
                 yield key, child
             else:
                 self.tell(key, f"{section}.{key.text} has no effect here: {meaning}")
@@ -396,6 +421,11 @@ class _Sorter:
         for key, child in entries:
             layer = self.layer_of(key.text) if isinstance(child, Section) and key.text not in sources else None
             if key.text == "plugins":
+                if not isinstance(child, Listing) or not all(_plugins(Listing(0, [item])) for item in child.items):
+                    remedy = "write such as [{name: walls, type: 'costmap_2d::StaticLayer'}], or delete the line"
+                    raise BadFile(
+                        self.path, "no list of layers with name and type", remedy, key.line, f"{section}.plugins"
+                    )
                 self.listed[section] = frozenset(_plugins(child).values())
             elif layer == "":
                 self.tell(key, f"{section}.{key.text} has no effect here: there is no such kind of layer")

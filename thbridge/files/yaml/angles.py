@@ -58,3 +58,11 @@ def doubt_about(text: str, radians: float) -> tuple[str, str] | None:
         problem = f"{text} rad is {math.degrees(radians):.4g} degrees"
         return problem, f"Write {text}deg if degrees are meant"
     return None
+
+
+def doubt_about_rate(text: str, rate: float) -> tuple[str, str] | None:
+    """Return why a rate of turn, rad/s, looks like degrees a second, and the remedy; None where it does not."""
+    if abs(rate) <= math.tau:
+        return None
+    problem = f"{text} rad/s is {abs(rate) / math.tau:.1f} turns a second"
+    return problem, f"Write {math.radians(rate):.4g} if degrees a second are meant"

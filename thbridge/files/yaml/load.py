@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Generic, Literal, TypeVar, Union, cast, get_ar
 from thbridge.files.disk.inside import fault_of_path
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, BadFiles
-from thbridge.files.yaml.angles import doubt_about, radians_of
+from thbridge.files.yaml.angles import doubt_about, doubt_about_rate, radians_of
 from thbridge.files.yaml.declarations import (
     Metadata,
     bounds,
@@ -112,7 +112,7 @@ _COMMA = re.compile(r"[-+]?\d*,\d+")
 _LEADING_ZERO = re.compile(r"[-+]?0\d+")
 _COUNTED = re.compile(r"[1-9]\d{0,8}")
 _NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
-_LAUNCHED = re.compile(r"\$\(.*\)")
+_LAUNCHED = re.compile(r"\$\(.*\)|\$\{.*\}")
 _WORDS_FOR_TRUTH = {"yes", "no", "on", "off", "y", "n"}
 
 
@@ -180,7 +180,8 @@ class _Reader:
 
     def number(self, node: Scalar, kind: object, metadata: Metadata, key: str) -> float | _Wrong:
         text = node.text
-        is_angle = kind is float and metadata.get("unit") == "rad"
+        unit = metadata.get("unit") if kind is float else None
+        is_angle = unit == "rad"
         angle = radians_of(text) if is_angle else None
         if _LAUNCHED.fullmatch(text):
             return self.wrong(node.line, key, f"{text} is a placeholder of a launch file", wanted(kind, metadata))
@@ -204,7 +205,8 @@ class _Reader:
         minimum, maximum = bounds(metadata)
         if not minimum <= number <= maximum or not math.isfinite(number):
             return self.wrong(node.line, key, f"{text} is out of range", wanted(kind, metadata))
-        if is_angle and angle is None and (doubt := doubt_about(text, number)) is not None:
+        in_doubt = doubt_about if is_angle and angle is None else doubt_about_rate if unit == "rad/s" else None
+        if in_doubt is not None and (doubt := in_doubt(text, number)) is not None:
             self.doubts.append(BadFile(self.path, *doubt, line=node.line, key=key or None))
         return number
 

@@ -278,3 +278,53 @@ def test_faults_are_told_with_their_place(tmp_path: Path, text: str, message: st
         read(tmp_path, text)
     assert message in str(found.value)
     assert "nav2.yaml" in str(found.value)
+
+
+@pytest.mark.parametrize("written", ["", "static_layer", "{static_layer: true}"])
+def test_plugins_that_are_no_list_are_a_fault(tmp_path: Path, written: str) -> None:
+    """The robot would drive without its map."""
+    text = f"global_costmap:\n  global_costmap:\n    ros__parameters:\n      plugins: {written}\n"
+    with pytest.raises(BadFile, match=r"line 4, global_costmap\.plugins: no list of layers\. Write such as \[static_"):
+        read(tmp_path, text)
+
+
+@pytest.mark.parametrize("node", ["amcl:\n  ros__parameters:\n", "amcl:\n  ros__parameters: {}\n"])
+def test_a_node_without_parameters_has_the_defaults_of_nav2(tmp_path: Path, node: str) -> None:
+    assert read(tmp_path, node).value.amcl.max_particles == 2000
+
+
+def test_names_with_dots_are_of_layers(tmp_path: Path) -> None:
+    text = """
+global_costmap:
+  global_costmap:
+    ros__parameters:
+      plugins: [static_layer, lasers]
+      lasers.plugin: nav2_costmap_2d::ObstacleLayer
+      lasers.observation_sources: scan
+      lasers.scan.obstacle_max_range: 3.5
+      lasers: {enabled: false}
+"""
+    layer = read(tmp_path, text).value.global_costmap.obstacle_layer
+    assert [(source.name, source.obstacle_range) for source in layer.observation_sources] == [("scan", 3.5)]
+    assert not layer.enabled
+
+
+@pytest.mark.parametrize(
+    ("plugin", "reason"),
+    [
+        ("nav2_smac_planner/SmacPlannerHybrid", "none of those in planner_plugins"),
+        ("", "none of those in planner_plug"),
+    ],
+)
+def test_a_planner_that_is_not_here_is_named_also_alone_in_its_file(tmp_path: Path, plugin: str, reason: str) -> None:
+    own = f"GridBased: {{plugin: {plugin}}}" if plugin else "Other: {tolerance: 0.1}"
+    text = f"planner_server:\n  ros__parameters:\n    planner_plugins: [GridBased]\n    {own}\n"
+    found = read(tmp_path, text)
+    assert (found.value, reason in told(found)) == (RobotParameters(), True)
+
+
+@pytest.mark.parametrize("node", ["amcl", "planner_server"])
+def test_nodes_of_two_robots_are_a_fault(tmp_path: Path, node: str) -> None:
+    text = "".join(f"robot{number}:\n  {node}:\n    ros__parameters: {{}}\n" for number in (1, 2))
+    with pytest.raises(BadFile, match=rf"line 5: {node} stands there for a second robot\. Write the nodes of one"):
+        read(tmp_path, text)

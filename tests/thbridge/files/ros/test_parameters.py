@@ -534,3 +534,64 @@ def test_what_a_launch_file_fills_in_is_told_so(tmp_path: Path) -> None:
 def test_a_list_of_sources_is_one_fault(tmp_path: Path) -> None:
     text = "local_costmap:\n  obstacle_layer:\n    observation_sources: [scan]\n    scan: {topic: /scan}\n"
     assert fault(tmp_path, text).endswith("observation_sources: no text. Write names with blanks between.")
+
+
+NODES_OF_A_ROBOT = "{amcl: {max_particles: 700}, move_base: {TrajectoryPlannerROS: {max_vel_x: 0.4}}}"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"robot1: {NODES_OF_A_ROBOT}\nuse_sim_time: false\n",
+        f"/lab/robot1: {NODES_OF_A_ROBOT}\nrosversion: x\n",
+        f"/: {NODES_OF_A_ROBOT}\n",
+    ],
+)
+def test_a_dump_of_a_robot_with_a_namespace_is_of_that_robot(tmp_path: Path, text: str) -> None:
+    value = read(tmp_path, text).value
+    assert (value.amcl.max_particles, value.TrajectoryPlannerROS.max_vel_x) == (700, 0.4)
+
+
+@pytest.mark.parametrize("robots", [("robot1", "robot2"), ("lab/a", "lab/b")])
+def test_a_dump_of_several_robots_is_a_fault(tmp_path: Path, robots: tuple[str, str]) -> None:
+    text = "".join(f"{robot}: {NODES_OF_A_ROBOT}\n" for robot in robots)
+    names = ", ".join(robot.rpartition("/")[2] for robot in robots)
+    assert f"it has the parameters of several robots: {names}. Write those of one" in fault(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("amcl: {use_sim_time: true, max_particles: 700}\n", "amcl.use_sim_time has no effect here: it belongs to"),
+        ("x: &most 700\namcl: {max_particles: *most}\n", "x has no effect here: no node here reads it"),
+        ("arm: {mesh: !!binary aGVsbG8=}\namcl: {max_particles: 700}\n", "arm has no effect here: no node here reads"),
+        ("map_server: {file: $(find lab)/map.yaml}\namcl: {max_particles: 700}\n", "map_server has no effect here"),
+    ],
+)
+def test_more_that_is_not_of_these_nodes_has_no_effect_and_is_told(tmp_path: Path, text: str, told: str) -> None:
+    whole = read(tmp_path, text)
+    assert whole.value.amcl.max_particles == 700
+    assert any(told in notice for notice in whole.notices)
+
+
+@pytest.mark.parametrize(("written", "number"), [("1_00", 100), ("1_0.0", 10), ("+10", 10), ("0x1F", 31)])
+def test_more_numbers_as_ros_reads_them(tmp_path: Path, written: str, number: int) -> None:
+    value = read(tmp_path, f"TrajectoryPlannerROS: {{vx_samples: {written}}}").value
+    assert value.TrajectoryPlannerROS.vx_samples == number
+
+
+@pytest.mark.parametrize("written", ["$(env PARTICLES)", "${particles}"])
+def test_what_other_launch_files_fill_in_is_told_so(tmp_path: Path, written: str) -> None:
+    told = fault(tmp_path, f"amcl:\n  max_particles: {written}\n")
+    assert f"line 2, amcl.max_particles: {written} is a placeholder of a launch file. Write a whole" in told
+
+
+@pytest.mark.parametrize("written", ["static_layer", "[static_layer, inflation_layer]"])
+def test_plugins_without_types_are_a_fault(tmp_path: Path, written: str) -> None:
+    """The robot would drive without its map."""
+    told = fault(tmp_path, f"global_costmap:\n  plugins: {written}\n")
+    assert "line 2, global_costmap.plugins: no list of layers with name and type. Write such as [{name: walls" in told
+
+
+def test_a_misspelled_parameter_next_to_sections_is_a_fault(tmp_path: Path) -> None:
+    assert "robot_radus: unknown key" in fault(tmp_path, "global_costmap: {static_map: true}\nrobot_radus: 0.3\n")
