@@ -9,7 +9,6 @@ from collections.abc import AsyncIterator, Callable, Iterable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
-from itertools import count
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPos
 from sim.numerics.float_array import FloatArray
 from sim.robot.global_planning.path import PlanRefusal as NoPlan
 from sim.team import Team
+from thbridge.app.live_graph.client_messages import ClientMessages
 from thbridge.app.live_graph.live_loggers import offer_loggers
 from thbridge.app.live_graph.live_parameters import LiveParameters, sendable
 from thbridge.app.live_graph.rate_limiter import RateLimiter
@@ -30,8 +30,6 @@ from thbridge.roles.shared.robot_requests import Request
 from thbridge.ros import clients, names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import pack, types, unpack
-from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
-from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree
 from thbridge.ros.topics import CLOCK, OF_ERRORS, RosMessage, Topic, VehicleTopics
@@ -94,7 +92,7 @@ class LiveGraph:
         self._team = team
         self._ask = ask
         self._robots = [RobotNames.of(robot) for robot in range(len(team.parameters))]
-        self._goals = count()
+        self._messages = ClientMessages()
         self._limiter = RateLimiter()
         self._turns = RequestQueue()
         self._complaints = WarnOnce(_log)
@@ -161,6 +159,7 @@ class LiveGraph:
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Publish the messages of one tick, the clock first."""
         self._tick = tick
+        self._messages.advance(tick)
         self._limiter.tick()
         self._parameters.follow(self._team.parameters)
         self._publications[CLOCK.name].publish(pack.clock(tick))
@@ -209,11 +208,11 @@ class LiveGraph:
 
     def _subscribe_to_clients(self, robot: int, named: RobotNames) -> None:
         for topic, msgtype, read in (
-            ("initialpose", types.POSE_WITH_COVARIANCE, self._pose_request),
-            ("cmd_vel", types.TWIST, self._velocity_request),
-            ("move_base_simple/goal", types.POSE_STAMPED, self._simple_goal_request),
-            ("move_base/goal", types.MOVE_BASE_GOAL, self._goal_request),
-            ("move_base/cancel", types.GOAL_ID, self._cancel_request),
+            ("initialpose", types.POSE_WITH_COVARIANCE, self._messages.pose),
+            ("cmd_vel", types.TWIST, self._messages.velocity),
+            ("move_base_simple/goal", types.POSE_STAMPED, self._messages.simple_goal),
+            ("move_base/goal", types.MOVE_BASE_GOAL, self._messages.goal),
+            ("move_base/cancel", types.GOAL_ID, self._messages.cancel),
         ):
             name = named.topic(topic)
             if topic != "cmd_vel" and self._is_external(name):
@@ -247,40 +246,6 @@ class LiveGraph:
             self._complaints.warn(f"{topic}: what {caller} said is of no use: {error}")
         else:
             receive(frame)
-
-    def _pose_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        found = clients.pose_estimate(data)
-        return found if isinstance(found, InvalidMessage) else InitialPose(robot, found.base_in_map, found.covariance)
-
-    def _velocity_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        found = clients.velocity(data)
-        return found if isinstance(found, InvalidMessage) else VelocityCommand(robot, found)
-
-    def _simple_goal_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        found = clients.goal_pose(data)
-        return found if isinstance(found, InvalidMessage) else SimpleGoal(robot, found, next(self._goals))
-
-    def _goal_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        found = clients.action_goal(data)
-        if isinstance(found, InvalidMessage):
-            return found
-        number, stamp = next(self._goals), self._not_ahead(found.stamp_ns)
-        if isinstance(found.pose, InvalidMessage):  # Its client waits for an answer, and gets one.
-            return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)
-        return GoalRequest(robot, found.goal_id, stamp, found.pose, number)
-
-    def _cancel_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
-        found = clients.action_cancel(data)
-        if isinstance(found, InvalidMessage):
-            return found
-        return CancelRequest(robot, found.goal_id, self._not_ahead(found.stamp_ns))
-
-    def _not_ahead(self, stamp: int) -> int:
-        """Return a client's stamp, or now if its clock is ahead, as without /use_sim_time.
-
-        The goal with the newest stamp wins: in ROS such a client would block all others until its stamp has passed.
-        """
-        return min(stamp, stamp_ns(self._tick))
 
     # Services
 

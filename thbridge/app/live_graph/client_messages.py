@@ -1,0 +1,60 @@
+"""Messages of a ROS graph's clients, read as requests to robots."""
+
+from itertools import count
+
+from thbridge.roles.shared.robot_requests import Request
+from thbridge.ros import clients
+from thbridge.ros.clients import InvalidMessage
+from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.ros.messages.stamps import stamp_ns
+
+
+class ClientMessages:
+    """Reads messages of clients; goals are numbered in the order in which they are read."""
+
+    def __init__(self) -> None:
+        self._goals = count()
+        self._tick = 0
+
+    def advance(self, tick: int) -> None:
+        """Note the present tick."""
+        self._tick = tick
+
+    def pose(self, robot: int, data: bytes) -> Request | InvalidMessage:
+        """Return the request in a message to `initialpose`."""
+        found = clients.pose_estimate(data)
+        return found if isinstance(found, InvalidMessage) else InitialPose(robot, found.base_in_map, found.covariance)
+
+    def velocity(self, robot: int, data: bytes) -> Request | InvalidMessage:
+        """Return the request in a message to `cmd_vel`."""
+        found = clients.velocity(data)
+        return found if isinstance(found, InvalidMessage) else VelocityCommand(robot, found)
+
+    def simple_goal(self, robot: int, data: bytes) -> Request | InvalidMessage:
+        """Return the request in a message to `move_base_simple/goal`."""
+        found = clients.goal_pose(data)
+        return found if isinstance(found, InvalidMessage) else SimpleGoal(robot, found, next(self._goals))
+
+    def goal(self, robot: int, data: bytes) -> Request | InvalidMessage:
+        """Return the request in a message to `move_base/goal`."""
+        found = clients.action_goal(data)
+        if isinstance(found, InvalidMessage):
+            return found
+        number, stamp = next(self._goals), self._not_ahead(found.stamp_ns)
+        if isinstance(found.pose, InvalidMessage):  # Its client waits for an answer, and gets one.
+            return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)
+        return GoalRequest(robot, found.goal_id, stamp, found.pose, number)
+
+    def cancel(self, robot: int, data: bytes) -> Request | InvalidMessage:
+        """Return the request in a message to `move_base/cancel`."""
+        found = clients.action_cancel(data)
+        if isinstance(found, InvalidMessage):
+            return found
+        return CancelRequest(robot, found.goal_id, self._not_ahead(found.stamp_ns))
+
+    def _not_ahead(self, stamp: int) -> int:
+        """Return a client's stamp, or now if its clock is ahead, as without /use_sim_time.
+
+        The goal with the newest stamp wins: in ROS such a client would block all others until its stamp has passed.
+        """
+        return min(stamp, stamp_ns(self._tick))
