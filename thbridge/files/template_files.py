@@ -36,7 +36,7 @@ from thbridge.files.treasure_files import (
 from thbridge.files.yaml.load import load
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.properties import OF_2016, TreasureProperty
-from thbridge.hunt.treasures import TreasureKind
+from thbridge.hunt.treasures import TreasureKind, same_name
 
 DIALOGUE_TEXT = "DialogueText"
 SET = "set.yaml"
@@ -173,12 +173,23 @@ def read_template_set(folder: Path, replaced: Mapping[str, bytes] = MappingProxy
 
 
 def _alike(path: Path, kinds: Sequence[TreasureKind]) -> Iterator[BadFile]:
-    """Yield treasures that none of their properties tells apart."""
+    """Yield treasures that none of their properties tells apart, or that share a picture, each once."""
     for index, kind in enumerate(kinds):
-        same = next((other.name for other in kinds[:index] if other.properties == kind.properties), None)
-        if same is not None:
-            problem = f"{same!r} and {kind.name!r} have the same properties, so only their pictures distinguish them"
-            yield BadFile(path, problem, "change a property of one of the two, if this is not intended")
+        found = next((told for other in kinds[:index] if (told := _confusion(other, kind)) is not None), None)
+        if found is not None:
+            yield BadFile(path, *found)
+
+
+def _confusion(one: TreasureKind, other: TreasureKind) -> tuple[str, str] | None:
+    """Return why people can mistake one treasure for another, and the remedy; None where they cannot."""
+    both, same_picture = f"{one.name!r} and {other.name!r}", one.image == other.image is not None
+    if all(same_name(value, other.properties[name]) for name, value in one.properties.items()):
+        rest = "nothing distinguishes" if same_picture else "only their pictures distinguish"
+        problem = f"{both} have the same properties, so {rest} them"
+        return problem, "change a property of one of the two, if this is not intended"
+    if same_picture:
+        return f"{both} have the same picture", "give one of the two another, if this is not intended"
+    return None
 
 
 def missing_words(templates: TemplateSet, folder: Path, language: str) -> Iterator[BadFile]:

@@ -110,6 +110,12 @@ def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
     return BlockedPaths(reached / max(int(sizes.sum()), 1), width, tuple(places))
 
 
+def reached_floor(grid: OccupancyGrid, inscribed: float) -> float:
+    """Share of the floor within a plan that is connected for a robot of this inner radius, metres; 0 without floor."""
+    _, sizes = _floors_inside(grid, inscribed)
+    return float(sizes.max() / max(int(sizes.sum()), 1))
+
+
 def _loose(ink: Mask, thinner: int, extent: float) -> Mask:
     """Letters and small things of thin lines that touch no wall; strokes of letters may be as thick as thin walls."""
     things, _ = label(ink, structure=_TOUCHING)

@@ -61,8 +61,9 @@ def levels_of(path: Path, section: str, factor: Scalar, node: Node) -> list[Leve
     if not found:
         remedy = "Write [LEVEL, ...], {from: A, to: B, steps: N}, or for each level 'NAME: {KEY: VALUE, ...}'"
         raise BadFile(path, "a factor needs levels", remedy, line=line, key=key)
-    labels = [level.label for level in found]
-    if twice := next((label for label in labels if labels.count(label) > 1), None):
+    named = isinstance(node, Section)
+    values = [level.label if named else _value(level.label) for level in found]
+    if twice := next((level.label for level, value in zip(found, values, strict=True) if values.count(value) > 1), ""):
         raise BadFile(path, f"the level {twice} stands twice", "Keep one of the two", line=line, key=key)
     return found
 
@@ -84,6 +85,14 @@ def factorial(factors: Mapping[str, Sequence[Level]]) -> Iterator[dict[str, Leve
     """Yield every combination of levels, the last factor's changing first; without factors one empty condition."""
     for levels in itertools.product(*factors.values()):
         yield dict(zip(factors, levels, strict=True))
+
+
+def _value(label: str) -> float | str:
+    """The number that a label is, so that 20 and 20.0 are the same level; other labels as they are."""
+    try:
+        return float(label)
+    except ValueError:
+        return label
 
 
 def spread(path: Path, node: Node) -> Node:

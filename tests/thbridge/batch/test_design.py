@@ -100,6 +100,10 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
         ("factors: {robots: []}\n", "design.yaml, line 1, factors.robots: a factor needs levels. Write [LEVEL, "),
         ("factors: {robots: [2, 2]}\n", "factors.robots: the level 2 stands twice. Keep one of the two."),
         (
+            "factors: {game.energy: [20, 20.0]}\n",
+            "factors.game.energy: the level 20 stands twice. Keep one of the two.",
+        ),
+        (
             "factors: {robots: {from: 1}}\n",
             "factors.robots: a range needs both ends. Write {from: A, to: B, steps: N}.",
         ),
@@ -114,6 +118,10 @@ def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
         (
             "base: {game.energy: 20, game: {energy: 30}}\n",
             "design.yaml, line 1, game.energy: stands twice. Keep one of the two.",
+        ),
+        (
+            "base: {game: {energy: 20}}\nfactors: {game: [{energy: 10}, {energy: 30}]}\n",
+            "design.yaml, line 2, game.energy: base and game both set it. Leave it out of one of the two.",
         ),
         (
             "base: {robots: 3}\nfactors: {robots: [1, 2]}\n",

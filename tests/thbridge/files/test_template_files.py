@@ -251,6 +251,22 @@ def test_treasures_that_no_property_tells_apart_are_warned_of(folder):
     assert str(warning).startswith(f"{folder}/treasures: 'Yellow can' and 'Pink can' have the same properties")
 
 
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("yellow,Square and Small,30,Pink can,rsz_t4.jpg", "have the same properties, so only their pictures"),
+        ("Yellow,Square and Small,30,Pink can,rsz_t3.jpg", "have the same properties, so nothing distinguishes them"),
+        ("Pink,Square and Small,30,Pink can,rsz_t3.jpg", "have the same picture. Give one of the two another"),
+    ],
+)
+def test_treasures_that_people_mistake_are_warned_of(folder, line, told):
+    (folder / "treasures.participant").unlink()
+    written = (folder / "treasures").read_text()
+    (folder / "treasures").write_text(written.replace("Pink,Square and Small,30,Pink can,rsz_t4.jpg", line))
+    (warning,) = read_template_set(folder).warnings
+    assert str(warning).startswith(f"{folder}/treasures: 'Yellow can' and 'Pink can' {told}")
+
+
 def test_every_picture_must_be_there(folder):
     (folder / "pictures" / "rsz_t3.jpg").unlink()
     message = set_refusal(folder)

@@ -290,3 +290,35 @@ class TestPlans:
         done = CliRunner().invoke(app, ["maps", "new", "plan.png", "--no-times", *options])
         assert done.exit_code == 2
         assert told in " ".join(done.stderr.replace("│", "").split())
+
+    @pytest.mark.parametrize(
+        ("pixels", "thinner", "told"),
+        [
+            ((650, 450), 6, "% of all that is drawn, so walls are among it. Use --thinner 3."),
+            ((325, 225), 2, "of the floor can be reached: doors are closed, or narrower than a robot."),
+        ],
+    )
+    def test_a_width_that_takes_walls_or_leaves_doors_shut_is_told(self, tmp_path, monkeypatch, pixels, thinner, told):
+        monkeypatch.chdir(tmp_path)
+        plan().resize(pixels, Image.Resampling.LANCZOS).save("plan.png")
+        done = CliRunner().invoke(
+            app, ["maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", str(thinner)]
+        )
+        assert told in " ".join(done.stderr.split())
+
+    @pytest.mark.parametrize(
+        ("options", "told"),
+        [
+            (("--height", "2250"), "--height: a pixel would be 5 m high and 0.05 m wide."),
+            (("--height", "0.5"), "--height: a pixel would be 0.00111111 m high and 0.05 m wide."),
+            (("--names", "A;B;C"), "--names: 'A;B;C' is one name. Write commas between names."),
+            (("--thinner", "3", "--rooms", "2", "--names", "A,B,C"), "Give fewer; or ask for them by --rooms 3."),
+        ],
+    )
+    def test_further_slips_are_told_with_their_remedy(self, tmp_path, monkeypatch, options, told):
+        monkeypatch.chdir(tmp_path)
+        plan().resize((650, 450), Image.Resampling.NEAREST).save("plan.png")
+        done = CliRunner().invoke(app, ["maps", "new", "plan.png", "--width", "32.5", "--no-times", *options])
+        assert done.exit_code == 2
+        assert told in " ".join(done.stderr.replace("│", "").split())
+        assert not Path("plan").exists()

@@ -21,7 +21,14 @@ from thbridge.files.map_times import MAP_TIMES, map_times
 from thbridge.files.progress import Tell
 from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, arena_of
-from thbridge.offline.drawings import CleanedDrawing, blocked_paths, squared, turned, without_thin_lines
+from thbridge.offline.drawings import (
+    CleanedDrawing,
+    blocked_paths,
+    reached_floor,
+    squared,
+    turned,
+    without_thin_lines,
+)
 from thbridge.offline.measure import MeasurementSetup, TripTimes
 from thbridge.offline.room_finding import find_rooms
 from ui.command_line.grids import grid_at
@@ -33,10 +40,14 @@ LEFT_OUT = "left-out.pgm"
 """File beside map.yaml: black where something was left out of the plan, white elsewhere."""
 MOST_FLOOR = 0.5
 """Share of the floor that must be reached, unless it is said that thin lines are walls."""
+MOST_INK = 0.5
+"""Share of all lines of a plan beyond which walls are among those that are left out."""
 MOST_PLACES = 4
 """Blocked paths that are named."""
 LEAST_CELL, LARGEST_CELL = 0.001, 0.5
 """Sizes of cells, metres: larger ones cannot show a door."""
+MOST_STRETCH = 10.0
+"""Ratio of the scales of an image's two sides beyond which one of them is a slip."""
 WIDEST = 300.0
 """Metres beyond which a map's size is in doubt."""
 
@@ -95,6 +106,10 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
         told = f"a pixel would be {resolution:g} m wide, which is not between {LEAST_CELL} and {LARGEST_CELL} m"
         fail(BAD_INPUT, f"--width: {told}. Write the width of the whole image in meters.")
     if size.height is not None:
+        across = size.height / rows
+        if not 1.0 / MOST_STRETCH <= across / resolution <= MOST_STRETCH:
+            told = f"a pixel would be {across:g} m high and {resolution:g} m wide"
+            fail(BAD_INPUT, f"--height: {told}. Write the height of the whole image in meters.")
         pixels = squared(pixels, size.height / rows / resolution)
     if size.turn:
         pixels = turned(pixels, size.turn)
@@ -103,11 +118,14 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
 
 def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDrawing:
     """The plan without lines thinner than this many pixels; None: unchanged, unless such lines block most paths."""
+    inscribed = radii(np.array(FOOTPRINT))[0]
     if thinner:
         drawing = without_thin_lines(grid, thinner)
         say(f"Left out: lines and letters thinner than {thinner} pixels, {drawing.left_out.mean():.1%} of the image")
+        _note_lost_walls(grid, drawing, thinner, inscribed)
+        _note_closed_floor(drawing.grid, inscribed)
         return drawing
-    closed = blocked_paths(grid, radii(np.array(FOOTPRINT))[0]) if thinner is None else None
+    closed = blocked_paths(grid, inscribed) if thinner is None else None
     if closed is not None:
         places = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in closed.places[:MOST_PLACES])
         more = len(closed.places) - MOST_PLACES
@@ -120,7 +138,28 @@ def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDr
         if closed.reached < MOST_FLOOR:
             fail(FAILED, told)
         note(told)
+    else:
+        _note_closed_floor(grid, inscribed)
     return CleanedDrawing(grid, np.zeros(grid.cells.shape, dtype=np.bool_))
+
+
+def _note_lost_walls(grid: OccupancyGrid, drawing: CleanedDrawing, thinner: int, inscribed: float) -> None:
+    """Tell if more was left out than lines and letters, and which width leaves the walls."""
+    share = float(drawing.left_out.sum() / max(np.count_nonzero(grid.cells != FREE), 1))
+    if share > MOST_INK:
+        closed = blocked_paths(grid, inscribed)
+        better = "a smaller number" if closed is None or closed.thinner == thinner else f"--thinner {closed.thinner}"
+        note(f"That is {share:.0%} of all that is drawn, so walls are among it. Use {better}.")
+
+
+def _note_closed_floor(grid: OccupancyGrid, inscribed: float) -> None:
+    """Tell if most of the floor stays out of a robot's reach."""
+    reached = reached_floor(grid, inscribed)
+    if 0.0 < reached < MOST_FLOOR:
+        note(
+            f"Only {reached:.0%} of the floor can be reached: doors are closed, or narrower than a robot. Give another "
+            "--thinner, use an image with more pixels, or open the doors in the image."
+        )
 
 
 def find_arena(grid: OccupancyGrid, rooms: int | None, robots: int, names: Sequence[str]) -> Arena:

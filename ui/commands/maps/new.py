@@ -84,6 +84,8 @@ def maps_new(
     called = [name.strip() for name in unicodedata.normalize("NFC", names).split(",")] if names else []
     if "" in called or len(set(called)) < len(called):
         fail(BAD_INPUT, f"--names: {names!r} has an empty name or one twice. Give every room its own name.")
+    if names is not None and ";" in names and "," not in names:
+        fail(BAD_INPUT, f"--names: {names!r} is one name. Write commas between names.")
     if width is not None and resolution is not None:
         fail(BAD_INPUT, "--width, --resolution: each says how large the image is. Leave one of the two out.")
     with bad_input():
@@ -94,7 +96,9 @@ def maps_new(
     arena = find_arena(grid, rooms, robots, called)
     if len(called) > len(arena.rooms):
         problem = f"{len(called)} names, but {len(arena.rooms)} rooms were found"
-        fail(BAD_INPUT, f"--names: {problem}. Give fewer; or add rooms by --draw, and name them there.")
+        more = "add rooms by --draw, and name them there"
+        more = f"ask for them by --rooms {len(called)}" if rooms == len(arena.rooms) else more
+        fail(BAD_INPUT, f"--names: {problem}. Give fewer; or {more}.")
     if draw:
         from ui.windows.arena import draw_arena
 

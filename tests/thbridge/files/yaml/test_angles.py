@@ -83,3 +83,15 @@ def test_angles_that_people_write_in_radians_raise_no_doubt(angle: str) -> None:
 def test_an_angle_is_no_length() -> None:
     with pytest.raises(BadFile, match=r"at\[0\]: '90deg' is not a number"):
         load_text(PATH, "things: [{name: a, shape: crate, at: [90deg, 2, 1]}]\n", Study)
+
+
+@pytest.mark.parametrize("key", ["TrajectoryPlannerROS: {max_vel_theta: 15}", "DWAPlannerROS: {max_vel_theta: 15}"])
+def test_a_rate_that_looks_like_degrees_is_told_and_counts_as_radians(key: str) -> None:
+    loaded = load_text(PATH, key, RobotParameters)
+    (doubt,) = loaded.doubts
+    assert "15 rad/s is 2.4 turns a second. Write 0.2618 if degrees a second are meant" in str(doubt)
+
+
+@pytest.mark.parametrize("rate", ["1", "2.84", "4.0", "6.28"])
+def test_rates_of_robots_raise_no_doubt(rate: str) -> None:
+    assert load_text(PATH, f"DWAPlannerROS: {{max_vel_theta: {rate}}}", RobotParameters).doubts == ()
