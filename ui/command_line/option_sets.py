@@ -23,10 +23,11 @@ def with_option_sets(function: Callable[P, None]) -> Callable[P, None]:
             continue
         sets[name] = cast(type, kind)
         hints = get_type_hints(kind, include_extras=True)
-        options += [
-            inspect.Parameter(field.name, parameter.KEYWORD_ONLY, default=field.default, annotation=hints[field.name])
-            for field in dataclasses.fields(kind)
-        ]
+        for field in dataclasses.fields(kind):
+            default = parameter.empty if field.default is dataclasses.MISSING else field.default
+            options.append(
+                inspect.Parameter(field.name, parameter.KEYWORD_ONLY, default=default, annotation=hints[field.name])
+            )
 
     @wraps(function)
     def command(*positional: P.args, **given: P.kwargs) -> None:
