@@ -9,7 +9,16 @@ from scipy.ndimage import binary_dilation, binary_fill_holes, label
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.traversability import CrowdedFloor, Mask, Point, Polygon, TraversabilityMap, area, crosses_itself
+from sim.common.traversability import (
+    CrowdedFloor,
+    Mask,
+    Point,
+    Polygon,
+    TraversabilityMap,
+    area,
+    crosses_itself,
+    inside,
+)
 from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.footprint import radii
 from thbridge.files.map_files import FOOTPRINT, MapRoom
@@ -66,10 +75,11 @@ def arena_of(
     rooms: list[MapRoom] = []
     for outline in room_outlines(labels, floor):
         own = reach & (floor.clearance > circumscribed) & cells_inside(outline, floor)
-        if own.any():
+        goal = best_goal(floor, outline, own)
+        if goal is not None:
             number = len(rooms) + 1
             name = names[number - 1] if number <= len(names) else f"Room {number}"
-            rooms.append(MapRoom(Room(number), name, outline, best_goal(floor, own)))
+            rooms.append(MapRoom(Room(number), name, outline, goal))
     return Arena(tuple(rooms), start_poses(floor, reach, rooms, robots))
 
 
@@ -81,19 +91,22 @@ def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
     return held
 
 
-def best_goal(floor: TraversabilityMap, where: Mask) -> Pose2:
+def best_goal(floor: TraversabilityMap, outline: Polygon, where: Mask) -> Pose2 | None:
     """The pose with the greatest clearance among these cells, the most central of equals; yaw 0.
 
-    Raises:
-        ValueError: there is no cell.
+    A cell whose centre lies on the outline may be inside it, and its pose, which is rounded, outside: it is left out.
+
+    Returns:
+        None where there is no cell.
     """
     cells = np.argwhere(where)
     if not len(cells):
-        raise ValueError("there is no floor for a goal")
+        return None
     clearance = floor.clearance[tuple(cells.T)]
-    best = cells[clearance >= clearance.max() - floor.grid.resolution / 2]
-    central = best[np.hypot(*(best - cells.mean(axis=0)).T).argmin()]
-    return _pose_at(floor.grid, central)
+    equal = np.minimum(clearance, clearance.max() - floor.grid.resolution / 2)
+    central = np.hypot(*(cells - cells.mean(axis=0)).T)
+    poses = (_pose_at(floor.grid, cells[index]) for index in np.lexsort((central, -equal)))
+    return next((pose for pose in poses if inside(outline, np.array([pose.x]), np.array([pose.y]))[0]), None)
 
 
 def _pose_at(grid: OccupancyGrid, cell: NDArray[np.int64]) -> Pose2:

@@ -334,9 +334,10 @@ class ArenaDraft:
 
     def _room_of(self, outline: Polygon, number: int, name: str) -> MapRoom | RequestRefused:
         turning = cells_inside(outline, self.floor) & (self.floor.clearance > self.floor.circumscribed)
-        if not turning.any():
+        goal = best_goal(self.floor, outline, turning)
+        if goal is None:
             return RequestRefused(ArenaRefusalReason.ROOM, "The room is too small: no robot can turn in it.")
-        return MapRoom(Room(number), name, outline, best_goal(self.floor, turning))
+        return MapRoom(Room(number), name, outline, goal)
 
     def _with_corner(self, room: MapRoom, index: int, corner: Point) -> Outcome:
         region = (*room.region[:index], corner, *room.region[index + 1 :])

@@ -202,6 +202,11 @@ def test_whatever_is_done_stays_sound_and_can_be_undone(changes: list[tuple]) ->
     assert draft.arena == after
 
 
+def test_the_goal_of_a_cut_room_is_in_it_where_the_line_runs_through_centres_of_cells(draft: ArenaDraft) -> None:
+    assert draft.cut_room((0.0, 0.0), (6.5, 6.25)) is None
+    assert all(room.holds(room.goal.x, room.goal.y) for room in draft.arena.rooms)
+
+
 def test_what_is_drawn_is_a_map_without_fault(draft: ArenaDraft, tmp_path: Path) -> None:
     draft.cut_room((4.5, 5.0), (7.5, 5.0))
     draft.merge_rooms(1, 2)
