@@ -16,11 +16,16 @@ from ui.windows.participant.widgets.panels import set_text
 
 
 class WaitingChip(ParticipantButton):
-    """One thing that waits: its robot, and what it is, in two lines."""
+    """One thing that waits: its robot, and what it is, in two lines.
+
+    Attributes:
+        short: only the robot is shown; a screen reader and the pointer still have the words.
+    """
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(texts, parent)
         self._waiting: WaitingItem | None = None
+        self.short = False
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
 
     def show_waiting(self, waiting: WaitingItem) -> None:
@@ -33,11 +38,23 @@ class WaitingChip(ParticipantButton):
         self.updateGeometry()
         self.update()
 
+    def shorten(self, short: bool) -> None:
+        """Show only the robot, or the words again."""
+        if short != self.short:
+            self.short = short
+            self.updateGeometry()
+            self.update()
+
     def sizeHint(self) -> QSize:
-        """Return the size of two lines of words."""
+        """Return the size of two lines of words, or of the robot alone."""
+        return QSize(self.width_of(self.short), self.height_of_two_lines())
+
+    def width_of(self, short: bool) -> int:
+        """Return the width of the robot alone, or of two lines of words, logical pixels."""
+        if short:
+            return int(chip_size() + 2 * GAP)
         text = self._waiting.text if self._waiting is not None else ""
-        wide = max(float(px(90)), _width_of_two_lines(text))
-        return QSize(int(wide + chip_size() + 3 * GAP + self._key_room()), self.height_of_two_lines())
+        return int(max(float(px(90)), _width_of_two_lines(text)) + chip_size() + 3 * GAP + self._key_room())
 
     @staticmethod
     def height_of_two_lines() -> int:
@@ -55,6 +72,8 @@ class WaitingChip(ParticipantButton):
         if self.hasFocus():
             ring(painter, rect, palette.text)
         chip(painter, QPointF(rect.left() + GAP + chip_size() / 2, rect.center().y()), self._waiting.robot)
+        if self.short:
+            return
         area = rect.adjusted(1.75 * GAP + chip_size(), 2, -GAP - self._key_room(), -2)
         write(painter, area, self._waiting.text, font("small"), palette.text, WRAPPED)
         if self._shown_key:
@@ -132,10 +151,16 @@ class WaitingStrip(ActionWidget):
         return super().event(event)
 
     def _make_room(self) -> None:
-        """Hide the number of chips where it would leave too little room for one of them."""
-        widest = max((chip.sizeHint().width() for chip in self.chips if not chip.isHidden()), default=0)
-        others = self._count.sizeHint().width() + self.history.sizeHint().width() + 2 * GAP
-        self._count.setVisible(not widest or widest + others <= self.width())
+        """Hide the number of chips where it would leave too little room for one of them; shorten the last ones."""
+        shown = [chip for chip in self.chips if not chip.isHidden()]
+        widest = max((chip.width_of(short=False) for chip in shown), default=0)
+        counted, others = self._count.sizeHint().width() + GAP, self.history.sizeHint().width() + GAP
+        self._count.setVisible(not widest or widest + counted + others <= self.width())
+        left = self.width() - others - (0 if self._count.isHidden() else counted)
+        needed = sum(chip.width_of(short=False) + GAP for chip in shown) - GAP  # of integers
+        for at, each in reversed(list(enumerate(shown))):
+            each.shorten(short=at > 0 and needed > left)
+            needed -= each.width_of(short=False) - each.width_of(short=True) if each.short else 0
 
     def show_waiting(self, waiting: tuple[WaitingItem, ...], nothing_waits: str) -> None:
         """Show these, or the sentence where there are none; does nothing for those that are shown already."""

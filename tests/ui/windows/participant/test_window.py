@@ -493,6 +493,17 @@ def test_what_waits_fits_into_its_two_lines(opened: Open, text: str) -> None:
     assert wrapped.height() <= 2.0 * metrics.height() + 1.0 and wrapped.width() <= space.width()
 
 
+def test_what_waits_last_is_only_a_number_where_there_is_no_room_for_its_words(opened: Open) -> None:
+    shown = opened(replace(STATES["playing"], waiting=samples.waiting(3)), 1024, 600)
+    strip = shown.window.waiting
+    assert [chip.short for chip in strip.chips] == [False, False, True]
+    assert all(chip.visibleRegion().boundingRect() == chip.rect() for chip in strip.chips)
+    assert strip.chips[2].accessibleName()
+    shown.window.resize(1920, 1080)
+    QApplication.processEvents()
+    assert not any(chip.short for chip in strip.chips)
+
+
 def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["treasure"])
     shown.window.treasure.names.setFocus()
