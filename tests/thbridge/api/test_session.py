@@ -45,7 +45,7 @@ def test_whatever_is_asked_is_recorded_and_replays_bit_for_bit(tmp_path: Path) -
         session.participant.send(1, 3)
         session.send(2, 5)
         session.run(2.0)
-        session.router.stop(2)
+        session.stop(2)
         session.set_parameters(1, {"amcl.kld_err": 0.02, "world.laser.range_noise": 0.05})
         session.set_pose(2, *session.snapshot.true_poses[1])
         session.put_thing("crate", "crate", 0.0, 0.0, 0.3)

@@ -18,6 +18,7 @@ from thbridge.mavlink.role.speed_limit import SpeedLimit
 from thbridge.mavlink.role.vehicles import RequestSink, Vehicles
 from thbridge.offline.plan import costmap
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
+from thbridge.roles.shared.role import Role
 from thbridge.roles.simr.game_moves import GameMap
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions
 from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, SimR
@@ -104,10 +105,13 @@ def build_game_setup(setting: StudySetting) -> GameSetup:
     )
 
 
-def vehicle_factory(setting: StudySetting, simr: SimR) -> Callable[[RequestSink], Vehicles] | None:
-    """Return the factory of the robots' MAVLink vehicles, given a sink of their requests; None without vehicles."""
+def vehicle_factory(setting: StudySetting, simr: Role) -> Callable[[RequestSink], Vehicles] | None:
+    """Return the factory of the robots' MAVLink vehicles, given a sink of their requests; None without vehicles.
+
+    Only simulated robots, of `SimR`, are vehicles.
+    """
     study = setting.study
-    if not study.mavlink.on:
+    if not study.mavlink.on or not isinstance(simr, SimR):
         return None
     setup = build_game_setup(setting)
 

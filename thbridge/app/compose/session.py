@@ -2,17 +2,18 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from thbridge.app.compose.game import build_hider, build_keeper
-from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import NO_OUTLETS, EventLog, Session, SessionOutlets, TickRecorder
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.shared.role import Role
-from thbridge.roles.simr.simr import SimR
-from thbridge.roles.simr.team import RobotTeam
 from thbridge.text_protocol.wire import legacy
+
+if TYPE_CHECKING:  # A text server has no robots: what simulates them is imported where there are some.
+    from thbridge.roles.simr.team import RobotTeam
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +45,7 @@ def build_programs(
     setting: StudySetting,
     participant: Role | None = None,
     outside: Collection[str] = (),
-    team: RobotTeam | None = None,
+    team: "RobotTeam | None" = None,
 ) -> Programs:
     """Return the programs of a session with simulated robots.
 
@@ -54,6 +55,8 @@ def build_programs(
         outside: names of the roles that other programs take; the robots are always inside.
         team: the robots; None: simulated ones that no other part needs to know.
     """
+    from thbridge.app.compose.robots import build_simr  # noqa: PLC0415
+
     return Programs(
         robots=build_simr(setting, team),
         hider=None if legacy.HIDER in outside else build_hider(setting.templates, setting.study.seed),
@@ -95,13 +98,17 @@ def open_session(
         outlets: servers of the session's connections and links.
         keeper: of a game that goes on; None: of a new one.
     """
-    robots = programs.robots
+    vehicles = None
+    if programs.robots is not None:
+        from thbridge.app.compose.robots import vehicle_factory  # noqa: PLC0415
+
+        vehicles = vehicle_factory(setting, programs.robots)
     return Session(
         keeper or build_keeper(setting),
         programs.roles,
         recording.recorders,
         programs.participant,
-        vehicle_factory(setting, robots) if isinstance(robots, SimR) else None,
+        vehicles,
         recording.log,
         outlets,
         recording.run,
