@@ -281,7 +281,7 @@ def test_a_researcher_watches_ten_robots(qtbot: QtBot, budgets: Budgets, tmp_pat
         window.show()
         qtbot.waitUntil(lambda: window.scene is not None and len(window.scene.robots) == 10, timeout=120_000)
         qtbot.wait(3000)
-        paints = Paints(window.canvas)
+        paints = Paints(window.canvas.viewport())
         beats: list[float] = []
         timer = QTimer()
         timer.timeout.connect(lambda: beats.append(time.thread_time()))
