@@ -12,8 +12,9 @@ from thbridge.experiment.preview import PARTICIPANT, NoSuchStep, arrive, place_o
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.files.disk.synced import make_folder
 from ui.command_line.terminal import BAD_INPUT, FAILED, THBRIDGE, bad_input, fail
+from ui.hosting.kiosk.game_steps import StudyClock
 from ui.hosting.kiosk.games import StudyGames
-from ui.hosting.kiosk.host import KioskHost, StudyClock
+from ui.hosting.kiosk.host import KioskHost
 from ui.hosting.window_process import WindowProcess
 from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
 from ui.windows.display import why_no_window

@@ -24,8 +24,9 @@ from ui.commands.study.unfinished import finish_begun_withdrawals
 from ui.commands.study.withdrawal import withdraw_during
 from ui.first_start.compiling import compile_ahead
 from ui.hosting.desk import Desk, DeskFailed
+from ui.hosting.kiosk.game_steps import StudyClock
 from ui.hosting.kiosk.games import StudyGames
-from ui.hosting.kiosk.host import KioskHost, StudyClock
+from ui.hosting.kiosk.host import KioskHost
 from ui.hosting.window_process import WindowProcess
 from ui.model.kiosk import KIOSK, FromKiosk, ToKiosk
 from ui.windows.display import why_no_window
@@ -65,7 +66,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
             host = KioskHost(design, conductor, window, StudyGames(place, design), clock)
             beside = (
                 Desk(
-                    host,
+                    host.study,
                     place,
                     ("--look", look),
                     lambda: markers.troubles,

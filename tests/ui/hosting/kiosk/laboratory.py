@@ -20,7 +20,8 @@ from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent, NewEvent
 from thbridge.files.language_texts import shipped_texts
 from thbridge.sockets.addresses import ListeningAddress
-from ui.hosting.kiosk.host import GamesOfStudy, KioskHost, StudyClock
+from ui.hosting.kiosk.game_steps import GamesOfStudy, StudyClock
+from ui.hosting.kiosk.host import KioskHost
 from ui.model.kiosk import (
     KIOSK,
     Answer,

@@ -340,7 +340,7 @@ def test_the_researcher_goes_on_for_somebody_who_has_walked_away(tmp_path: Path)
         if getattr(page, "heading", "") == PAUSE and len(laboratory.people) == 1:
             return [StoppedTakingPart()]
         if getattr(page, "heading", "") == BEFORE_YOU_GO and laboratory.people[-1].debriefs == {4: False}:
-            assert laboratory.host is not None and laboratory.host.admit_next() is None
+            assert laboratory.host is not None and laboratory.host.study.admit_next() is None
             return []
         return None
 
@@ -747,8 +747,8 @@ def test_the_researcher_begins_ends_and_excludes_runs(tmp_path: Path) -> None:
     again: list[str | None] = []
 
     def does(page: ToKiosk) -> Iterable[FromKiosk] | None:
-        host = laboratory.host
-        assert host is not None
+        assert laboratory.host is not None
+        host = laboratory.host.study
         runs = list(host.progress.runs)
         if isinstance(page, TextToRead) and page.heading == TEXTS.text("kiosk.welcome"):
             assert page.button == ""
@@ -837,21 +837,21 @@ def test_the_researcher_sees_that_a_game_lags(laboratory: Laboratory) -> None:
         async def _at(self, watcher) -> None:
             for lag in (0.4, 3.7, 3.9):
                 watcher.passed(1.0, lag, 60.0)
-                seen.append(laboratory.host.troubles)
+                seen.append(laboratory.host.study.troubles)
             await super()._at(watcher)
 
     laboratory.games = Lagging()
     laboratory.run(Person(learns=True))
     told = words.LAGS.format(3)
     assert seen[:3] == [(), (told,), (told,)]
-    assert laboratory.host.troubles == ()
+    assert laboratory.host.study.troubles == ()
 
 
 def test_a_reason_names_nobody_who_may_withdraw_later(laboratory: Laboratory) -> None:
     laboratory.run(Person(learns=True), people=2)
     first, second = (run.participant for run in laboratory.people)
     assert laboratory.host is not None
-    assert f"Do not name {first}" in (laboratory.host.exclude(second, f"talked with {first}") or "")
+    assert f"Do not name {first}" in (laboratory.host.study.exclude(second, f"talked with {first}") or "")
     assert RunState.EXCLUDED not in {run.state for run in laboratory.people}
 
 

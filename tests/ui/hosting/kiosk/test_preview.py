@@ -9,7 +9,8 @@ from tests.ui.hosting.kiosk.laboratory import STUDY, InstantGames, Laboratory, P
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.preview import PARTICIPANT, NoSuchStep, arrive, place_of
 from thbridge.experiment.store.event_log import ExperimentLog
-from ui.hosting.kiosk.host import KioskHost, StudyClock
+from ui.hosting.kiosk.game_steps import StudyClock
+from ui.hosting.kiosk.host import KioskHost
 from ui.model.kiosk import AnswerKept, FormToFill, TextToRead, ToKiosk
 
 FACTORS = """\

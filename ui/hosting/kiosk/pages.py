@@ -1,0 +1,199 @@
+"""Pages of the kiosk: shown to the person at it one after the other, and what is heard of them is logged at once."""
+
+import asyncio
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractAsyncContextManager
+from typing import Protocol, TypeAlias
+
+from msgspec import structs
+
+from thbridge.dialogue.wording.texts import Texts
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.progress import Run
+from thbridge.experiment.store.events import EventKind, JsonValue, RunState
+from ui.hosting.kiosk import words
+from ui.hosting.kiosk.games import KioskStopped
+from ui.model.kiosk import (
+    Answer,
+    AnswerKept,
+    BeginNext,
+    ConsentToAsk,
+    FocusNews,
+    FormToFill,
+    FromKiosk,
+    GamePrepared,
+    GameRecorded,
+    GameToJoin,
+    InstructionsNews,
+    KioskClosed,
+    StoppedTakingPart,
+    StudyProgress,
+    TextToRead,
+    ToKiosk,
+    WentOn,
+)
+
+
+class WindowOfKiosk(Protocol):
+    """The window, as `WindowProcess` has it."""
+
+    async def send(self, message: ToKiosk) -> None:
+        """Send a message."""
+
+    async def next_request(self) -> FromKiosk:
+        """Wait for its next message."""
+
+    def opened(self) -> AbstractAsyncContextManager[None]:
+        """Keep it open inside this context."""
+
+    def leave_open(self) -> None:
+        """Leave it as it is after that context."""
+
+
+class RunOver(Exception):  # noqa: N818 - nothing went wrong with the program
+    """The run of the person at the window has ended, or is excluded."""
+
+
+class Woken:
+    """Something changed without the window."""
+
+
+Page: TypeAlias = TextToRead | ConsentToAsk | FormToFill | GamePrepared | GameToJoin | GameRecorded
+
+
+class KioskPages:
+    """Pages that the person at the kiosk sees, and the window's messages about them.
+
+    Args:
+        conductor: of the study's log.
+        window: in which they are shown.
+        texts: of the study.
+
+    Attributes:
+        changed: called when another page is shown, or the lag is another.
+        person: id of the participant at the kiosk; empty: there is none.
+        number: of the page that is shown.
+        shown: the page in words.
+        lag: whole seconds by which a game is behind real time.
+        looks_away: True while keys and clicks go to another window.
+        admits: True once the researcher has the next person begin.
+        closed: True once the window was closed on purpose.
+    """
+
+    def __init__(self, conductor: Conductor, window: WindowOfKiosk, texts: Texts) -> None:
+        self.changed: Callable[[], None] = lambda: None
+        self.window = window
+        self.texts = texts
+        self.person = self.shown = ""
+        self.number = self.lag = 0
+        self.admits = self.looks_away = self.closed = False
+        self._conductor = conductor
+        self._heard: asyncio.Queue[FromKiosk | Woken] = asyncio.Queue()
+
+    @property
+    def run(self) -> Run:
+        """The person's run."""
+        return self._conductor.progress.runs[self.person]
+
+    def note_lag(self, lag: float) -> None:
+        """Show the researcher each whole second by which the game is behind real time."""
+        if int(lag) != self.lag:
+            self.lag = int(lag)
+            self.changed()
+
+    def wake(self) -> None:
+        """Have `next` look again at what has changed without the window."""
+        self._heard.put_nowait(Woken())
+
+    async def listen(self) -> None:
+        """Hear the window; for ever."""
+        while True:
+            self._heard.put_nowait(await self.window.next_request())
+
+    async def show(self, page: Page) -> None:
+        """Show a page."""
+        await self.window.send(self.numbered(page))
+
+    def numbered(self, page: Page) -> Page:
+        """Return a page with the next number, and the person's progress."""
+        self.number += 1
+        self.shown = words.page(page)
+        self.changed()
+        return structs.replace(page, page=self.number, progress=self.progress)
+
+    @property
+    def progress(self) -> StudyProgress:
+        """The person's place among their steps."""
+        run = self._conductor.progress.runs.get(self.person)
+        if run is None or run.state is not RunState.UNDER_WAY:
+            return StudyProgress()
+        return StudyProgress(*self._conductor.progress.step_count(self.person))
+
+    async def kept(self, item: str, answer: Answer, *, timed_out: bool = False) -> None:
+        """Let the window know that an answer on its page is in the log."""
+        await self.window.send(AnswerKept(self.number, item, answer, timed_out))
+
+    async def read(self, page: TextToRead | GameRecorded) -> None:
+        """Show a page until the person goes on from it."""
+        await self.show(page)
+        while not isinstance(await self.next_of_run(), WentOn):
+            pass
+
+    async def next(self) -> FromKiosk | Woken:
+        """Wait for what is said of the page shown, or what changed without the window."""
+        while True:
+            message = self._taken(await self._heard.get())
+            if message is not None:
+                return message
+
+    async def next_of_run(self) -> FromKiosk | Woken:
+        """Wait likewise; raises RunOver once the person's run has ended."""
+        message = await self.next()
+        self.check()
+        return message
+
+    def check(self) -> None:
+        """Raise RunOver if the person's run has ended."""
+        if self.run.state is not RunState.UNDER_WAY:
+            raise RunOver
+
+    def waiting(self) -> Iterator[FromKiosk | Woken]:
+        """Take what `next` would return without waiting."""
+        while not self._heard.empty():
+            message = self._taken(self._heard.get_nowait())
+            if message is not None:
+                yield message
+
+    def _taken(self, message: FromKiosk | Woken) -> FromKiosk | Woken | None:
+        """Take what is the same on all pages; return the rest, but None for what is said of another page."""
+        match message:
+            case KioskClosed():
+                self.closed = True
+                raise KioskStopped
+            case FocusNews(has_focus, window_ns):
+                self.looks_away = not has_focus
+                if self.person:
+                    kind = EventKind.FOCUS_REGAINED if has_focus else EventKind.FOCUS_LOST
+                    self.tell(kind, {"window_ns": window_ns})
+                return None
+            case InstructionsNews(is_open, window_ns):
+                if self.person:
+                    kind = EventKind.INSTRUCTIONS_OPENED if is_open else EventKind.INSTRUCTIONS_CLOSED
+                    self.tell(kind, {"window_ns": window_ns})
+                return None
+            case StoppedTakingPart():
+                if self.person and self.run.state is RunState.UNDER_WAY:
+                    self._conductor.leave(self.person, "stopped taking part")
+                return Woken()
+            case BeginNext() | Woken():
+                return message
+            case _:
+                return message if message.page == self.number else None
+
+    def tell(self, kind: EventKind, data: Mapping[str, JsonValue]) -> None:
+        """Take down what a person did, in the step under way if there is one."""
+        step = self._conductor.progress.next_step(self.person) if self.run.under_way else None
+        if step is None:
+            self._conductor.tell_of_run(kind, self.person, data, "participant")
+        else:
+            self._conductor.tell(kind, self.person, step, data, "participant")
