@@ -54,7 +54,7 @@ class Vehicle:
         self._texts = StatusTexts()
         announce, earth, identity = self._texts.say, MapProjection(options.origin), options.identity
         ardupilot = identity is AutopilotIdentity.ARDUPILOT
-        self._control = OperatorControl(robot, options.lost_after)
+        self._control = OperatorControl(robot, options.lost_after, announce)
         home, hand = HomePosition(robot, earth), ManualControl(robot, identity)
         plan = MissionRun(robot, home, earth, announce, ardupilot, options.visited_rooms)
         self._modes = ModeStateMachine(robot, hand, self._control, plan, home, options.failsafe, announce)
@@ -77,7 +77,7 @@ class Vehicle:
         self._parts: tuple[Microservice, ...] = (
             home,
             CommandProtocol(commands, self._control, self._modes, announce),
-            ControlInputs(system, robot, self._modes, self._control, earth, announce),
+            ControlInputs(system, robot, self._modes, hand, self._control, earth, announce),
             DeprecatedMessages(commands, self._modes, self._control, home, earth, announce),
             MissionProtocol(plan, announce),
             ParameterProtocol(parameters, announce, ardupilot),

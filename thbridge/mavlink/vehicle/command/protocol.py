@@ -198,9 +198,9 @@ class CommandProtocol(Microservice):
 
     def _result_of(self, running: _Running) -> CommandResult:
         """Return the present result of a command in progress, and update its progress."""
-        if self._modes.leg_number != running.leg:
+        if self._modes.drive.number != running.leg:
             return CommandResult.CANCELLED
-        leg = self._modes.leg
+        leg = self._modes.drive.leg
         if leg is None:
             return CommandResult.IN_PROGRESS
         if leg.state is LegState.ARRIVED:

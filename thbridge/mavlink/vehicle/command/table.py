@@ -162,7 +162,7 @@ class CommandTable:
     def _waypoint(self, request: ReceivedCommand) -> CommandReply:
         yaw = request.param(4)
         reply = self._go(request, None, None if yaw is None else math.radians(yaw))
-        leg = self._modes.leg_number
+        leg = self._modes.drive.number
         if reply.result is not CommandResult.ACCEPTED or leg is None:
             return reply
         return CommandReply(CommandResult.IN_PROGRESS, leg=leg)
@@ -177,13 +177,14 @@ class CommandTable:
         if yaw == 0.0 and self._identity is AutopilotIdentity.ARDUPILOT:
             # Stations send 0 to ArduPilot for an open heading; its own rovers ignore this parameter.
             yaw = None
-        return reply_to(self._modes.go(Target(*point, None if yaw is None else theta_of(yaw)), speed))
+        denied = None if speed is None else self._robot.limit_speed(speed)
+        return reply_to(denied or self._modes.go(Target(*point, None if yaw is None else theta_of(yaw))))
 
     def _destination(self, request: ReceivedCommand) -> tuple[float, float] | Denied | None:
         return destination(request, self._base_in_map(), self._earth)
 
     def _return(self, request: ReceivedCommand) -> CommandReply:
-        return reply_to(self._modes.go_home())
+        return reply_to(self._modes.enter(Mode.RETURN))
 
     def _change_speed(self, request: ReceivedCommand) -> CommandReply:
         kind, speed = request.whole_param(1, otherwise=mav.SPEED_TYPE_GROUNDSPEED), request.param(2)
@@ -207,7 +208,7 @@ class CommandTable:
         if item is None or item > _LARGEST_ID:
             return INVALID_PARAM
         objection = self._control.objection(request.station) if self._modes.mode is Mode.AUTO else None
-        return reply_to(objection or self._modes.select(item))
+        return reply_to(objection or self._modes.plan.select(item))
 
     def _set_home(self, request: ReceivedCommand) -> CommandReply:
         is_here, point = request.whole_param(1, otherwise=0), self._destination(request)

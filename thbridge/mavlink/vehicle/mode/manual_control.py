@@ -6,7 +6,7 @@ send a velocity once a second.
 
 from dataclasses import dataclass
 
-from sim.common.geometry import Pose2
+from sim.common.geometry import IDENTITY, Pose2
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Twist
 from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.mavlink.values.vehicle_interface import Denied, VehicleInterface
@@ -39,17 +39,19 @@ class ManualControl:
         self._deadman = _DEADMAN[identity]
         self._wanted: Twist | VelocitySetpoint | None = None
         self._until: int | None = None
+        self._tick = 0
+        self._base_in_map = IDENTITY
 
     @property
     def is_driving(self) -> bool:
         """True while the last command holds."""
         return self._until is not None
 
-    def follow(self, wanted: Twist | VelocitySetpoint, tick: int, base_in_map: Pose2) -> Denied | None:
+    def follow(self, wanted: Twist | VelocitySetpoint) -> Denied | None:
         """Drive like this, within the speed limits; a velocity is tracked anew in each tick."""
-        denied = self._steer(wanted, base_in_map)
+        denied = self._steer(wanted)
         if denied is None:
-            self._wanted, self._until = wanted, tick + self._deadman
+            self._wanted, self._until = wanted, self._tick + self._deadman
         return denied
 
     def release_control(self) -> None:
@@ -58,17 +60,18 @@ class ManualControl:
 
     def step(self, tick: int, base_in_map: Pose2) -> None:
         """Follow the last command until it is too old; then stop."""
+        self._tick, self._base_in_map = tick, base_in_map
         if self._until is None or self._wanted is None:
             return
         if tick >= self._until:
             self.release_control()
             self._robot.drive(STANDSTILL)
         else:
-            self._steer(self._wanted, base_in_map)
+            self._steer(self._wanted)
 
-    def _steer(self, wanted: Twist | VelocitySetpoint, base_in_map: Pose2) -> Denied | None:
+    def _steer(self, wanted: Twist | VelocitySetpoint) -> Denied | None:
         fastest = self._robot.fastest()
         if isinstance(wanted, Twist):
             return self._robot.drive(bounded(wanted, fastest))
         axes = (wanted.frame, wanted.first, wanted.second, wanted.yaw_rate)
-        return self._robot.drive(twist_towards(*axes, base_in_map, fastest))
+        return self._robot.drive(twist_towards(*axes, self._base_in_map, fastest))

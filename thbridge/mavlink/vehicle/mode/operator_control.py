@@ -11,6 +11,7 @@ from thbridge.mavlink.values.vehicle_interface import (
     Station,
     VehicleInterface,
 )
+from thbridge.mavlink.vehicle.parts import Announce, TextSeverity
 
 _AWAY = TICKS_PER_SECOND
 """Ticks of another's command after which control counts as taken away: the readings show the game's reaction to a
@@ -23,14 +24,16 @@ class OperatorControl:
     Args:
         robot: interface to the robot.
         lost_after: seconds without a heartbeat after which a station counts as lost.
+        announce: sends texts to people, about each change of command.
 
     Attributes:
         lost_after: as above; may be changed.
         station: the station in command; None when none is. It stays so while a researcher takes over for a time.
     """
 
-    def __init__(self, robot: VehicleInterface, lost_after: float) -> None:
+    def __init__(self, robot: VehicleInterface, lost_after: float, announce: Announce) -> None:
         self._robot = robot
+        self._announce = announce
         self.lost_after = lost_after
         self.station: Station | None = None
         self._last_heartbeat = 0
@@ -86,6 +89,7 @@ class OperatorControl:
         denied = self._robot.take(station)
         if denied is None:
             self.station, self._last_heartbeat, self._away = station, self._tick, 0
+            self._announce(TextSeverity.NOTICE, f"Commanded by {station}.")
         return denied
 
     def release(self) -> None:
@@ -93,6 +97,7 @@ class OperatorControl:
         if self.station is not None:
             self.station = None
             self._robot.release()
+            self._announce(TextSeverity.NOTICE, "Commanded by the participant again.")
 
     def heartbeat(self, station: Station) -> None:
         """Record a heartbeat, of any component of a station."""
@@ -109,4 +114,5 @@ class OperatorControl:
         if self._away < _AWAY:
             return False
         self.station = None
+        self._announce(TextSeverity.WARNING, f"Commanded by {readings.commanded_by} now.")
         return True

@@ -14,7 +14,7 @@ from thbridge.mavlink.values.vehicle_interface import (
     VehicleInterface,
 )
 from thbridge.mavlink.vehicle.geodesy import GeoPoint, MapProjection
-from thbridge.mavlink.vehicle.mode.manual_control import VelocitySetpoint
+from thbridge.mavlink.vehicle.mode.manual_control import ManualControl, VelocitySetpoint
 from thbridge.mavlink.vehicle.mode.operator_control import OperatorControl
 from thbridge.mavlink.vehicle.mode.state_machine import ModeStateMachine
 from thbridge.mavlink.vehicle.parts import Announce, Microservice, announce_denial
@@ -53,6 +53,7 @@ class ControlInputs(Microservice):
         system: its system id; MANUAL_CONTROL names no component.
         robot: interface to the robot.
         modes: the robot's mode state machine.
+        hand: manual control.
         control: the station in command of the robot.
         earth: map projection.
         announce: sends texts to people.
@@ -63,6 +64,7 @@ class ControlInputs(Microservice):
         system: int,
         robot: VehicleInterface,
         modes: ModeStateMachine,
+        hand: ManualControl,
         control: OperatorControl,
         earth: MapProjection,
         announce: Announce,
@@ -70,6 +72,7 @@ class ControlInputs(Microservice):
         self._system = system
         self._robot = robot
         self._modes = modes
+        self._hand = hand
         self._control = control
         self._earth = earth
         self._announce = announce
@@ -113,7 +116,7 @@ class ControlInputs(Microservice):
                 (value - _RC_MIDDLE) / _RC_FULL if value in _RC_RANGE else 0.0 for value in (steering, throttle)
             )
             self._drive(sender, forward, turn)
-        elif _RC_RELEASED in (steering, throttle) and self._modes.is_by_hand:
+        elif _RC_RELEASED in (steering, throttle) and self._hand.is_driving:
             # Override released; there is no radio that would take over.
             self._drive(sender, 0.0, 0.0)
 
@@ -123,7 +126,7 @@ class ControlInputs(Microservice):
             return
         fastest = self._robot.fastest()
         twist = Twist(forward * fastest.linear, -turn * fastest.angular)
-        announce_denial(self._announce, self._control.objection(sender) or self._modes.drive(twist))
+        announce_denial(self._announce, self._control.objection(sender) or self._hand.follow(twist))
 
     # -- setpoints ----------------------------------------------------------------------------------------------------
 

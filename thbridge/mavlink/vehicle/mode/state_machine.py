@@ -5,15 +5,12 @@ Callers check first, by `OperatorControl`, whether a station may move the robot.
 
 from dataclasses import dataclass
 
-from sim.common.observations import TICKS_PER_SECOND, Twist
-from thbridge.mavlink.values.conventions import ARRIVED
+from sim.common.observations import TICKS_PER_SECOND
 from thbridge.mavlink.values.options import Failsafe
 from thbridge.mavlink.values.vehicle_interface import (
     NO_READINGS,
     DenialKind,
     Denied,
-    HelmLeg,
-    LegState,
     RobotReadings,
     Station,
     Target,
@@ -22,6 +19,7 @@ from thbridge.mavlink.values.vehicle_interface import (
 from thbridge.mavlink.vehicle.mode.home import HomePosition
 from thbridge.mavlink.vehicle.mode.manual_control import ManualControl, VelocitySetpoint
 from thbridge.mavlink.vehicle.mode.operator_control import OperatorControl
+from thbridge.mavlink.vehicle.mode.target_drive import TargetDrive
 from thbridge.mavlink.vehicle.parts import Announce, MissionControl, TextSeverity, announce_denial
 from thbridge.mavlink.wire.mode_numbers import Mode
 
@@ -42,14 +40,6 @@ class PausedMode:
     target: Target | None
 
 
-@dataclass(frozen=True, slots=True)
-class _Drive:
-    """A drive to a point that was started here, by its number."""
-
-    leg: int
-    target: Target
-
-
 class ModeStateMachine:
     """Mode state machine of one robot.
 
@@ -63,6 +53,8 @@ class ModeStateMachine:
         announce: sends texts to people.
 
     Attributes:
+        drive: the last drive to a target that was started here.
+        plan: as above.
         failsafe: as above; may be changed.
     """
 
@@ -78,15 +70,15 @@ class ModeStateMachine:
     ) -> None:
         self._robot = robot
         self._control = control
-        self._plan = plan
         self._home = home
         self._hand = hand
+        self.drive = TargetDrive(announce)
+        self.plan = plan
         self.failsafe = failsafe
         self._announce = announce
         self._readings = NO_READINGS
         self._tick = 0
         self._mode = Mode.HOLD
-        self._drive: _Drive | None = None
         self._paused: PausedMode | None = None
         self._stopped_at = -_STOPPING
         self._continues_alone = False
@@ -95,7 +87,7 @@ class ModeStateMachine:
     def mode(self) -> Mode:
         """Mode for ground stations: GUIDED while the robot drives for somebody else, such as the participant."""
         commanded = self._control.station is not None
-        if self._is_moved() and (self._mode is Mode.HOLD or (not commanded and not self._is_under_way())):
+        if self._is_moved() and (self._mode is Mode.HOLD or (not commanded and not self.drive.is_under_way)):
             return Mode.GUIDED
         return self._mode
 
@@ -103,17 +95,6 @@ class ModeStateMachine:
     def armed(self) -> bool:
         """True when a station is in command, or the robot moves."""
         return self._control.station is not None or self._is_moved()
-
-    @property
-    def leg(self) -> HelmLeg | None:
-        """Progress of the last drive that was started here; None when another one has replaced it."""
-        leg = self._readings.leg
-        return leg if leg is not None and leg.number == self.leg_number else None
-
-    @property
-    def leg_number(self) -> int | None:
-        """Number of the last drive that was started here; None when it was aborted."""
-        return None if self._drive is None else self._drive.leg
 
     def arm(self, station: Station, by_force: bool) -> Denied | None:
         """Put a station in command. The robot continues its activity, or begins that of a mode which was requested
@@ -123,7 +104,6 @@ class ModeStateMachine:
         if denied is not None or before == station:
             return denied
         self._continues_alone = False
-        self._announce(TextSeverity.NOTICE, f"Commanded by {station}.")
         if before is None and self._mode is not Mode.HOLD:
             chosen, self._mode = self._mode, Mode.HOLD
             announce_denial(self._announce, self.enter(chosen))
@@ -132,7 +112,7 @@ class ModeStateMachine:
     def disarm(self) -> None:
         """Stop, and give the command back to the participant."""
         self.stop()
-        self._give_back()
+        self._control.release()
 
     def request_mode(self, station: Station, mode: Mode) -> Denied | None:
         """Change the mode for a station. Any station may choose HOLD; without a station in command, other modes are
@@ -152,7 +132,7 @@ class ModeStateMachine:
             case Mode.AUTO:
                 return self.start_mission(None, None)
             case Mode.RETURN:
-                return self.go_home()
+                return self.go(self._home.target, mode)
             case Mode.HOLD:
                 self.stop()
             case Mode.GUIDED | Mode.MANUAL if mode is not self._mode:
@@ -169,61 +149,48 @@ class ModeStateMachine:
 
     def start_mission(self, first: int | None, last: int | None) -> Denied | None:
         """Run the mission: see `MissionControl.start`."""
-        if self._mode is Mode.AUTO and self._plan.running and first is None and last is None:
+        if self._mode is Mode.AUTO and self.plan.running and first is None and last is None:
             return None
-        if self._readings.under_way and not self._plan.running:
+        if self._readings.under_way and not self.plan.running:
             # A mission may begin with standing still.
             self.stop()
-        denied = self._plan.start(first, last)
+        denied = self.plan.start(first, last)
         if denied is None:
             self._forget_leg()
             self._mode = Mode.AUTO
         return denied
 
-    def go_home(self) -> Denied | None:
-        """Return to the present home position."""
-        return self._go(self._home.target, Mode.RETURN)
-
-    def go(self, target: Target, speed: float | None = None) -> Denied | None:
-        """Drive to a point, with this speed limit from now on if one is given."""
-        if speed is not None:
-            denied = self._robot.limit_speed(speed)
-            if denied is not None:
-                return denied
-        return self._go(target, Mode.GUIDED)
+    def go(self, target: Target, mode: Mode = Mode.GUIDED) -> Denied | None:
+        """Drive to a point, in this mode from now on."""
+        number = self._robot.go_to(target)
+        if isinstance(number, Denied):
+            return number
+        self._leave()
+        self.drive.begin(number, target)
+        self._mode = mode
+        return None
 
     def follow_target(self, target: Target) -> Denied | None:
         """Drive to a point that is sent repeatedly; ignored unless in mode GUIDED."""
-        if self._mode is not Mode.GUIDED or self._is_same(target):
+        if self._mode is not Mode.GUIDED or self.drive.leads_to(target):
             return None
-        return self._go(target, Mode.GUIDED)
+        return self.go(target)
 
     def follow_velocity(self, velocity: VelocitySetpoint) -> Denied | None:
         """Drive at a velocity that is sent repeatedly; ignored unless in mode GUIDED."""
         if self._mode is not Mode.GUIDED:
             return None
-        denied = self._hand.follow(velocity, self._tick, self._readings.base_in_map)
+        denied = self._hand.follow(velocity)
         if denied is None:
-            self._drive = self._paused = None
+            self.drive.abort()
+            self._paused = None
         return denied
-
-    def drive(self, twist: Twist) -> Denied | None:
-        """Drive by hand; ignored unless in mode MANUAL."""
-        if self._mode is not Mode.MANUAL:
-            return None
-        return self._hand.follow(twist, self._tick, self._readings.base_in_map)
-
-    @property
-    def is_by_hand(self) -> bool:
-        """True while it is driven by hand."""
-        return self._mode is Mode.MANUAL and self._hand.is_driving
 
     def pause(self) -> None:
         """Stop, and remember the activity."""
         paused = self._paused
         if paused is None and self._mode is not Mode.HOLD:
-            drive = self._drive if self._is_under_way() else None
-            paused = PausedMode(self._mode, None if drive is None else drive.target)
+            paused = PausedMode(self._mode, self.drive.target if self.drive.is_under_way else None)
         self.stop()
         self._paused = paused
 
@@ -234,25 +201,19 @@ class ModeStateMachine:
         paused = self._paused
         if paused is None:
             return Denied("There is nothing to continue.", DenialKind.NOT_NOW)
-        denied = self._go(paused.target, paused.mode) if paused.target is not None else self.enter(paused.mode)
+        denied = self.go(paused.target, paused.mode) if paused.target is not None else self.enter(paused.mode)
         if denied is None:
             self._paused = None
         return denied
 
-    def select(self, item: int) -> Denied | None:
-        """Continue the mission with this item."""
-        return self._plan.select(item)
-
     def step(self, tick: int, readings: RobotReadings) -> None:
         """Advance by one tick."""
-        before = self.leg
         self._tick, self._readings = tick, readings
         taken_away = self._control.follow(tick, readings)
         if taken_away:
             self._leave()
             self._mode = Mode.HOLD
-            self._announce(TextSeverity.WARNING, f"Commanded by {readings.commanded_by} now.")
-        self._tell_end(before, self.leg)
+        self.drive.step(readings)
         self._hand.step(tick, readings.base_in_map)
         if self._is_over():
             self._mode = Mode.HOLD
@@ -266,71 +227,40 @@ class ModeStateMachine:
             # A lost station must not stop a researcher's drive; it only gives up its own command.
             self._leave()
             self._mode = Mode.HOLD
-            self._give_back()
+            self._control.release()
             return
         if self._continues_alone:
-            if not self._plan.running and not self._is_under_way():
+            if not self.plan.running and not self.drive.is_under_way:
                 self._mode = Mode.HOLD
-                self._give_back()
+                self._control.release()
             return
         what = {Failsafe.STOP: "stops", Failsafe.HOME: "goes home", Failsafe.CONTINUE: "carries on"}[self.failsafe]
         self._announce(TextSeverity.CRITICAL, f"{self._control.station} is lost: the robot {what}.")
         if self.failsafe is Failsafe.CONTINUE:
             self._continues_alone = True
             return
-        denied = self.go_home() if self.failsafe is Failsafe.HOME else None
+        denied = self.enter(Mode.RETURN) if self.failsafe is Failsafe.HOME else None
         announce_denial(self._announce, denied)
         if self.failsafe is Failsafe.STOP or denied is not None:
             self.stop()
-        self._give_back()
-
-    def _give_back(self) -> None:
-        if self._control.station is not None:
-            self._control.release()
-            self._announce(TextSeverity.NOTICE, "Commanded by the participant again.")
-
-    def _go(self, target: Target, mode: Mode) -> Denied | None:
-        number = self._robot.go_to(target)
-        if isinstance(number, Denied):
-            return number
-        self._leave()
-        self._drive, self._mode = _Drive(number, target), mode
-        return None
+        self._control.release()
 
     def _is_over(self) -> bool:
         """Return True when the activity of the mode has ended."""
         if self._control.station is not None:
-            return self._mode is Mode.AUTO and not self._plan.running
-        return self._mode is Mode.RETURN and self._drive is not None and not self._is_under_way()
-
-    def _is_same(self, target: Target) -> bool:
-        leg = self.leg
-        failed = leg is not None and leg.state is LegState.FAILED
-        return self._drive is not None and target == self._drive.target and not failed
-
-    def _is_under_way(self) -> bool:
-        """Return True while the drive lasts, or is about to begin: the readings show a new leg some ticks late."""
-        leg = self.leg
-        return self._drive is not None and (leg is None or leg.state is LegState.UNDER_WAY)
+            return self._mode is Mode.AUTO and not self.plan.running
+        return self._mode is Mode.RETURN and self.drive.number is not None and not self.drive.is_under_way
 
     def _is_moved(self) -> bool:
         return self._readings.under_way and self._tick - self._stopped_at >= _STOPPING
 
     def _leave(self) -> None:
         """Abort the activity of the mode; the robot itself is not halted."""
-        if self._plan.running:
-            self._plan.pause()
+        if self.plan.running:
+            self.plan.pause()
         self._forget_leg()
 
     def _forget_leg(self) -> None:
-        self._drive = self._paused = None
+        self.drive.abort()
+        self._paused = None
         self._hand.release_control()
-
-    def _tell_end(self, before: HelmLeg | None, now: HelmLeg | None) -> None:
-        """Announce the end of a drive."""
-        if now is None or now.state is LegState.UNDER_WAY or now == before:
-            return
-        if now.state is LegState.ARRIVED:
-            self._announce(TextSeverity.INFO, ARRIVED)
-        else:
-            self._announce(TextSeverity.WARNING, now.reason or "The robot did not get there.")
