@@ -18,7 +18,7 @@ from thbridge.roles.shared.view import ParticipantRequest, View
 from thbridge.study.study_file import Study
 from ui.model.playing.offers import offer
 from ui.model.playing.participant import Participant
-from ui.model.playing.screen import Act, ConsiderRoom, DialoguePopup, GiveAnswer, PickName, Screen
+from ui.model.playing.screen import Act, AnswerDialogueAct, ConsiderRoom, DialoguePopup, PickName, Screen
 
 LIMIT = 120.0
 """Simulated seconds after which waiting fails."""
@@ -103,7 +103,7 @@ class PicturedHunt:
         """Give the first answer to all questions of the robot in the pop-up."""
         self.asked()
         while getattr(self.screen.popup, "choices", ()):
-            self.do(GiveAnswer(0))
+            self.do(AnswerDialogueAct(0))
             self.run(0.2)
 
     def say(self, act: str, which: int = 0) -> None:
@@ -119,7 +119,7 @@ class PicturedHunt:
         found = [at for at, each in enumerate(acts) if each == act]
         if len(found) <= which:
             raise RuntimeError(f"{act} cannot be answered: {acts}")
-        self.do(GiveAnswer(found[which]))
+        self.do(AnswerDialogueAct(found[which]))
         self.run(0.4)
 
     def send(self, act: Act) -> None:

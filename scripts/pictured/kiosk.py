@@ -32,7 +32,7 @@ from ui.model.kiosk import (
     StudyProgress,
     TextToRead,
 )
-from ui.model.playing.screen import ChooseRoom, ShowHelp
+from ui.model.playing.screen import SelectRoomAct, ShowHelp
 from ui.model.shared.theme import Palette
 from ui.windows.kiosk.pages.form import FormPage
 from ui.windows.kiosk.window import KioskWindow
@@ -71,7 +71,7 @@ def at_the_kiosk() -> Iterator[Shot]:
     yield Shot("kiosk-once-more", window)
     argues = DialogueSection(condition=DialogueCondition.COLLABORATOR)
     hunt = PicturedHunt(replace(STANDARD, robots=2, dialogue=argues))
-    hunt.do(ChooseRoom(4))
+    hunt.do(SelectRoomAct(4))
     hunt.asked()
     seconds = hunt.now
     window.receive(InstructionsSoFar((InstructionText(text),)))

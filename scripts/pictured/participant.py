@@ -25,22 +25,22 @@ from ui.hosting.games import PRACTICE
 from ui.model.lobby import Offer, Preparing
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
-    AskAdvice,
-    AskForRobot,
     Cancel,
     ChooseRobot,
-    ChooseRoom,
     Confirm,
     ConsiderRoom,
-    EndGame,
-    LeaveTreasure,
+    EndGameAct,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
+    MeasurePropertyAct,
     PickName,
-    SenseMore,
+    RequestHandbackAct,
+    RequestSuggestionAct,
+    SelectRoomAct,
     ShowHelp,
     ShowNext,
     ShowWaiting,
-    SubmitName,
-    TakeThePicture,
+    TakePictureAct,
     TreasurePopup,
 )
 from ui.model.shared.theme import LIGHT
@@ -110,7 +110,7 @@ def consent() -> Iterator[Shot]:
 def practice() -> Iterator[Shot]:
     """The practice game, with its strip of advice."""
     hunt = PicturedHunt(PRACTICE)
-    hunt.send(ChooseRoom(1))
+    hunt.send(SelectRoomAct(1))
     hunt.reached()
     game = GamePage(RecordedLink(hunt), language.texts(), unkept_preferences(), True, lambda: None, lambda: hunt.now)
     game.resize(*SIZE)
@@ -149,27 +149,27 @@ def hunting() -> Iterator[Shot]:
     window = window_on(hunt.model, lambda: hunt.now)
     hunt.do(ConsiderRoom(6))
     yield shot("begin", window)
-    hunt.do(ChooseRoom(6))
+    hunt.do(SelectRoomAct(6))
     yield shot("thinking", window)
     hunt.asked()
     yield shot("talk", window)
     hunt.agree()
     hunt.do(ConsiderRoom(None))
     hunt.do(ChooseRobot(1))
-    hunt.send(ChooseRoom(3))
+    hunt.send(SelectRoomAct(3))
     hunt.reached()
     yield shot("treasure", window)
-    hunt.send(TakeThePicture())
+    hunt.send(TakePictureAct())
     hunt.until(lambda screen: getattr(screen.popup, "picture", None) is not None)
     hunt.do(PickName("beer_bottle"))
     yield shot("picture", window)
-    hunt.send(SubmitName())
+    hunt.send(IdentifyTreasureAct())
     hunt.until(lambda screen: getattr(screen.popup, "verdict", None) is not None)
     yield shot("verdict", window)
     hunt.do(ShowNext())
     hunt.reached()
     hunt.do(PickName("candy_box"))
-    hunt.send(SubmitName())
+    hunt.send(IdentifyTreasureAct())
     hunt.until(lambda screen: getattr(screen.popup, "verdict", None) is not None)
     yield shot("verdict-wrong", window)
     hunt.do(ShowNext())
@@ -182,7 +182,7 @@ def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
     """Robot 1 drives, robot 2 waits for it."""
     for robot, room in ((1, 1), (0, 2)):
         hunt.do(ChooseRobot(robot))
-        hunt.send(ChooseRoom(room))
+        hunt.send(SelectRoomAct(room))
     hunt.run(8.0)
     hunt.shade = _waiting_for
     hunt.run(0.2)
@@ -209,11 +209,11 @@ def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
 
 def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
     """Two robots arrive while the third one asks something; then what cannot be taken back."""
-    hunt.do(ChooseRoom(5))
+    hunt.do(SelectRoomAct(5))
     yield shot("question-change", window)
     hunt.do(Cancel())
     hunt.do(ChooseRobot(2))
-    hunt.do(ChooseRoom(8))
+    hunt.do(SelectRoomAct(8))
     hunt.asked()
     hunt.until(lambda screen: sum(tile.room in (1, 2) and tile.found != "" for tile in screen.tiles) == 2)
     yield shot("queue", window)
@@ -226,7 +226,7 @@ def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
     yield shot("lost-connection", window)
     hunt.model.connected(hunt.now)
     hunt.run(0.2)
-    hunt.model.do(ChooseRoom(6), hunt.now)
+    hunt.model.do(SelectRoomAct(6), hunt.now)
     yield shot("refused", window)
     hunt.now += 10.0
     hunt.run(0.2)
@@ -249,9 +249,9 @@ def _end(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
     for robot in (2, 1, 0):
         if hunt.screen.popup is None:
             hunt.do(ShowWaiting(robot))
-        hunt.do(LeaveTreasure())
+        hunt.do(LeaveTreasureAct())
         hunt.run(0.2)
-    hunt.do(EndGame())
+    hunt.do(EndGameAct())
     yield shot("question-end", window)
     hunt.do(Confirm())
     hunt.until(lambda screen: screen.ending is not None)
@@ -262,9 +262,9 @@ def sure() -> Iterator[Shot]:
     """A study that shows how sure robots are of their places, and where they are."""
     shows = ShowsSection(uncertainty=True, truth=True)
     hunt = PicturedHunt(replace(STANDARD, participant=ParticipantSection(shows=shows)))
-    hunt.send(ChooseRoom(8))
+    hunt.send(SelectRoomAct(8))
     hunt.do(ChooseRobot(1))
-    hunt.send(ChooseRoom(1))
+    hunt.send(SelectRoomAct(1))
     hunt.run(6.0)
     hunt.ask(KidnapRobot(0, Pose2(4.2, 0.6, 2.5)))
     hunt.ask(SetPoseEstimate(1, Pose2(0.2, 2.6, 2.0), np.diag([0.3, 0.1, 0.1])))
@@ -278,12 +278,12 @@ def commanded() -> Iterator[Shot]:
     window = window_on(hunt.model, lambda: hunt.now)
     for robot, room in ((1, 1), (0, 8)):
         hunt.do(ChooseRobot(robot))
-        hunt.send(ChooseRoom(room))
+        hunt.send(SelectRoomAct(room))
     hunt.run(5.0)
     hunt.ask(TakeCommand(0, "ground station 255"))
     hunt.run(0.2)
     yield shot("commanded", window)
-    hunt.do(AskForRobot(0))
+    hunt.do(RequestHandbackAct(0))
     hunt.run(0.2)
     yield shot("commanded-asked", window)
     hunt.until(lambda screen: screen.tiles[7].found != "")
@@ -297,12 +297,12 @@ def properties() -> Iterator[Shot]:
     """Treasures with four properties: two are seen, one is sensed for energy, one the participant tells."""
     hunt = PicturedHunt(Study(templates="four-properties"))
     window = window_on(hunt.model, lambda: hunt.now)
-    hunt.send(ChooseRoom(2))
+    hunt.send(SelectRoomAct(2))
     hunt.reached()
     yield shot("properties", window)
-    hunt.do(SenseMore("weight"))
+    hunt.do(MeasurePropertyAct("weight"))
     hunt.run(0.4)
-    hunt.send(TakeThePicture())
+    hunt.send(TakePictureAct())
     hunt.until(lambda screen: getattr(screen.popup, "picture", None) is not None)
     yield shot("properties-picture", window)
 
@@ -311,7 +311,7 @@ def arguing() -> Iterator[Shot]:
     """Robots that argue: a disagreement, reasons, questions, two robots at once, and how it ends."""
     hunt = PicturedHunt(_argued(DialogueCondition.COLLABORATOR))
     window = window_on(hunt.model, lambda: hunt.now)
-    hunt.do(ChooseRoom(6))
+    hunt.do(SelectRoomAct(6))
     hunt.asked()
     yield shot("argue", window)
     hunt.say("challenge")
@@ -320,7 +320,7 @@ def arguing() -> Iterator[Shot]:
     yield shot("argue-questions", window)
     hunt.say("enquire", 3)
     hunt.do(ChooseRobot(1))
-    hunt.do(AskAdvice())
+    hunt.do(RequestSuggestionAct())
     hunt.run(0.4)
     yield shot("argue-two", window)
     hunt.do(ChooseRobot(0))
@@ -333,12 +333,12 @@ def arguing() -> Iterator[Shot]:
     hunt.until(lambda screen: bool(getattr(screen.popup, "facts", ())))
     yield shot("argue-found", window)
     hunt.do(PickName(_misfit(hunt.screen.popup)))
-    hunt.do(SubmitName())
+    hunt.do(IdentifyTreasureAct())
     hunt.asked()
     hunt.say("challenge")
     yield shot("argue-name", window)
     advised = PicturedHunt(_argued(DialogueCondition.ADVISER))
-    advised.do(ChooseRoom(6))
+    advised.do(SelectRoomAct(6))
     advised.asked()
     advised.say("challenge")
     yield shot("argue-adviser", window_on(advised.model, lambda: advised.now))
@@ -361,7 +361,7 @@ def crowd() -> Iterator[Shot]:
     hunt = PicturedHunt(replace(STANDARD, map="warehouse12", robots=6))
     for robot, room in enumerate((5, 12, 3, 9)):
         hunt.do(ChooseRobot(robot))
-        hunt.send(ChooseRoom(room))
+        hunt.send(SelectRoomAct(room))
     hunt.run(3.0)
     hunt.do(ConsiderRoom(7))
     yield shot("six-robots", window_on(hunt.model, lambda: hunt.now))

@@ -6,13 +6,22 @@ from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import get_args
+
+from sim.inputs import TEAM_INPUTS
+from thbridge.roles.shared.robot_requests import REQUESTS, CommandRequest
+from thbridge.roles.shared.view import DeclineConsent, ParticipantRequest
+from thbridge.text_protocol.wire.notice import kind_of
+from ui.model.playing.screen import Act
 
 ROOT = Path(__file__).parents[2]
-ROWS = [
+TABLES = [
     [cell.strip() for cell in line.strip("|").split("|")]
     for line in (ROOT / "docs" / "glossary.md").read_text().splitlines()
-    if line.startswith("|") and not line.startswith(("|---", "| term "))
+    if line.startswith("|") and not line.startswith(("|---", "| term ", "| action "))
 ]
+ROWS = [row for row in TABLES if len(row) == 4]
+ACTIONS = [row for row in TABLES if len(row) == 5]
 
 
 @cache
@@ -42,6 +51,24 @@ def test_every_term_of_the_glossary_is_in_the_code() -> None:
     assert len(named) == len(ROWS) > 60
     there = {name for pair in re.findall(r"^ *class (\w+)|^(\w+)\b.*=", text, re.MULTILINE) for name in pair}
     assert [(term, name) for term, name in named if name not in there] == []
+
+
+def test_the_table_of_actions_has_all_requests_with_their_tags() -> None:
+    tags = {request.__name__: tag for tag, request in {**REQUESTS, **TEAM_INPUTS}.items()}
+    tags |= {request.__name__: kind_of(request) for request in (*get_args(ParticipantRequest), DeclineConsent)}
+    listed = [
+        (re.findall(r"`(\w+)`", f"{own} {stations}"), re.findall(r"`(\w+)`", tag))
+        for _, own, stations, tag, _ in ACTIONS
+    ]
+    assert [names for names, written in listed if [tags[name] for name in names] != written] == []
+    of_people = {request.__name__ for request in (*get_args(ParticipantRequest), *get_args(CommandRequest))}
+    assert of_people <= {name for names, _ in listed for name in names}
+
+
+def test_an_act_of_the_window_has_the_name_of_its_request() -> None:
+    requests = {request.__name__ for request in (*get_args(ParticipantRequest), DeclineConsent)}
+    acts = {act.__name__ for act in Act.__subclasses__() if act.__name__.endswith("Act")}
+    assert {act.removesuffix("Act") for act in acts} == requests - {"SendRobot", "SenseTreasure", "OpenDialogue"}
 
 
 def test_terms_stand_once() -> None:

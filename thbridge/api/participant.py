@@ -8,11 +8,10 @@ from sim.common.robot_numbers import index_of
 from thbridge.api.errors import HuntError
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
+    EndGame,
     GiveConsent,
-    GiveUp,
-    GiveUpTreasure,
     IdentifyTreasure,
+    LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
@@ -21,6 +20,7 @@ from thbridge.roles.shared.view import (
     SelectRoom,
     SendRobot,
     SenseTreasure,
+    StopRobot,
     TakePicture,
     TakeUpTreasure,
     TellProperty,
@@ -89,9 +89,9 @@ class HuntParticipant:
         """Send a robot to the room agreed upon."""
         self._ask(SendRobot(self._index(robot), whole("room", room)))
 
-    def call_back(self, robot: int) -> None:
+    def stop(self, robot: int) -> None:
         """Stop a robot that drives to a room."""
-        self._ask(CallBack(self._index(robot)))
+        self._ask(StopRobot(self._index(robot)))
 
     def sense(self, room: int) -> None:
         """Sense the treasure in a room that a robot reached."""
@@ -119,17 +119,17 @@ class HuntParticipant:
         """Name the treasure in a room."""
         self._ask(IdentifyTreasure(whole("room", room), name))
 
-    def give_up(self, room: int) -> None:
-        """Give up the treasure in a room."""
-        self._ask(GiveUpTreasure(whole("room", room)))
+    def leave_treasure(self, room: int) -> None:
+        """Leave the treasure in a room undecided."""
+        self._ask(LeaveTreasure(whole("room", room)))
 
     def take_up(self, room: int) -> None:
-        """Take back that a treasure was given up, while its robot still stands there."""
+        """Take back that a treasure was left, while its robot still stands there."""
         self._ask(TakeUpTreasure(whole("room", room)))
 
     def end_game(self) -> None:
         """End the game although robots could still do something."""
-        self._ask(GiveUp(self._game()))
+        self._ask(EndGame(self._game()))
 
     def play_again(self) -> None:
         """Begin a new game once this one is over."""

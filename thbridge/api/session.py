@@ -46,10 +46,10 @@ from thbridge.roles.shared.robot_requests import (
     ParameterValue,
     ReleaseCommand,
     SetParameters,
-    StationCallBack,
     StationIdentify,
     StationLeave,
     StationSend,
+    StationStop,
     StationTakePicture,
     TakeCommand,
 )
@@ -298,7 +298,7 @@ class HuntSession:
 
     def stop(self, robot: int) -> None:
         """Stop a robot that drives for the game."""
-        self._session.ask(SENDER, StationCallBack(self._index(robot)))
+        self._session.ask(SENDER, StationStop(self._index(robot)))
 
     def take_picture(self, robot: int) -> None:
         """Take a picture where a robot stands."""
@@ -309,7 +309,7 @@ class HuntSession:
         self._commanded(robot, lambda index: StationIdentify(index, name))
 
     def leave_treasure(self, robot: int) -> None:
-        """Give up the treasure where a robot stands."""
+        """Leave the treasure where a robot stands undecided."""
         self._commanded(robot, StationLeave)
 
     def hand_back(self, robot: int) -> None:

@@ -140,12 +140,12 @@ class RobotArrived(_Event, frozen=True, tag="arrived"):
 
 
 class MoveFailed(_Event, frozen=True, tag="failed"):
-    """A robot did not reach the room it drove to, or was called back; the room is free again.
+    """A robot did not reach the room it drove to, or was stopped; the room is free again.
 
     Attributes:
         robot: index in the team, from 0.
         room: destination of the move.
-        reason: sentence of the navigator or for a recall, for people.
+        reason: sentence of the navigator or for a stop, for people.
         refund: energy given back.
         at: its place now, from which the cost of its next move counts.
     """

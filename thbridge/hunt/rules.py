@@ -93,7 +93,7 @@ def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
     return () if same else (_intervenes(robot, researcher),)
 
 
-def ask_back(state: GameState, robot: int) -> Ruling:
+def request_handback(state: GameState, robot: int) -> Ruling:
     """Ask back a robot that somebody else commands; one that the participant commands gives no event."""
     refused = _over(state)
     if refused:
@@ -184,7 +184,7 @@ def arrive(state: GameState, robot: int, room: Room) -> Ruling:
 
 
 def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room | None = None) -> Ruling:
-    """End a robot's move without arrival: the navigator failed, or a person called it back.
+    """End a robot's move without arrival: the navigator failed, or a person stopped it.
 
     Args:
         state: the game.
@@ -381,8 +381,8 @@ def take_up(state: GameState, room: Room) -> Ruling:
     return (TreasureTakenUp(room),)
 
 
-def give_up(state: GameState) -> Ruling:
-    """End the game early. Moving robots have to arrive or be called back first."""
+def end_game(state: GameState) -> Ruling:
+    """End the game early. Moving robots have to arrive or be stopped first."""
     refused = _over(state)
     if refused:
         return refused

@@ -15,14 +15,13 @@ from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.shared.participant_rules import revealed
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
     Consent,
     DialogueView,
+    EndGame,
     GiveConsent,
-    GiveUp,
-    GiveUpTreasure,
     IdentifyTreasure,
     LastWords,
+    LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
@@ -34,6 +33,7 @@ from thbridge.roles.shared.view import (
     SelectRoom,
     SendRobot,
     SenseTreasure,
+    StopRobot,
     TakePicture,
     TakeUpTreasure,
     TellProperty,
@@ -105,7 +105,7 @@ class TerminalPlayer:
             case [word] if self._means(word, "names"):
                 self.show(f"  {_listed(view)}" if view.names else telling.texts.text("terminal.no_names"))
             case [word] if self._means(word, "end"):
-                self._wanted = (GiveUp(view.game),)
+                self._wanted = (EndGame(view.game),)
             case [letter] if letter in (waiting := _letters(view)) or letter in ("c", "s"):
                 self._answer(view, waiting.get(letter, 0 if letter == "c" else -1))
             case [answer] if _is_number(answer):
@@ -123,11 +123,11 @@ class TerminalPlayer:
             case ["t", room, *words] if _is_number(room) and words:
                 self._tell(view, int(room), words)
             case ["l", room] if _is_number(room):
-                self._wanted = (GiveUpTreasure(int(room)),)
+                self._wanted = (LeaveTreasure(int(room)),)
             case ["u", room] if _is_number(room):
                 self._wanted = (TakeUpTreasure(int(room)),)
             case ["b", robot] if _is_number(robot):
-                self._wanted = (CallBack(index_of(int(robot))),)
+                self._wanted = (StopRobot(index_of(int(robot))),)
             case ["a", robot] if _is_number(robot):
                 self._wanted = (RequestHandback(index_of(int(robot))),)
             case [robot, "?"] if _is_number(robot):

@@ -21,7 +21,7 @@ from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.shared.view import GiveUp, ParticipantRequest, PlayAgain, View
+from thbridge.roles.shared.view import EndGame, ParticipantRequest, PlayAgain, View
 from thbridge.study.study_file import GameSection, Study
 from ui.command_line.outcome import show_outcome
 
@@ -41,7 +41,7 @@ class _Twice:
         if view.over is not None:
             return (PlayAgain(1),) if view.game == 1 else ()
         if view.game == 2 and any(room.state == "visited" for room in view.rooms):
-            return (GiveUp(2),)
+            return (EndGame(2),)
         return tuple(self._bot.requests(view))
 
     def has_left(self) -> bool:

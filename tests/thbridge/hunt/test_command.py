@@ -147,13 +147,16 @@ def test_the_end_waits_for_what_can_be_named_from_afar_if_anybody_is_there_to_do
 
 def test_the_participant_asks_for_what_somebody_else_commands():
     state = taken()
-    assert rules.ask_back(state, 0) == (HandbackRequested(0),)
-    state = after(after(state, rules.ask_back(state, 0)), rules.ask_back(state, 0))
+    assert rules.request_handback(state, 0) == (HandbackRequested(0),)
+    state = after(after(state, rules.request_handback(state, 0)), rules.request_handback(state, 0))
     assert state.robots[0].asked_back == 2
-    assert rules.ask_back(state, 1) == ()
+    assert rules.request_handback(state, 1) == ()
     assert taken(state, by=PARTICIPANT).robots[0].asked_back == 0
-    assert rules.ask_back(after(state, rules.intervene(state, 1, "/rviz")), 1) == (HandbackRequested(1),)
-    for refused in (rules.ask_back(state, 2), rules.ask_back(apply(state, GameEnded(EndReason.GIVEN_UP, 0)), 0)):
+    assert rules.request_handback(after(state, rules.intervene(state, 1, "/rviz")), 1) == (HandbackRequested(1),)
+    for refused in (
+        rules.request_handback(state, 2),
+        rules.request_handback(apply(state, GameEnded(EndReason.GIVEN_UP, 0)), 0),
+    ):
         assert isinstance(refused, RequestRefused)
 
 

@@ -305,7 +305,7 @@ def test_what_was_left_is_taken_up_again_until_its_robot_sets_out():
     assert rules.take_up(away, ROOM_4).reason == RuleReason.NOBODY_THERE
     back = after(away, rules.fail(away, 0, "called back", 0.0))
     assert rules.take_up(back, ROOM_4) == (TreasureTakenUp(ROOM_4),), "it had not left the room yet"
-    over = after(left, rules.give_up(left))
+    over = after(left, rules.end_game(left))
     assert rules.take_up(over, ROOM_4).reason == RuleReason.GAME_OVER
     assert rules.take_up(left, Room(9)).reason == RuleReason.UNKNOWN_ROOM
 
@@ -435,10 +435,10 @@ def test_another_robot_that_can_still_move_keeps_the_game_going():
 
 def test_a_game_is_given_up_only_when_nobody_is_under_way():
     state = new_game()
-    assert rules.give_up(state) == (GameEnded(EndReason.GIVEN_UP, 0),)
+    assert rules.end_game(state) == (GameEnded(EndReason.GIVEN_UP, 0),)
     moving = after(state, rules.move(state, 1, ROOM_1))
-    assert rules.give_up(moving).reason is RuleReason.UNDER_WAY
-    assert rules.give_up(after(state, rules.give_up(state))).reason is RuleReason.GAME_OVER
+    assert rules.end_game(moving).reason is RuleReason.UNDER_WAY
+    assert rules.end_game(after(state, rules.end_game(state))).reason is RuleReason.GAME_OVER
 
 
 # --- how robots are

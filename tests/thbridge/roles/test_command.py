@@ -26,17 +26,16 @@ from thbridge.roles.shared.notices import KEEPER, Orders, TeamStatus
 from thbridge.roles.shared.robot_requests import (
     CommandRequest,
     ReleaseCommand,
-    StationCallBack,
     StationIdentify,
     StationLeave,
     StationSend,
+    StationStop,
     StationTakePicture,
     TakeCommand,
 )
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
-    GiveUp,
+    EndGame,
     IdentifyTreasure,
     OpenDialogue,
     ParticipantRequest,
@@ -45,6 +44,7 @@ from thbridge.roles.shared.view import (
     RequestSuggestion,
     SelectRoom,
     SendRobot,
+    StopRobot,
     TakePicture,
     View,
 )
@@ -115,7 +115,7 @@ def test_what_the_participant_wishes_of_a_robot_of_others_is_refused(play: Play,
 
 def test_a_robot_of_others_under_way_is_not_called_back_by_the_participant(play: Play) -> None:
     play.ask(TAKE, StationSend(0, 3), ticks=3)
-    refusal = play.wish(CallBack(0), ticks=4).refusal
+    refusal = play.wish(StopRobot(0), ticks=4).refusal
     assert refusal is not None and (refusal.wish, refusal.sentence) == ("CallBack", SENTENCE)
     play.stage.run(10)
     assert play.events(RobotArrived) == [RobotArrived(0, Room(3))]
@@ -184,26 +184,26 @@ def test_the_participant_names_what_a_robot_of_others_found(play: Play) -> None:
 
 def test_anybody_may_stop_a_robot_and_the_energy_for_the_rest_comes_back(play: Play) -> None:
     play.ask(TAKE, StationSend(0, 3), ReleaseCommand(0), ticks=3)
-    play.ask(StationCallBack(0))
+    play.ask(StationStop(0))
     (failed,) = play.events(MoveFailed)
     assert failed.refund == 8.5
     assert play.view.robots[0].moving_to is None
-    play.ask(StationCallBack(0), StationCallBack(9))
+    play.ask(StationStop(0), StationStop(9))
     assert len(play.events(MoveFailed)) == 1
 
 
 def test_a_participant_whose_robot_is_stopped_by_others_is_told_so_once(play: Play) -> None:
     play.ask(TAKE, StationSend(0, 3), ReleaseCommand(0), ticks=3)
-    view = play.ask(StationCallBack(0), StationCallBack(0))
+    view = play.ask(StationStop(0), StationStop(0))
     assert (view.refusal.number, view.refusal.sentence) == (1, "A ground station has stopped robot 1.")
 
 
 def test_a_station_that_stops_its_own_robot_concerns_nobody_else(play: Play) -> None:
-    assert play.ask(TAKE, StationSend(0, 3), StationCallBack(0)).refusal is None
+    assert play.ask(TAKE, StationSend(0, 3), StationStop(0)).refusal is None
 
 
 def test_a_robot_that_is_called_back_before_it_was_told_to_go_never_set_out(play: Play) -> None:
-    view = play.ask(TAKE, StationSend(0, 3), StationCallBack(0))
+    view = play.ask(TAKE, StationSend(0, 3), StationStop(0))
     (failed,) = play.events(MoveFailed)
     assert (failed.refund, failed.at, view.robots[0].energy) == (17.0, CORRIDOR, 100.0)
     assert view.robots[0].moving_to is None
@@ -228,7 +228,7 @@ def test_a_researcher_has_the_robot_while_it_lasts_and_then_whoever_had_it(play:
 
 def test_whoever_commands_a_robot_has_it_in_the_next_game_too(play: Play) -> None:
     play.ask(TAKE)
-    play.wish(GiveUp(1))
+    play.wish(EndGame(1))
     view = play.wish(PlayAgain(1), ticks=10)
     assert view.game == 2
     assert [robot.commander for robot in view.robots] == [Commander.GROUND_STATION, Commander.PARTICIPANT]
@@ -310,7 +310,7 @@ def test_a_researcher_is_asked_too_and_nobody_for_what_is_the_participants(play:
 def test_another_game_begins_with_nothing_asked_for(play: Play) -> None:
     play.ask(TAKE)
     play.wish(RequestHandback(0))
-    assert play.wish(GiveUp(1)).over is not None
+    assert play.wish(EndGame(1)).over is not None
     refusal = play.wish(RequestHandback(0)).refusal
     assert refusal is not None and refusal.reason == RuleReason.GAME_OVER
     robot = play.wish(PlayAgain(1), ticks=10).robots[0]

@@ -10,21 +10,21 @@ from thbridge.hunt.game import CommandHolder, apply, begin
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.robot_requests import (
     ReleaseCommand,
-    StationCallBack,
     StationIdentify,
     StationLeave,
     StationSend,
+    StationStop,
     StationTakePicture,
     TakeCommand,
 )
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
-    GiveUpTreasure,
+    LeaveTreasure,
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
     SendRobot,
+    StopRobot,
     TakeUpTreasure,
 )
 
@@ -35,7 +35,7 @@ requests = st.one_of(
     st.builds(TakeCommand, robots, stations),
     st.builds(ReleaseCommand, robots),
     st.builds(StationSend, robots, rooms),
-    st.builds(StationCallBack, robots),
+    st.builds(StationStop, robots),
     st.builds(StationTakePicture, robots),
     st.builds(StationIdentify, robots, st.just("Pink can")),
     st.builds(StationLeave, robots),
@@ -44,9 +44,9 @@ wishes = st.one_of(
     st.builds(SelectRoom, robots, rooms),
     st.builds(RequestSuggestion, robots),
     st.just("agree"),
-    st.builds(CallBack, robots),
+    st.builds(StopRobot, robots),
     st.builds(RequestHandback, robots),
-    st.builds(GiveUpTreasure, rooms),
+    st.builds(LeaveTreasure, rooms),
     st.builds(TakeUpTreasure, rooms),
 )
 researchers = st.tuples(st.sampled_from([None, "/rviz"]), st.sampled_from([None, "/teleop"]))

@@ -27,10 +27,9 @@ from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
-    GiveUp,
-    GiveUpTreasure,
+    EndGame,
     IdentifyTreasure,
+    LeaveTreasure,
     OpenDialogue,
     ParticipantRequest,
     PlayAgain,
@@ -38,6 +37,7 @@ from thbridge.roles.shared.view import (
     SelectRoom,
     SendRobot,
     SenseTreasure,
+    StopRobot,
     TakePicture,
     TakeUpTreasure,
     View,
@@ -229,14 +229,14 @@ def test_the_treasures_three_scenarios(scripted):
 
 def test_a_treasure_can_be_left(scripted):
     go(scripted, 0, 3)
-    view = scripted.say(GiveUpTreasure(3))
+    view = scripted.say(LeaveTreasure(3))
     assert view.room(3).left
     assert any(isinstance(event, TreasureLeft) for event in scripted.log.events)
 
 
 def test_a_treasure_that_was_left_can_be_taken_up_again_and_named(scripted):
     go(scripted, 0, 3)
-    scripted.say(GiveUpTreasure(3))
+    scripted.say(LeaveTreasure(3))
     view = scripted.say(TakeUpTreasure(3))
     assert view.room(3).undecided and not view.room(3).left
     told = [event for event in scripted.log.events if isinstance(event, TreasureLeft | TreasureTakenUp)]
@@ -250,7 +250,7 @@ def test_a_treasure_that_was_left_can_be_taken_up_again_and_named(scripted):
 def test_a_robot_called_back_gives_back_the_energy_of_the_way_not_driven(scripted):
     scripted.puppets.ticks = 1000
     go(scripted, 0, 3)
-    view = scripted.say(CallBack(0), ticks=10)
+    view = scripted.say(StopRobot(0), ticks=10)
     assert view.robots[0].moving_to is None
     assert view.robots[0].energy == 100 - 17 / 2
     assert view.room(3).state == "unvisited"
@@ -262,7 +262,7 @@ def test_a_robot_under_way_is_called_back_and_sent_elsewhere(scripted):
     view = scripted.say(SelectRoom(0, 5))
     assert (view.refusal.reason, view.dialogues) == ("under-way", ())
     refusals = view.refusal.number
-    view = scripted.say(CallBack(0))
+    view = scripted.say(StopRobot(0))
     assert (view.robots[0].moving_to, view.robots[0].place, view.robots[0].energy) == (None, 0, 100 - 17 / 2)
     scripted.puppets.ticks = 10
     view = go(scripted, 0, 5)
@@ -277,7 +277,7 @@ def test_a_robot_under_way_is_called_back_and_sent_elsewhere(scripted):
 def test_a_robot_called_back_as_it_arrives_is_there(scripted):
     scripted.puppets.ticks = 30
     go(scripted, 0, 3)
-    view = scripted.say(CallBack(0), ticks=40)
+    view = scripted.say(StopRobot(0), ticks=40)
     assert view.room(3).state == "visited" or view.robots[0].place == 0
     assert view.robots[0].moving_to is None
     assert scripted.say(SelectRoom(0, 5)).dialogues[0].room == 5
@@ -349,8 +349,8 @@ def test_a_hunt_with_a_room_that_nobody_reaches_is_given_up_after_all_others():
 
 
 def test_a_participant_may_end_the_game(scripted):
-    assert scripted.say(GiveUp(2)).over is None, "that is another game"
-    assert scripted.say(GiveUp(1)).over == "given-up"
+    assert scripted.say(EndGame(2)).over is None, "that is another game"
+    assert scripted.say(EndGame(1)).over == "given-up"
 
 
 def test_an_arrival_that_nobody_heard_is_learnt_from_the_status(scripted):

@@ -104,9 +104,9 @@ well_formed = st.one_of(
     st.builds(view.RequestSuggestion, small),
     st.builds(view.AnswerDialogue, small, small, small),
     st.builds(view.OpenDialogue, small, st.sampled_from(["take-picture", "take-treasure"]), small),
-    st.builds(view.GiveUpTreasure, small),
+    st.builds(view.LeaveTreasure, small),
     st.builds(view.TakeUpTreasure, small),
-    st.builds(view.CallBack, small),
+    st.builds(view.StopRobot, small),
     st.builds(view.RequestHandback, small),
     st.builds(view.PlayAgain, small),
 )

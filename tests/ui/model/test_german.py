@@ -41,32 +41,32 @@ from thbridge.study.study_file import DialogueSection, Study
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
     Act,
-    AgreeToTakePart,
-    AnotherGame,
-    AskAdvice,
-    AskForRobot,
+    AnswerDialogueAct,
     AskWhatItIs,
     Cancel,
     ChooseRobot,
-    ChooseRoom,
     CloseWindow,
     Confirm,
     ConsiderRoom,
     DialoguePopup,
-    EndGame,
+    EndGameAct,
     FollowRobot,
-    GiveAnswer,
-    LeaveTreasure,
+    GiveConsentAct,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
     Phase,
     PickName,
+    PlayAgainAct,
+    RequestHandbackAct,
+    RequestSuggestionAct,
     Screen,
+    SelectRoomAct,
     ShowHelp,
     ShowNext,
-    StopRobot,
-    SubmitName,
+    StopRobotAct,
     SwitchSound,
-    TakeThePicture,
-    TakeUpAgain,
+    TakePictureAct,
+    TakeUpTreasureAct,
     TypeDigit,
     TypeLetter,
 )
@@ -89,11 +89,11 @@ class GermanSeat(Seat):
 
     def agree(self) -> Screen:
         while isinstance(self.screen.popup, DialoguePopup) and self.screen.popup.choices:
-            self.do(GiveAnswer(0), 4)
+            self.do(AnswerDialogueAct(0), 4)
         return self.run(12)
 
     def go(self, room: int) -> Screen:
-        self.press(ChooseRoom(room), 4)
+        self.press(SelectRoomAct(room), 4)
         return self.agree()
 
 
@@ -128,45 +128,45 @@ def test_a_whole_game():
     seat = GermanSeat(robots=2, set_name="four-properties", rules=replace(RULES, energy=150.0))
     for act in (ShowHelp(), ShowHelp(), SwitchSound(), SwitchSound(), FollowRobot(), ConsiderRoom(2), TypeDigit(9)):
         seat.press(act)
-    for act in (StopRobot(), AskForRobot(), TakeUpAgain()):
+    for act in (StopRobotAct(), RequestHandbackAct(), TakeUpTreasureAct()):
         seat.press(act)
         assert seat.screen.banner is not None
     # Another goal on the way, and a stop.
     seat.stage.puppets.ticks = 60
     seat.go(3)
-    seat.press(ChooseRoom(1))
+    seat.press(SelectRoomAct(1))
     seat.press(Cancel())
-    seat.press(EndGame())
-    seat.press(ChooseRoom(1))
+    seat.press(EndGameAct())
+    seat.press(SelectRoomAct(1))
     seat.press(Confirm())
     seat.agree()
-    seat.press(StopRobot(), 40)
+    seat.press(StopRobotAct(), 40)
     seat.stage.puppets.ticks = 8
     # A find, with all that can be done with it.
     pop = seat.go(3).popup
     assert pop.room == 3
     for fact in pop.facts:
         seat.press(fact.sense.act if fact.sense else ConsiderRoom(None))
-    seat.do(TakeThePicture())
+    seat.do(TakePictureAct())
     seat.agree()
     for fact in seat.screen.popup.facts:
         seat.press(fact.tell[0].act if fact.tell else ConsiderRoom(None))
-    seat.press(SubmitName())
+    seat.press(IdentifyTreasureAct())
     seat.press(TypeLetter("q"))
     wrong = next(name for name in seat.names if name != seat.stage.session.game.treasures[2].name)
     seat.press(PickName(wrong))
-    seat.press(AskAdvice())
+    seat.press(RequestSuggestionAct())
     seat.press(Cancel())
-    seat.do(SubmitName(), 4)
+    seat.do(IdentifyTreasureAct(), 4)
     seat.agree()
     assert seat.screen.popup.verdict
     seat.press(ShowNext())
-    seat.do(AskAdvice(), 4)
-    seat.do(GiveAnswer(1))
+    seat.do(RequestSuggestionAct(), 4)
+    seat.do(AnswerDialogueAct(1))
     # Another one is left, and taken up again.
     assert seat.go(2).popup.room == 2
-    seat.press(LeaveTreasure())
-    seat.press(TakeUpAgain())
+    seat.press(LeaveTreasureAct())
+    seat.press(TakeUpTreasureAct())
     seat.press(ShowNext())
     # What goes wrong with robots.
     seat.press(ChooseRobot(1))
@@ -180,8 +180,8 @@ def test_a_whole_game():
     seat.stage.session.ask("station", TAKE)
     seat.run()
     seat.press(ChooseRobot(0))
-    seat.do(AskForRobot())
-    seat.press(AskForRobot())
+    seat.do(RequestHandbackAct())
+    seat.press(RequestHandbackAct())
     seat.stage.session.ask("station", ReleaseCommand(0))
     seat.run()
     # The connection, the end, and another game.
@@ -191,13 +191,13 @@ def test_a_whole_game():
     seat.model.connected(seat.now)
     seat.tabui.connected()
     seat.run()
-    for act in (CloseWindow(ends=True), CloseWindow(ends=False), EndGame()):
+    for act in (CloseWindow(ends=True), CloseWindow(ends=False), EndGameAct()):
         assert seat.press(act).confirmation is not None
-        seat.press(ChooseRoom(1))
+        seat.press(SelectRoomAct(1))
         seat.do(Cancel())
-    seat.press(EndGame())
+    seat.press(EndGameAct())
     assert seat.do(Confirm()).phase is Phase.OVER
-    assert seat.do(AnotherGame(), 30).game == 2
+    assert seat.do(PlayAgainAct(), 30).game == 2
 
 
 @pytest.mark.parametrize("templates", ["four-properties", pytest.param("everyday-things", marks=pytest.mark.slow)])
@@ -216,7 +216,7 @@ def test_a_game_with_the_german_words_of_map_and_templates(templates):
 def test_the_question_whether_to_take_part():
     seat = GermanSeat(briefing=Briefing(names=("ball",), consent="May we?"))
     assert seat.screen.agree.label == "Ich stimme zu"
-    seat.do(AgreeToTakePart())
+    seat.do(GiveConsentAct())
 
 
 @pytest.mark.parametrize("who", ["both", "participant", "robot"])
@@ -277,7 +277,7 @@ def test_a_refusal_is_told_with_what_is_known_of_its_request():
     model = Participant(texts=GERMAN)
     model.receive(view(), 0.0)
     model.screen(0.0)
-    model.do(ChooseRoom(3), 0.0)
+    model.do(SelectRoomAct(3), 0.0)
     poor = with_robot(view(), 0, energy=2.5)
     poor = structs.replace(poor, refusal=RefusalView(1, "select-room", RuleReason.NOT_ENOUGH_ENERGY, "It is too far."))
     model.receive(poor, 1.0)

@@ -19,38 +19,38 @@ from ui.model.playing.keys import help_lines
 from ui.model.playing.screen import (
     Act,
     Action,
-    AgreeToTakePart,
-    AnotherGame,
-    AskAdvice,
-    AskForRobot,
+    AnswerDialogueAct,
     Banner,
     Cancel,
     ChooseRobot,
-    ChooseRoom,
     Confirm,
     Confirmation,
-    DeclineToTakePart,
+    DeclineConsentAct,
     DialoguePopup,
-    EndGame,
+    EndGameAct,
     EnlargePicture,
     FitMap,
     FollowRobot,
     GameOverPage,
-    GiveAnswer,
+    GiveConsentAct,
     HistoryLine,
-    LeaveTreasure,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
     Phase,
+    PlayAgainAct,
+    RequestHandbackAct,
+    RequestSuggestionAct,
     RobotCard,
     RoomTile,
     Screen,
+    SelectRoomAct,
     ShowHelp,
     ShowNext,
     ShowSettings,
     ShowWaiting,
-    StopRobot,
-    SubmitName,
-    TakeThePicture,
-    TakeUpAgain,
+    StopRobotAct,
+    TakePictureAct,
+    TakeUpTreasureAct,
     TreasureFact,
     TreasurePopup,
     WaitingItem,
@@ -125,7 +125,7 @@ def card(
         progress={"driving": 0.62, "waiting": 0.3, "lost": 0.45}.get(state),
         waits=2 if robot == 1 else 0,
         select=Action(ChooseRobot(robot), texts.text("window.robot", robot=robot), "", hint="Commands this robot."),
-        stop=Action(StopRobot(robot), texts.text("cards.stop"), "X" if selected else "", hint="Calls it back.")
+        stop=Action(StopRobotAct(robot), texts.text("cards.stop"), "X" if selected else "", hint="Calls it back.")
         if moving
         else None,
     )
@@ -137,7 +137,7 @@ def commanded(
     """One that a ground station commands."""
     key = "B" if selected else ""
     label = texts.text("cards.asked_back" if asked else "cards.ask_back")
-    ask = Action(AskForRobot(robot), label, key, not asked, hint="The ground station commands it.")
+    ask = Action(RequestHandbackAct(robot), label, key, not asked, hint="The ground station commands it.")
     shown = card(robot, selected=selected, state=state, texts=texts)
     return replace(shown, stop=None, commander="ground station 255", ask_back=ask)
 
@@ -145,7 +145,7 @@ def commanded(
 def left(robot: int, *, selected: bool = False, texts: Texts = ENGLISH) -> RobotCard:
     """One that stands where something was left."""
     key = "Ctrl+Z" if selected else ""
-    again = Action(TakeUpAgain(robot), texts.text("cards.take_up"), key, hint="You left what is in room 3.")
+    again = Action(TakeUpTreasureAct(robot), texts.text("cards.take_up"), key, hint="You left what is in room 3.")
     return replace(card(robot, selected=selected, texts=texts), take_up=again)
 
 
@@ -168,7 +168,7 @@ def tile(number: int, rooms: int, *, considered: bool = False, texts: Texts = EN
         considered=considered,
         found=found,
         found_shorter=tuple(shorter),
-        choose=Action(ChooseRoom(number), f"Room {number}", key, can, hint),
+        choose=Action(SelectRoomAct(number), f"Room {number}", key, can, hint),
         warning=texts.text("tiles.warn_name") if number == 7 else "",
     )
 
@@ -189,8 +189,8 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None, text
         phase=Phase.PLAYING,
         waiting_for="",
         consent="",
-        agree=Action(AgreeToTakePart(), texts.text("game.agree"), "A"),
-        decline=Action(DeclineToTakePart(), texts.text("game.decline"), "N"),
+        agree=Action(GiveConsentAct(), texts.text("game.agree"), "A"),
+        decline=Action(DeclineConsentAct(), texts.text("game.decline"), "N"),
         banner=None,
         game=1,
         score=120,
@@ -199,8 +199,8 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None, text
         tiles=tuple(
             tile(number, rooms, considered=number == considered, texts=texts) for number in range(1, rooms + 1)
         ),
-        ask_advice=Action(AskAdvice(), texts.text("tiles.dont_know"), "D", hint="Ask robot 1 where to go."),
-        end=Action(EndGame(), texts.text("tiles.end"), "E", hint="Robots could still do something."),
+        ask_advice=Action(RequestSuggestionAct(), texts.text("tiles.dont_know"), "D", hint="Ask robot 1 where to go."),
+        end=Action(EndGameAct(), texts.text("tiles.end"), "E", hint="Robots could still do something."),
         tools=(
             Action(FollowRobot(), texts.text("game.follow"), "F", hint="Keeps robot 1 in the middle of the map."),
             Action(FitMap(), texts.text("game.whole_map"), "A", hint="Shows all of the map."),
@@ -236,8 +236,8 @@ def dialogue(texts: Texts = ENGLISH) -> DialoguePopup:
             ("robot", "It will cost me 12.5 to go to room 5, which leaves 59.5. Are you sure?"),
         ),
         choices=(
-            Action(GiveAnswer(0), "Continue", "C"),
-            Action(GiveAnswer(1), "Stop", "S"),
+            Action(AnswerDialogueAct(0), "Continue", "C"),
+            Action(AnswerDialogueAct(1), "Stop", "S"),
         ),
         aside=later(texts),
     )
@@ -263,7 +263,7 @@ def treasure(
         take_picture=None
         if picture
         else Action(
-            TakeThePicture(),
+            TakePictureAct(),
             texts.text("popups.take_picture"),
             "Ctrl+P",
             hint=texts.text("popups.costs", cost=5, energy=72),
@@ -272,13 +272,13 @@ def treasure(
         names=NAMES,
         picked=picked,
         name_it=Action(
-            SubmitName(),
+            IdentifyTreasureAct(),
             texts.text("popups.name_it_so", name=picked) if picked else texts.text("popups.name_it"),
             "Enter",
             picked is not None,
             texts.text("popups.naming_costs", cost=5) if picked is not None else "Pick a name first.",
         ),
-        leave=Action(LeaveTreasure(), texts.text("popups.leave"), "Ctrl+L", hint=texts.text("popups.leave_for_now")),
+        leave=Action(LeaveTreasureAct(), texts.text("popups.leave"), "Ctrl+L", hint=texts.text("popups.leave_for_now")),
         verdict=verdict,
         points=points,
         aside=later(texts) if verdict is None else Action(ShowNext(), texts.text("popups.close"), "Esc"),
@@ -304,11 +304,15 @@ def arguing(texts: Texts = ENGLISH) -> DialoguePopup:
             ),
         ),
         choices=(
-            Action(GiveAnswer(0), f"All right: if you go to {room} next, we reach 8 rooms for 124 energy in all.", "1"),
-            Action(GiveAnswer(1), f"Why go to room 2 (West) first, then to {room}?", "2"),
-            Action(GiveAnswer(2), f"Go to {room} all the same.", "3", hint=texts.text("popups.your_decision")),
-            Action(GiveAnswer(3), "I have a question.", "4"),
-            Action(GiveAnswer(4), "Let us leave it at that.", "5"),
+            Action(
+                AnswerDialogueAct(0),
+                f"All right: if you go to {room} next, we reach 8 rooms for 124 energy in all.",
+                "1",
+            ),
+            Action(AnswerDialogueAct(1), f"Why go to room 2 (West) first, then to {room}?", "2"),
+            Action(AnswerDialogueAct(2), f"Go to {room} all the same.", "3", hint=texts.text("popups.your_decision")),
+            Action(AnswerDialogueAct(3), "I have a question.", "4"),
+            Action(AnswerDialogueAct(4), "Let us leave it at that.", "5"),
         ),
         aside=later(texts),
         room=6,
@@ -321,7 +325,9 @@ def questions(texts: Texts = ENGLISH) -> DialoguePopup:
     """The questions that can be put to the robot that argues."""
     asked = ("Why room 2 (West)?", "Why not room 6 (North east)?", "What would change your mind?", "Back.")
     keys = ("1", "2", "3", "Esc")
-    choices = tuple(Action(GiveAnswer(at), text, key) for at, (text, key) in enumerate(zip(asked, keys, strict=True)))
+    choices = tuple(
+        Action(AnswerDialogueAct(at), text, key) for at, (text, key) in enumerate(zip(asked, keys, strict=True))
+    )
     return replace(arguing(texts), choices=choices, aside=replace(later(texts), key="W"))
 
 
@@ -368,7 +374,7 @@ def ending(texts: Texts) -> GameOverPage:
             texts.text("game_over.visited", number=7, count=8),
             texts.text("game_over.named", number=5, count=6),
         ),
-        Action(AnotherGame(), texts.text("game_over.again"), "A", hint=texts.text("game_over.again_hint")),
+        Action(PlayAgainAct(), texts.text("game_over.again"), "A", hint=texts.text("game_over.again_hint")),
     )
 
 

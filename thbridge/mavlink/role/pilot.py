@@ -43,10 +43,10 @@ from thbridge.roles.shared.robot_requests import (
     ReleaseCommand,
     Request,
     SetParameters,
-    StationCallBack,
     StationIdentify,
     StationLeave,
     StationSend,
+    StationStop,
     StationTakePicture,
     TakeCommand,
 )
@@ -268,7 +268,7 @@ class Pilot:
         if game is not None:
             self._stopping = self._stopping and game.robots[self._robot].bound_for is not None
             if self._stopping:
-                self._ask(StationCallBack(self._robot))
+                self._ask(StationStop(self._robot))
             if self._trip is not None and self._trip.under_way:
                 trip = advanced(self._trip, snapshot, game, self._robot)
                 self._trip = self._set_out(trip, game) if trip.stage is TripStage.WAITING else trip
@@ -338,7 +338,7 @@ class Pilot:
         return state
 
     def _judge(self, state: GameState, room: Room) -> rules.Ruling:
-        """Return the rules' verdict on a move; a moving robot is judged as stopped, because it is called back first."""
+        """Return the rules' verdict on a move; a moving robot is judged as stopped, because it is stopped first."""
         back = rules.fail(state, self._robot, "", 0.0)
         for event in () if isinstance(back, RequestRefused) else back:
             state = apply(state, event)
@@ -365,7 +365,7 @@ class Pilot:
         """Stop the game's current move, or the one just requested; it takes some ticks, and is requested until then."""
         under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
         if under_way:
-            self._ask(StationCallBack(self._robot))
+            self._ask(StationStop(self._robot))
         self._stopping = under_way or self._sent
 
 

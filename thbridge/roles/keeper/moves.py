@@ -1,4 +1,4 @@
-"""Moves of the robots in one game: what is ordered to SimR, who was called back, who did not get there."""
+"""Moves of the robots in one game: what is ordered to SimR, who was stopped, who did not get there."""
 
 from thbridge.hunt.events import JournalEntry, MoveFailed, RobotArrived, RobotDeparted
 from thbridge.hunt.game import GameState
@@ -18,7 +18,7 @@ class TeamMoves:
         self._latest = [0] * robots
         self._ordered = [0] * robots
         self._departures = 0
-        self._recalled: set[int] = set()
+        self._stopping: set[int] = set()
 
     def note(self, event: JournalEntry) -> None:
         """Note an event of the game."""
@@ -27,19 +27,19 @@ class TeamMoves:
                 self._departures += 1
                 self._latest[robot] = self._departures
             case RobotArrived(robot=robot) | MoveFailed(robot=robot):
-                self._recalled.discard(robot)
+                self._stopping.discard(robot)
 
     def is_ordered(self, robot: int) -> bool:
         """Return True when SimR has the order of a robot's latest move."""
         return self._ordered[robot] == self._latest[robot]
 
-    def recall(self, robot: int) -> None:
-        """Call a moving robot back; its move ends when SimR reports how far it came."""
-        self._recalled.add(robot)
+    def stop(self, robot: int) -> None:
+        """Stop a moving robot; its move ends when SimR reports how far it came."""
+        self._stopping.add(robot)
 
-    def is_recalled(self, robot: int) -> bool:
-        """Return True while a robot that was called back has not stopped yet."""
-        return robot in self._recalled
+    def is_stopping(self, robot: int) -> bool:
+        """Return True while a robot that was to stop still moves."""
+        return robot in self._stopping
 
     def is_executing(self, state: GameState, robot: int, move: int) -> bool:
         """Return True while a robot executes the move of this number."""
@@ -50,7 +50,7 @@ class TeamMoves:
         self._ordered = list(self._latest)
         return tuple(
             None
-            if robot.bound_for is None or number in self._recalled
+            if robot.bound_for is None or number in self._stopping
             else MoveOrder(self._latest[number], robot.bound_for.people)
             for number, robot in enumerate(state.robots)
         )
@@ -68,7 +68,7 @@ class UnreachedRooms:
         """Note an event before it changes state and moves; a robot that reaches a room reconsiders all others."""
         if isinstance(event, RobotArrived):
             self._rooms.pop(event.robot, None)
-        elif isinstance(event, MoveFailed) and state is not None and not moves.is_recalled(event.robot):
+        elif isinstance(event, MoveFailed) and state is not None and not moves.is_stopping(event.robot):
             room = state.robots[event.robot].bound_for
             if room is not None:
                 self._rooms[event.robot] = self.of(event.robot) | {room}

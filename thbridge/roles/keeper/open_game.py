@@ -135,12 +135,12 @@ class OpenGame:
         """Return what a robot that argues knows about where to go, and which room its planner has chosen."""
         return self.knowledge.where(state, self.dialogues, robot, self.tick, advised)
 
-    def recall(self, robot: int) -> None:
-        """Call a moving robot back; its move ends when SimR reports how far it came, or now if it was never ordered."""
+    def stop(self, robot: int) -> None:
+        """Stop a moving robot; its move ends when SimR reports how far it came, or now if it was never ordered."""
         if self.state is not None and not self.moves.is_ordered(robot):
             self.apply_ruling("Failed", rules.fail(self.state, robot, CALLED_BACK, 0.0))
         else:
-            self.moves.recall(robot)
+            self.moves.stop(robot)
 
     def take_entries(self) -> tuple[JournalEntry, ...]:
         """Return the entries for the journal since the last call, in order."""

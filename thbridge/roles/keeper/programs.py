@@ -73,9 +73,9 @@ class ConnectedTeam:
             if result.arrived and bound_for is not None:
                 game.apply_ruling("Arrived", rules.arrive(game.state, robot, bound_for))
             else:
-                recalled = game.moves.is_recalled(robot)
+                stopping = game.moves.is_stopping(robot)
                 game.apply_ruling("Failed", rules.fail(game.state, robot, result.sentence, result.share))
-                if not recalled:
+                if not stopping:
                     game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.NO_PATH, result.sentence))
         for robot, condition in enumerate(status.conditions):
             if game.state is not None:

@@ -16,10 +16,10 @@ from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
     DialogueView,
+    EndGame,
     GiveConsent,
-    GiveUp,
-    GiveUpTreasure,
     IdentifyTreasure,
+    LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
@@ -128,7 +128,7 @@ class Bot:
         busy = any(robot.moving_to is not None or robot.has_other_commander for robot in view.robots)
         waits = view.dialogues or view.thinking or busy
         if not requests and view.robots and not waits:
-            return (GiveUp(view.game),)
+            return (EndGame(view.game),)
         return requests
 
     def _count_failures(self, view: View) -> None:
@@ -264,7 +264,7 @@ class Bot:
             return asked
         if name is None and can_look:
             return TakePicture(room.room) if "take-picture" in agreed else self._talk(robot, "take-picture", room)
-        return GiveUpTreasure(room.room)
+        return LeaveTreasure(room.room)
 
     def _talk(
         self,
@@ -274,7 +274,7 @@ class Bot:
         name: str | None = None,
     ) -> ParticipantRequest:
         if self._vain_matters[matter, room.room] >= MAX_ATTEMPTS:
-            return GiveUpTreasure(room.room)
+            return LeaveTreasure(room.room)
         return OpenDialogue(robot.robot, matter, room.room, name)
 
     def _name(self, room: RoomView) -> str | None:

@@ -22,12 +22,11 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import why_no_tour
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.shared.view import (
-    CallBack,
     Consent,
     DialogueMatter,
     DialogueView,
-    GiveUp,
-    GiveUpTreasure,
+    EndGame,
+    LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     RequestHandback,
@@ -35,6 +34,7 @@ from thbridge.roles.shared.view import (
     RobotView,
     RoomView,
     SelectRoom,
+    StopRobot,
     TakeUpTreasure,
     TellProperty,
     View,
@@ -44,12 +44,12 @@ JudgedRequest: TypeAlias = (
     SelectRoom
     | RequestSuggestion
     | OpenDialogue
-    | GiveUpTreasure
+    | LeaveTreasure
     | TakeUpTreasure
     | MeasureProperty
     | TellProperty
-    | GiveUp
-    | CallBack
+    | EndGame
+    | StopRobot
     | RequestHandback
 )
 
@@ -98,7 +98,7 @@ def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
             return _immovable(now, robot) or _no_advice(now, robot) or ()
         case OpenDialogue(robot, matter, room):
             return _discuss(state, robot, matter, place(room))
-        case GiveUpTreasure(room):
+        case LeaveTreasure(room):
             return rules.leave(state, place(room))
         case TakeUpTreasure(room):
             return rules.take_up(state, place(room))
@@ -106,12 +106,12 @@ def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
             return rules.measure(state, place(room), name)
         case TellProperty(room, name, value):
             return rules.tell(state, place(room), name, value)
-        case GiveUp():
-            return rules.give_up(state)
-        case CallBack(robot):
-            return _call_back(state, robot)
+        case EndGame():
+            return rules.end_game(state)
+        case StopRobot(robot):
+            return _stop_robot(state, robot)
         case RequestHandback(robot):
-            return rules.ask_back(state, robot)
+            return rules.request_handback(state, robot)
 
 
 def other_candidate(discussed: Sequence[Discussed], room: Room, robot: int) -> int | None:
@@ -192,7 +192,7 @@ def _discuss(state: GameState, robot: int, matter: str, room: Room) -> rules.Rul
     return rules.identify(state, room, "", 0)
 
 
-def _call_back(state: GameState, robot: int) -> rules.Ruling:
+def _stop_robot(state: GameState, robot: int) -> rules.Ruling:
     if not state.has_robot(robot) or state.robots[robot].bound_for is None:
         return rules.fail(state, robot, "", 0.0)
     return rules.commanded_by_other(state, robot, Commander.PARTICIPANT) or ()

@@ -111,7 +111,7 @@ class StationSend:
 
 
 @dataclass(frozen=True, slots=True)
-class StationCallBack:
+class StationStop:
     """Stop a robot that drives for the game. Any ground station may request that, whoever commands the robot."""
 
     robot: int
@@ -134,7 +134,7 @@ class StationIdentify:
 
 @dataclass(frozen=True, slots=True)
 class StationLeave:
-    """The ground station that commands a robot gives up the treasure where the robot stands."""
+    """The ground station that commands a robot leaves the treasure where the robot stands."""
 
     robot: int
 
@@ -178,7 +178,7 @@ WizardRequest = WizardMode | WizardMove | WizardAdvice
 """A request of a person who speaks in a robot's place (Wizard-of-Oz); acts in the next tick."""
 
 CommandRequest = (
-    TakeCommand | ReleaseCommand | StationSend | StationCallBack | StationTakePicture | StationIdentify | StationLeave
+    TakeCommand | ReleaseCommand | StationSend | StationStop | StationTakePicture | StationIdentify | StationLeave
 )
 """A request of a ground station to the game; acts in the next tick. A request that the rules refuse is dropped."""
 
@@ -205,7 +205,7 @@ REQUESTS: dict[str, type[Request]] = {
     "TakeCommand": TakeCommand,
     "ReleaseCommand": ReleaseCommand,
     "SendFor": StationSend,
-    "CallBackFor": StationCallBack,
+    "CallBackFor": StationStop,
     "PictureFor": StationTakePicture,
     "IdentifyFor": StationIdentify,
     "LeaveFor": StationLeave,

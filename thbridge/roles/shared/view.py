@@ -28,7 +28,7 @@ class RobotView:
         energy: energy left.
         blocked: it has no energy left and can do nothing any more.
         condition: well, lost or silent; a silent robot can do nothing until it responds again.
-        commander: while this is not the participant, the robot can be neither sent nor called back.
+        commander: while this is not the participant, the robot can be neither sent nor stopped.
         commander_name: name of the ground station, for people; else empty.
         asked_back: the participant has asked for it back recently, and can ask again once this is False.
         costs: energy to each place from where it stands, as a row of the view's costs; empty: that of its place.
@@ -353,7 +353,7 @@ class SendRobot(NoticeValue, frozen=True, tag="SendRobot"):
     room: int
 
 
-class CallBack(NoticeValue, frozen=True, tag="CallBack"):
+class StopRobot(NoticeValue, frozen=True, tag="CallBack"):
     """Stop a robot that drives to a room."""
 
     robot: int
@@ -415,19 +415,19 @@ class IdentifyTreasure(NoticeValue, frozen=True, tag="Identify"):
     name: str
 
 
-class GiveUpTreasure(NoticeValue, frozen=True, tag="Leave"):
-    """Give up the treasure in a room."""
+class LeaveTreasure(NoticeValue, frozen=True, tag="Leave"):
+    """Leave the treasure in a room undecided."""
 
     room: int
 
 
 class TakeUpTreasure(NoticeValue, frozen=True, tag="TakeUp"):
-    """Take back that the treasure in a room was given up, while its robot still stands there."""
+    """Take up a treasure again that was left, while its robot still stands there."""
 
     room: int
 
 
-class GiveUp(NoticeValue, frozen=True, tag="GiveUp"):
+class EndGame(NoticeValue, frozen=True, tag="GiveUp"):
     """End this game although robots could still do something."""
 
     game: int
@@ -459,15 +459,15 @@ ParticipantRequest = (
     | RequestSuggestion
     | AnswerDialogue
     | SendRobot
-    | CallBack
+    | StopRobot
     | RequestHandback
     | SenseTreasure
     | OpenDialogue
     | TakePicture
     | IdentifyTreasure
-    | GiveUpTreasure
+    | LeaveTreasure
     | TakeUpTreasure
-    | GiveUp
+    | EndGame
     | PlayAgain
     | MeasureProperty
     | TellProperty

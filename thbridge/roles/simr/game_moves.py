@@ -97,7 +97,7 @@ class MovesInProgress:
         self,
         snapshot: TeamSnapshot,
         silent: Collection[int],
-        called_back: Collection[int],
+        stopped: Collection[int],
         is_driven: Callable[[int], bool],
     ) -> tuple[list[TextMessage], list[SendGoal]]:
         """Follow the moves by the team's step.
@@ -105,7 +105,7 @@ class MovesInProgress:
         Args:
             snapshot: of the team.
             silent: robots that do not respond.
-            called_back: robots whose orders say that they stand.
+            stopped: robots whose orders say that they are to stand.
             is_driven: returns True for a robot that is driven by hand.
 
         Returns:
@@ -135,7 +135,7 @@ class MovesInProgress:
             elif isinstance(result, NoPath):
                 self._fail(robot, move, reasons.failure_sentence(robot, result.reason))
             elif navigation.goal is None and output.tick == snapshot.tick:
-                if robot in called_back:
+                if robot in stopped:
                     self._fail(robot, move, reasons.CALLED_BACK)
                 elif not is_driven(robot):
                     # It was dead for a while, or sent elsewhere or driven by hand: its navigator has lost the goal.

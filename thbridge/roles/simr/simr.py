@@ -256,8 +256,8 @@ class SimR(RobotsRole):
 
     def _follow_moves(self, snapshot: TeamSnapshot) -> list[TextMessage]:
         orders = () if self._orders is None else self._orders.moves
-        called_back = [robot for robot, order in enumerate(orders) if order is None]
-        lines, lost = self._moves.follow(snapshot, self._silent(snapshot), called_back, self._controls.is_driven)
+        stopped = [robot for robot, order in enumerate(orders) if order is None]
+        lines, lost = self._moves.follow(snapshot, self._silent(snapshot), stopped, self._controls.is_driven)
         self._inputs += lost
         return lines
 

@@ -4,16 +4,16 @@ from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.rooms import Room
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
+    EndGame,
     GiveConsent,
-    GiveUp,
-    GiveUpTreasure,
+    LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     PlayAgain,
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
+    StopRobot,
     TakeUpTreasure,
     TellProperty,
     View,
@@ -23,10 +23,10 @@ from ui.model.playing.keys import shown_key
 from ui.model.playing.memory.name_choice import NameChoice
 from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.memory.state import (
+    DepartUndecided,
     EndGameEarly,
     HuntMemory,
-    LeaveLast,
-    LeaveUndecided,
+    LeaveLastTreasure,
     LeaveWindow,
     ParticipantMemory,
     PendingStep,
@@ -46,36 +46,36 @@ from ui.model.playing.possible import (
 )
 from ui.model.playing.screen import (
     Act,
-    AgreeToTakePart,
-    AnotherGame,
-    AskAdvice,
-    AskForRobot,
+    AnswerDialogueAct,
     AskWhatItIs,
     Cancel,
     ChooseRobot,
-    ChooseRoom,
     CloseWindow,
     Confirm,
     ConsiderRoom,
-    EndGame,
+    EndGameAct,
     EnlargePicture,
     FinishNumber,
     FitMap,
     FollowRobot,
-    GiveAnswer,
-    LeaveTreasure,
+    GiveConsentAct,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
+    MeasurePropertyAct,
     NextRobot,
     PickName,
-    SenseMore,
+    PlayAgainAct,
+    RequestHandbackAct,
+    RequestSuggestionAct,
+    SelectRoomAct,
     ShowHelp,
     ShowNext,
     ShowWaiting,
-    StopRobot,
-    SubmitName,
+    StopRobotAct,
     SwitchSound,
-    TakeThePicture,
-    TakeUpAgain,
-    TellOfIt,
+    TakePictureAct,
+    TakeUpTreasureAct,
+    TellPropertyAct,
     TypeDigit,
     TypeLetter,
 )
@@ -115,10 +115,10 @@ def _switch_sound(memory: ParticipantMemory, now: float) -> None:
 
 def _in_game(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:
     match act:
-        case AgreeToTakePart():
+        case GiveConsentAct():
             if hunt.view.consent is not None and not hunt.pending.has_kind(GiveConsent):
                 hunt.pending.ask(GiveConsent(memory.time_of_day()), hunt.view)
-        case AnotherGame():
+        case PlayAgainAct():
             if hunt.view.over is not None:
                 hunt.pending.ask(PlayAgain(hunt.view.game), hunt.view)
         case FollowRobot():
@@ -143,19 +143,19 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
             hunt.pending_step, memory.help_open = LeaveWindow(ends), False
         case _ if hunt.pending_step is not None:
             note(memory, hunt.texts.text("hints.answer_first"), now)
-        case ChooseRoom(room):
+        case SelectRoomAct(room):
             _choose(memory, hunt, room, now)
         case TypeDigit(digit):
             _type(memory, hunt, digit, now)
         case FinishNumber():
             _finish(memory, hunt, now)
-        case AskAdvice():
+        case RequestSuggestionAct():
             _ask_advice(memory, hunt, now)
-        case StopRobot(robot):
+        case StopRobotAct(robot):
             _stop(memory, hunt, memory.selected if robot is None else robot, now)
-        case AskForRobot(robot):
+        case RequestHandbackAct(robot):
             _ask_back(memory, hunt, memory.selected if robot is None else robot, now)
-        case TakeUpAgain(robot):
+        case TakeUpTreasureAct(robot):
             _take_up(memory, hunt, memory.selected if robot is None else robot, now)
         case ShowNext():
             _put_aside(memory, hunt)
@@ -163,7 +163,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
             _show(hunt, robot, room)
         case EnlargePicture():
             hunt.enlarged = None if hunt.enlarged is not None else hunt.popups.shown
-        case EndGame():
+        case EndGameAct():
             if not _refused(memory, why_not_end(hunt.texts, hunt.known), now):
                 hunt.pending_step = EndGameEarly()
         case _:
@@ -175,7 +175,7 @@ def _in_popup(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float)
     item = memory.last_drawn.item
     if item is None or item != hunt.popups.shown:
         return
-    if isinstance(act, GiveAnswer):
+    if isinstance(act, AnswerDialogueAct):
         _answer(memory, hunt, act.choice)
     elif (
         isinstance(item, TreasureItem) and hunt.treasure_dialogue(item) is None and hunt.view.room(item.room).undecided
@@ -199,20 +199,20 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 _pick(memory, hunt, choice)
                 if choice.name is None:
                     note(memory, hunt.texts.text("hints.no_such_name", letters=choice.letters), now, item)
-        case TakeThePicture():
+        case TakePictureAct():
             if view.room(room).picture is None and not _refused(
                 memory, why_not_picture(hunt.texts, hunt.known, item.robot, room), now
             ):
                 _discuss(hunt, OpenDialogue(item.robot, "take-picture", room))
-        case SenseMore(name):
+        case MeasurePropertyAct(name):
             asked = MeasureProperty(room, name)
             if not _refused(memory, why_not_find_out(hunt.texts, hunt.known, asked), now):
                 hunt.pending.ask(asked, view)
-        case TellOfIt(name, value):
+        case TellPropertyAct(name, value):
             told = TellProperty(room, name, value)
             if not _refused(memory, why_not_find_out(hunt.texts, hunt.known, told), now):
                 hunt.pending.ask(told, view)
-        case SubmitName():
+        case IdentifyTreasureAct():
             name = hunt.picked
             if name is None:
                 note(memory, hunt.texts.text("hints.pick_first"), now, item)
@@ -227,11 +227,11 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
             if _argues(view) and not _refused(memory, why_not_name(hunt.texts, hunt.known, item.robot, room), now):
                 memory.history.add_request(item.robot, hunt.texts.text("popups.say_unsure"))
                 _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room, ""))
-        case LeaveTreasure():
+        case LeaveTreasureAct():
             if ends_game(hunt.known, TreasureLeft(Room(room))):
-                hunt.pending_step = LeaveLast(room)
+                hunt.pending_step = LeaveLastTreasure(room)
             else:
-                hunt.pending.ask(GiveUpTreasure(room), view)
+                hunt.pending.ask(LeaveTreasure(room), view)
         case _:
             pass
 
@@ -321,7 +321,7 @@ def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: SelectRoom 
     view, robot = hunt.view, request.robot
     room = undecided_beside(hunt.known, robot)
     if room is not None and view.room(room).found and why_not_name(hunt.texts, hunt.known, robot, room) is None:
-        hunt.pending_step = LeaveUndecided(request, room)
+        hunt.pending_step = DepartUndecided(request, room)
     else:
         memory.history.add_request(robot, hunt.ask_to_go(request))
 
@@ -331,15 +331,15 @@ def _carry_out(memory: ParticipantMemory, hunt: HuntMemory, step: PendingStep) -
     match step:
         case Reroute(robot, room):
             hunt.reroutes[robot] = room
-            hunt.pending.ask(CallBack(robot), hunt.view)
-        case LeaveUndecided(request, _):
+            hunt.pending.ask(StopRobot(robot), hunt.view)
+        case DepartUndecided(request, _):
             memory.history.add_request(request.robot, hunt.ask_to_go(request))
         case EndGameEarly():
-            hunt.pending.ask(GiveUp(hunt.view.game), hunt.view)
+            hunt.pending.ask(EndGame(hunt.view.game), hunt.view)
         case LeaveWindow():
             memory.leaving = True
-        case LeaveLast(room):
-            hunt.pending.ask(GiveUpTreasure(room), hunt.view)
+        case LeaveLastTreasure(room):
+            hunt.pending.ask(LeaveTreasure(room), hunt.view)
 
 
 def _cancel(memory: ParticipantMemory, hunt: HuntMemory) -> None:
@@ -370,7 +370,7 @@ def _stop(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -
     if not 0 <= robot < len(hunt.view.robots) or _refused(memory, why_not_stop(hunt.texts, hunt.known, robot), now):
         return
     hunt.reroutes.pop(robot, None)
-    hunt.pending.ask(CallBack(robot), hunt.view)
+    hunt.pending.ask(StopRobot(robot), hunt.view)
 
 
 def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:

@@ -7,11 +7,19 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import affordable
 from thbridge.roles.shared.notices import RobotMotion
-from thbridge.roles.shared.view import CallBack, RequestHandback, RobotView, TakeUpTreasure
+from thbridge.roles.shared.view import RequestHandback, RobotView, StopRobot, TakeUpTreasure
 from ui.model.playing.keys import key_of
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import arrival_warning, is_allowed, left_beside, undecided_beside, why_not_command
-from ui.model.playing.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot, TakeUpAgain
+from ui.model.playing.screen import (
+    Action,
+    ChooseRobot,
+    NextRobot,
+    RequestHandbackAct,
+    RobotCard,
+    StopRobotAct,
+    TakeUpTreasureAct,
+)
 from ui.model.playing.words import commanded_words, commander_in_words
 
 
@@ -97,12 +105,12 @@ def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int, warning: st
 
 
 def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
-    if not is_allowed(hunt.known, CallBack(robot.robot)):
+    if not is_allowed(hunt.known, StopRobot(robot.robot)):
         return None
     texts, stopping = hunt.texts, _is_stopping(hunt, robot)
     hint = texts.text("cards.stopping_hint", robot=robot.robot) if stopping else texts.text("cards.stop_hint")
-    key = key_of(StopRobot()) if selected else ""
-    return Action(StopRobot(robot.robot), texts.text("cards.stop"), key, not stopping, hint, stopping)
+    key = key_of(StopRobotAct()) if selected else ""
+    return Action(StopRobotAct(robot.robot), texts.text("cards.stop"), key, not stopping, hint, stopping)
 
 
 def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
@@ -115,9 +123,9 @@ def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | No
     if asked:
         hint += f" {texts.text('cards.asked_back_hint')}"
     return Action(
-        AskForRobot(robot.robot),
+        RequestHandbackAct(robot.robot),
         texts.text("cards.asked_back" if asked else "cards.ask_back"),
-        key_of(AskForRobot()) if selected else "",
+        key_of(RequestHandbackAct()) if selected else "",
         not asked,
         hint,
         busy,
@@ -129,9 +137,9 @@ def _take_up(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | Non
     if room is None or robot.has_other_commander:
         return None
     busy = TakeUpTreasure(room) in hunt.pending
-    key = key_of(TakeUpAgain()) if selected else ""
+    key = key_of(TakeUpTreasureAct()) if selected else ""
     hint = hunt.texts.text("cards.take_up_hint", room=room, robot=robot.robot)
-    return Action(TakeUpAgain(robot.robot), hunt.texts.text("cards.take_up"), key, not busy, hint, busy)
+    return Action(TakeUpTreasureAct(robot.robot), hunt.texts.text("cards.take_up"), key, not busy, hint, busy)
 
 
 def _progress(robot: RobotView, motion: RobotMotion) -> float | None:
@@ -216,7 +224,7 @@ def nothing_waits(texts: Texts, team: Sequence[RobotCard], *, answering: bool) -
 
 
 def _is_stopping(hunt: HuntMemory, robot: RobotView) -> bool:
-    return CallBack(robot.robot) in hunt.pending or robot.robot in hunt.reroutes
+    return StopRobot(robot.robot) in hunt.pending or robot.robot in hunt.reroutes
 
 
 def _warning(hunt: HuntMemory, robot: RobotView) -> str:

@@ -17,15 +17,15 @@ from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
 from ui.model.playing.rules_sheet import rules_of
 from ui.model.playing.screen import (
     Action,
-    AgreeToTakePart,
-    AskAdvice,
     Banner,
-    DeclineToTakePart,
+    DeclineConsentAct,
     DialoguePopup,
-    EndGame,
+    EndGameAct,
     FitMap,
     FollowRobot,
+    GiveConsentAct,
     Phase,
+    RequestSuggestionAct,
     RobotCard,
     Screen,
     ShowHelp,
@@ -50,15 +50,17 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         waiting_for=_waiting_for(memory) if phase is Phase.CONNECTING else "",
         consent="" if hunt is None or hunt.view.consent is None else hunt.view.consent,
         agree=_agree(memory),
-        decline=keyed(DeclineToTakePart(), texts.text("game.decline"), hint=texts.text("game.decline_hint")),
+        decline=keyed(DeclineConsentAct(), texts.text("game.decline"), hint=texts.text("game.decline_hint")),
         banner=_banner(memory, now),
         game=0 if hunt is None or memory.once else hunt.view.game,
         score=0 if hunt is None else hunt.view.score,
         progress="" if hunt is None else _progress(hunt),
         cards=team,
         tiles=() if hunt is None else tiles(memory, hunt),
-        ask_advice=_not_now(texts, AskAdvice(), "tiles.dont_know") if playing is None else dont_know(memory, playing),
-        end=_not_now(texts, EndGame(), "tiles.end") if playing is None else end(playing),
+        ask_advice=_not_now(texts, RequestSuggestionAct(), "tiles.dont_know")
+        if playing is None
+        else dont_know(memory, playing),
+        end=_not_now(texts, EndGameAct(), "tiles.end") if playing is None else end(playing),
         tools=_tools(memory, playing),
         popup=None if playing is None else _popup(memory, playing, now),
         confirmation=None if playing is None else confirmation(memory, playing),
@@ -183,14 +185,14 @@ def _banner(memory: ParticipantMemory, now: float) -> Banner | None:
 
 
 def _agree(memory: ParticipantMemory) -> Action:
-    act, texts, hunt = AgreeToTakePart(), memory.texts, memory.hunt
+    act, texts, hunt = GiveConsentAct(), memory.texts, memory.hunt
     if hunt is None or hunt.view.consent is None:
         return _not_now(texts, act, "game.agree")
     busy = hunt.pending.has_kind(GiveConsent)
     return keyed(act, texts.text("game.agree"), not busy, texts.text("game.agree_hint"), busy)
 
 
-def _not_now(texts: Texts, act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
+def _not_now(texts: Texts, act: GiveConsentAct | RequestSuggestionAct | EndGameAct, label: str) -> Action:
     return keyed(act, texts.text(label), enabled=False, hint=texts.text("hints.not_now"))
 
 

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 from ui.model.playing.screen import (
     Act,
     Action,
-    AskForRobot,
     DialoguePopup,
     Phase,
+    RequestHandbackAct,
     Screen,
     ShowWaiting,
-    StopRobot,
-    TakeUpAgain,
+    StopRobotAct,
+    TakeUpTreasureAct,
     TreasurePopup,
 )
 
@@ -37,11 +37,11 @@ def offer(screen: Screen, act: Act) -> Action | None:
 
     A request for the pop-ups of a robot need not name a room.
     """
-    if act == StopRobot():
+    if act == StopRobotAct():
         return next((card.stop for card in screen.cards if card.selected), None)
-    if act == AskForRobot():
+    if act == RequestHandbackAct():
         return next((card.ask_back for card in screen.cards if card.selected), None)
-    if act == TakeUpAgain():
+    if act == TakeUpTreasureAct():
         return next((card.take_up for card in screen.cards if card.selected), None)
     if isinstance(act, ShowWaiting) and act.room is None:
         return next((waiting.show for waiting in screen.waiting if waiting.robot == act.robot), None)

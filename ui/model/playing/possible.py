@@ -17,14 +17,14 @@ from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.rules import RuleReason
 from thbridge.roles.shared.participant_rules import JudgedRequest, KeeperReason, Situation, judge, other_candidate
 from thbridge.roles.shared.view import (
-    CallBack,
-    GiveUp,
+    EndGame,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
     RefusalView,
     RequestSuggestion,
     SelectRoom,
+    StopRobot,
     TakeUpTreasure,
     TellProperty,
 )
@@ -71,9 +71,9 @@ def why_not_command(texts: Texts, known: Situation, robot: int) -> str | None:
 
 
 def why_not_go(texts: Texts, known: Situation, robot: int, room: int) -> str | None:
-    """Reason why a robot cannot go to a room, or None; a robot that is driving would be called back first."""
+    """Reason why a robot cannot go to a room, or None; a robot that is driving would be stopped first."""
     goes_there = known.state.robots[robot].bound_for == Room(room)
-    then = known if goes_there else _called_back(known, robot)
+    then = known if goes_there else _stopped(known, robot)
     refused = judge(then, SelectRoom(robot, room))
     if isinstance(refused, tuple):
         return None
@@ -141,7 +141,7 @@ def why_not_find_out(
 
 def why_not_stop(texts: Texts, known: Situation, robot: int) -> str | None:
     """Reason why a robot cannot be stopped, or None."""
-    refused = judge(known, CallBack(robot))
+    refused = judge(known, StopRobot(robot))
     if isinstance(refused, tuple):
         return None
     if refused.reason == RuleReason.NOT_UNDER_WAY:
@@ -151,7 +151,7 @@ def why_not_stop(texts: Texts, known: Situation, robot: int) -> str | None:
 
 def why_not_end(texts: Texts, known: Situation) -> str | None:
     """Reason why the game cannot be ended just now, or None."""
-    refused = judge(known, GiveUp(known.state.started.game))
+    refused = judge(known, EndGame(known.state.started.game))
     if isinstance(refused, tuple):
         return None
     moving = (number for number, robot in enumerate(known.state.robots) if robot.bound_for is not None)
@@ -198,7 +198,7 @@ def _is_nameable(state: GameState, room: Room) -> bool:
     return isinstance(rules.identify(state, room, "", 0), tuple)
 
 
-def _called_back(known: Situation, robot: int) -> Situation:
+def _stopped(known: Situation, robot: int) -> Situation:
     """Return the known when a driving robot is stopped at once: to the game, it stands in the corridor then.
 
     Where moves are priced by position, nobody knows yet what they will cost from there: it may be nothing.
@@ -262,9 +262,9 @@ def _why_not(texts: Texts, known: Situation, request: ParticipantRequest | None)
             return why_not_name(texts, known, robot, room)
         case MeasureProperty() | TellProperty() | TakeUpTreasure():
             return why_not_find_out(texts, known, request)
-        case CallBack(robot):
+        case StopRobot(robot):
             return why_not_stop(texts, known, robot)
-        case GiveUp():
+        case EndGame():
             return why_not_end(texts, known)
         case _:
             return None

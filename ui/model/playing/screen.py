@@ -42,12 +42,12 @@ class Act:
 
 
 @dataclass(frozen=True, slots=True)
-class AgreeToTakePart(Act):
+class GiveConsentAct(Act):
     """Take part in the study."""
 
 
 @dataclass(frozen=True, slots=True)
-class DeclineToTakePart(Act):
+class DeclineConsentAct(Act):
     """Do not take part in the study; the window thanks and ends."""
 
 
@@ -73,8 +73,8 @@ class ConsiderRoom(Act):
 
 
 @dataclass(frozen=True, slots=True)
-class ChooseRoom(Act):
-    """Ask the selected robot to go to a room; a robot that is driving is called back first."""
+class SelectRoomAct(Act):
+    """Ask the selected robot to go to a room; a robot that is driving is stopped first."""
 
     room: int
 
@@ -92,45 +92,45 @@ class FinishNumber(Act):
 
 
 @dataclass(frozen=True, slots=True)
-class AskAdvice(Act):
+class RequestSuggestionAct(Act):
     """Ask the selected robot for its advice."""
 
 
 @dataclass(frozen=True, slots=True)
-class StopRobot(Act):
-    """Call back a robot that is driving; None: the selected one."""
+class StopRobotAct(Act):
+    """Stop a robot that is driving; None: the selected one."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class AskForRobot(Act):
+class RequestHandbackAct(Act):
     """Ask for a robot that somebody else commands to be given back; None: the selected one."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class GiveAnswer(Act):
+class AnswerDialogueAct(Act):
     """Make a choice in the dialogue shown."""
 
     choice: int
 
 
 @dataclass(frozen=True, slots=True)
-class TakeThePicture(Act):
+class TakePictureAct(Act):
     """Take a picture of the treasure shown."""
 
 
 @dataclass(frozen=True, slots=True)
-class SenseMore(Act):
+class MeasurePropertyAct(Act):
     """Let the robot sense one more property of the treasure shown, for energy."""
 
     property: str
 
 
 @dataclass(frozen=True, slots=True)
-class TellOfIt(Act):
+class TellPropertyAct(Act):
     """Say what a property of the treasure shown is."""
 
     property: str
@@ -152,7 +152,7 @@ class TypeLetter(Act):
 
 
 @dataclass(frozen=True, slots=True)
-class SubmitName(Act):
+class IdentifyTreasureAct(Act):
     """Name the treasure shown as picked; this counts for the score."""
 
 
@@ -162,12 +162,12 @@ class AskWhatItIs(Act):
 
 
 @dataclass(frozen=True, slots=True)
-class LeaveTreasure(Act):
-    """Leave the treasure shown where it is; `TakeUpAgain` takes that back until its robot sets out."""
+class LeaveTreasureAct(Act):
+    """Leave the treasure shown where it is; `TakeUpTreasureAct` takes that back until its robot sets out."""
 
 
 @dataclass(frozen=True, slots=True)
-class TakeUpAgain(Act):
+class TakeUpTreasureAct(Act):
     """Take up the treasure again that was left where a robot stands; None: the selected one."""
 
     robot: int | None = None
@@ -190,7 +190,7 @@ class ShowWaiting(Act):
 
 
 @dataclass(frozen=True, slots=True)
-class EndGame(Act):
+class EndGameAct(Act):
     """End this game although robots could still do something; asks for confirmation first."""
 
 
@@ -212,7 +212,7 @@ class Cancel(Act):
 
 
 @dataclass(frozen=True, slots=True)
-class AnotherGame(Act):
+class PlayAgainAct(Act):
     """Play again once the game is over."""
 
 
@@ -293,7 +293,7 @@ class RobotCard:
         progress: driven share of its path, 0 to 1; None at rest.
         waits: number of its pop-ups that wait for the participant: an answer, a treasure.
         select: selects the robot.
-        stop: calls it back; None at rest, and where somebody else commands it.
+        stop: stops it; None at rest, and where somebody else commands it.
         commander: the other party that commands it, "ground station 255"; empty where the participant does.
         commanded: that as part of a sentence, "commanded by ground station 255"; empty likewise.
         ask_back: asks the commander to give it back; None where the participant commands it, and once the game is over.

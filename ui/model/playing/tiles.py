@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 
 from thbridge.dialogue.wording.texts import Texts
-from thbridge.roles.shared.view import GiveUp, RequestSuggestion, RoomView, SelectRoom, View
+from thbridge.roles.shared.view import EndGame, RequestSuggestion, RoomView, SelectRoom, View
 from ui.model.playing.keys import keyed
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
-from ui.model.playing.screen import Action, AskAdvice, ChooseRoom, EndGame, RoomTile
+from ui.model.playing.screen import Action, EndGameAct, RequestSuggestionAct, RoomTile, SelectRoomAct
 from ui.model.shared.points import gained
 from ui.model.shared.scene import decided
 
@@ -24,15 +24,15 @@ def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
     refused = why_not_ask(hunt.texts, hunt.known, robot)
     asked = isinstance(hunt.pending.destination_request(robot), RequestSuggestion)
     hint = hunt.texts.text("tiles.dont_know_hint", robot=robot) if refused is None else refused
-    return keyed(AskAdvice(), hunt.texts.text("tiles.dont_know"), refused is None and not asked, hint, asked)
+    return keyed(RequestSuggestionAct(), hunt.texts.text("tiles.dont_know"), refused is None and not asked, hint, asked)
 
 
 def end(hunt: HuntMemory) -> Action:
     """The action that ends the game."""
     refused = why_not_end(hunt.texts, hunt.known)
-    asked = GiveUp(hunt.view.game) in hunt.pending
+    asked = EndGame(hunt.view.game) in hunt.pending
     hint = hunt.texts.text("tiles.end_hint") if refused is None else refused
-    return keyed(EndGame(), hunt.texts.text("tiles.end"), refused is None and not asked, hint, asked)
+    return keyed(EndGameAct(), hunt.texts.text("tiles.end"), refused is None and not asked, hint, asked)
 
 
 def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Mapping[int, str]) -> RoomTile:
@@ -71,7 +71,7 @@ def _choose(hunt: HuntMemory, robot: int, room: int, refused: str | None, warnin
         hint = _price(hunt, robot, room, warning)
     key = str(room).zfill(len(str(len(hunt.view.rooms))))
     return Action(
-        ChooseRoom(room), hunt.texts.text("window.room", room=room), key, refused is None and not busy, hint, busy
+        SelectRoomAct(room), hunt.texts.text("window.room", room=room), key, refused is None and not busy, hint, busy
     )
 
 

@@ -26,10 +26,10 @@ from thbridge.text_protocol.wire.notice import kind_of
 from ui.model.playing.memory.history import GameHistory, stopped_words
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.memory.state import (
+    DepartUndecided,
     EndGameEarly,
     HuntMemory,
-    LeaveLast,
-    LeaveUndecided,
+    LeaveLastTreasure,
     LeaveWindow,
     Note,
     ParticipantMemory,
@@ -277,7 +277,7 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
 
 
 def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
-    """Ask robots that were called back to go to their new room, once they stand."""
+    """Ask robots that were stopped to go to their new room, once they stand."""
     for robot, room in list(hunt.reroutes.items()):
         mover = hunt.view.robots[robot]
         if mover.moving_to is not None:
@@ -306,14 +306,14 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
                 if arrived
                 else why_not_go(texts, hunt.known, robot, room)
             )
-        case LeaveUndecided(request, room):
+        case DepartUndecided(request, room):
             decided = not hunt.view.room(room).undecided or hunt.robot_in_room(room) != request.robot
             reason = why_not_command(texts, hunt.known, request.robot)
             if reason is None and decided:
                 reason = texts.text("game.decided_by_now")
         case EndGameEarly():
             reason = why_not_end(texts, hunt.known)
-        case LeaveLast(room):
+        case LeaveLastTreasure(room):
             if not hunt.view.room(room).undecided:
                 reason = texts.text("game.decided_by_now")
             elif not ends_game(hunt.known, TreasureLeft(Room(room))):

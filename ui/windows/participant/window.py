@@ -27,21 +27,21 @@ from ui.model.playing.keys import HELP, shown_key
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
     Act,
-    AskAdvice,
     ChooseRobot,
-    ChooseRoom,
     ConsiderRoom,
-    DeclineToTakePart,
+    DeclineConsentAct,
     DialoguePopup,
     FitMap,
     FollowRobot,
     GoOnFromGame,
     Phase,
     PickName,
+    RequestSuggestionAct,
     RoomTile,
     Screen,
+    SelectRoomAct,
     ShowSettings,
-    TakeThePicture,
+    TakePictureAct,
     TreasurePopup,
     TypeDigit,
     TypeLetter,
@@ -195,7 +195,7 @@ class ParticipantWindow(QWidget):
         )
         for panel in self._panels:
             panel.requested.connect(self.do)
-        self.map.room_clicked.connect(lambda room: self._do_on_map(ChooseRoom(room)))
+        self.map.room_clicked.connect(lambda room: self._do_on_map(SelectRoomAct(room)))
         self.map.robot_clicked.connect(lambda robot: self._do_on_map(ChooseRobot(robot)))
         self.map.follow_ended.connect(self._end_follow)
         self.map.room_hovered.connect(lambda _room: self._consider())
@@ -231,7 +231,7 @@ class ParticipantWindow(QWidget):
 
     def do(self, act: Act) -> None:
         """Have the model carry this out, unless it was meant for what was there a moment ago."""
-        if isinstance(act, DeclineToTakePart):
+        if isinstance(act, DeclineConsentAct):
             self.declined.emit()
             return
         now = self._clock()
@@ -241,7 +241,7 @@ class ParticipantWindow(QWidget):
             return
         if isinstance(act, TypeDigit) and now - self._digits_at < ANSWER_DELAY:
             return
-        if isinstance(act, ChooseRoom | AskAdvice | TypeDigit) and now - self._selected_at < ANSWER_DELAY:
+        if isinstance(act, SelectRoomAct | RequestSuggestionAct | TypeDigit) and now - self._selected_at < ANSWER_DELAY:
             return
         if isinstance(act, ShowSettings):
             self.settings_wanted.emit()
@@ -470,7 +470,7 @@ def _offered(screen: Screen) -> tuple[Act, ...]:
         case DialoguePopup(choices=choices):
             acts += [choice.act for choice in choices]
         case TreasurePopup() as pop:
-            acts += [pop.name_it.act, pop.leave.act, TakeThePicture()]
+            acts += [pop.name_it.act, pop.leave.act, TakePictureAct()]
         case None:
             pass
     if screen.ending is not None:

@@ -10,7 +10,7 @@ from thbridge.roles.shared.view import (
     AnswerDialogue,
     Consent,
     DialogueView,
-    GiveUp,
+    EndGame,
     RefusalView,
     RequestSuggestion,
     RobotView,
@@ -56,7 +56,7 @@ def test_a_room_that_was_missed_is_left_for_last(strategy, first):
         assert list(player.requests(view_of(None))) == [SelectRoom(0, then)]
     for missed in (1, 3, 2, 1, 3, 2):
         player.requests(view_of(missed))
-    assert list(player.requests(view_of(None))) == [GiveUp(1)]
+    assert list(player.requests(view_of(None))) == [EndGame(1)]
 
 
 def test_what_one_robot_missed_another_may_reach():
@@ -84,7 +84,7 @@ def test_a_robot_that_does_not_answer_is_asked_nothing_until_it_does():
 
 
 def test_the_game_is_given_up_when_no_robot_answers():
-    assert list(bot(BotStrategy.NEAREST).requests(in_condition(view_of(None), Condition.SILENT))) == [GiveUp(1)]
+    assert list(bot(BotStrategy.NEAREST).requests(in_condition(view_of(None), Condition.SILENT))) == [EndGame(1)]
 
 
 def test_a_robot_that_stays_lost_is_sent_once_and_again_when_it_is_found():
@@ -92,7 +92,7 @@ def test_a_robot_that_stays_lost_is_sent_once_and_again_when_it_is_found():
     lost = in_condition(view_of(None), Condition.LOST)
     assert list(player.requests(lost)) == [SelectRoom(0, 1)]
     player.requests(in_condition(view_of(1), Condition.LOST))
-    assert list(player.requests(lost)) == [GiveUp(1)]
+    assert list(player.requests(lost)) == [EndGame(1)]
     assert list(player.requests(view_of(None))) == [SelectRoom(0, 3)]
 
 
@@ -110,7 +110,7 @@ def test_after_talks_in_vain_another_room_is_named_then_advice_is_taken_and_at_l
         player.requests(talk_of(still, 1, number))
     advice = RequestSuggestion(0)
     assert asked == [SelectRoom(0, 1), SelectRoom(0, 1), SelectRoom(0, 3), SelectRoom(0, 3), advice, advice]
-    assert list(player.requests(still)) == [GiveUp(1)]
+    assert list(player.requests(still)) == [EndGame(1)]
 
 
 def test_a_robot_that_has_driven_is_talked_to_as_before():

@@ -6,7 +6,7 @@ from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.roles.participant.tabui import NUMBER_PERIOD, REJOIN_PERIOD, RETRY_PERIOD, TabUI
 from thbridge.roles.shared.notices import KEEPER
-from thbridge.roles.shared.view import CallBack, RefusalView, RequestSuggestion, SendRobot, View
+from thbridge.roles.shared.view import RefusalView, RequestSuggestion, SendRobot, StopRobot, View
 from thbridge.text_protocol.wire.lines import TextMessage
 from thbridge.text_protocol.wire.notice import Notice, encode_notice, parse_notice
 
@@ -33,7 +33,7 @@ def test_a_request_keeps_its_number_until_the_player_has_it_no_more() -> None:
     tabui.poll_player()
     said = [tabui.step(tick, []) for tick in range(100, 101 + 2 * RETRY_PERIOD)]
     assert [heard for each in said for heard in numbers(each)] == [("Unsure", 1)] * 3
-    player.wish = (CallBack(1), UNSURE)
+    player.wish = (StopRobot(1), UNSURE)
     tabui.poll_player()
     assert numbers(tabui.step(560, [])) == [("CallBack", 2), ("Unsure", 1)]
     player.wish = ()
@@ -48,7 +48,7 @@ def test_a_request_keeps_its_number_until_the_player_has_it_no_more() -> None:
 
 def test_a_request_that_was_refused_or_has_had_no_effect_for_long_gets_another_number() -> None:
     tabui, player = begun()
-    player.wish = (UNSURE, CallBack(1))
+    player.wish = (UNSURE, StopRobot(1))
     tabui.poll_player()
     assert numbers(tabui.step(100, [])) == [("Unsure", 1), ("CallBack", 2)]
     assert tabui.view is not None

@@ -17,16 +17,16 @@ from thbridge.roles.shared.participant_rules import judge, revealed
 from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
-    GiveUp,
-    GiveUpTreasure,
+    EndGame,
     IdentifyTreasure,
+    LeaveTreasure,
     OpenDialogue,
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
     SendRobot,
     SenseTreasure,
+    StopRobot,
     TakePicture,
     TakeUpTreasure,
     View,
@@ -45,8 +45,8 @@ def any_request(chance, view):
     return chance.choice(
         (
             *(SelectRoom(robot, room), OpenDialogue(robot, matter, room)) * 2,
-            *(RequestSuggestion(robot), CallBack(robot), RequestHandback(robot)),
-            *(GiveUpTreasure(room), TakeUpTreasure(room), GiveUp(1)),
+            *(RequestSuggestion(robot), StopRobot(robot), RequestHandback(robot)),
+            *(LeaveTreasure(room), TakeUpTreasure(room), EndGame(1)),
         )
     )
 
@@ -57,7 +57,7 @@ def any_step(chance, view):
     return chance.choice(
         (
             *("go along",) * 16,
-            *("go along" if isinstance(request, GiveUp) else request,) * 8,
+            *("go along" if isinstance(request, EndGame) else request,) * 8,
             *("refuse", "slow", "fast", "fast"),
             *((TakeCommand(robot, "QGC"),), *((ReleaseCommand(robot),),) * 3),
             *((TakeCommand(robot, "QGC"), StationSend(robot, chance.choice(ROOMS)), ReleaseCommand(robot)),) * 2,

@@ -18,13 +18,13 @@ from thbridge.roles.shared.view import (
 from ui.model.playing.keys import act_for, help_lines
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
+    AnswerDialogueAct,
     AskWhatItIs,
     ChooseRobot,
-    ChooseRoom,
-    GiveAnswer,
+    IdentifyTreasureAct,
     PickName,
+    SelectRoomAct,
     ShowNext,
-    SubmitName,
     TypeDigit,
 )
 
@@ -60,7 +60,7 @@ def test_who_said_what_is_as_the_game_tells():
 
 def test_the_sentence_that_opened_a_dialogue_is_there_once():
     model = model_of(view())
-    model.do(ChooseRoom(2), 0.0)
+    model.do(SelectRoomAct(2), 0.0)
     model.receive(view(dialogues=(arguing(">Go to room 2 next.", "No."),)), 0.0)
     lines = [("you", "Go to room 2."), ("robot", "No.")]
     assert list(model.screen(0.0).popup.sentences) == lines
@@ -71,7 +71,7 @@ def test_answers_are_numbered_and_digits_give_them_and_no_robot_is_sent_by_them(
     model = model_of(argued(arguing(">Go.", "No.", acts=ANSWERS)))
     screen = model.screen(0.0)
     assert [choice.key for choice in screen.popup.choices] == ["1", "2", "3", "4"]
-    assert [act_for(str(digit), screen) for digit in range(6)] == [None, *map(GiveAnswer, range(4)), None]
+    assert [act_for(str(digit), screen) for digit in range(6)] == [None, *map(AnswerDialogueAct, range(4)), None]
     assert not any(tile.choose.key for tile in screen.tiles)
     model.do(ShowNext(), 0.0)
     aside = model.screen(0.0)
@@ -90,8 +90,8 @@ def test_esc_leads_back_from_the_questions_and_puts_the_other_answers_aside():
     screen = model_of(argued(arguing("No.", acts=ANSWERS))).screen(0.0)
     assert act_for("Esc", screen) == act_for("W", screen) == ShowNext()
     asking_it = model_of(argued(arguing("No.", acts=QUESTIONS))).screen(0.0)
-    assert act_for("Esc", asking_it) == GiveAnswer(2)
-    assert act_for("3", asking_it) == GiveAnswer(2)
+    assert act_for("Esc", asking_it) == AnswerDialogueAct(2)
+    assert act_for("3", asking_it) == AnswerDialogueAct(2)
     assert (act_for("W", asking_it), asking_it.popup.aside.key) == (ShowNext(), "W")
 
 
@@ -113,7 +113,7 @@ def test_a_robot_that_has_nothing_to_reply_is_seen_to_wait():
 def test_what_is_answered_is_said_at_once_but_a_look_at_the_questions_is_not():
     for choice, said in ((1, [("robot", "No."), ("you", "challenge")]), (2, [("robot", "No.")])):
         model = model_of(argued(arguing("No.", acts=ANSWERS)))
-        model.do(GiveAnswer(choice), 0.0)
+        model.do(AnswerDialogueAct(choice), 0.0)
         assert list(model.screen(0.0).popup.sentences) == said
         assert [(line.speaker, line.text) for line in model.screen(0.0).history[1:]] == said
 
@@ -128,7 +128,7 @@ def test_two_robots_that_ask_are_answered_in_any_order_and_each_card_shows_its_o
         screen = model.screen(0.0)
         assert screen.popup.robot == robot
         assert [item.robot for item in screen.waiting] == [1 - robot]
-    model.do(GiveAnswer(0), 0.0)
+    model.do(AnswerDialogueAct(0), 0.0)
     assert model.requests() == (AnswerDialogue(2, 1, 0),)
 
 
@@ -184,7 +184,7 @@ def test_an_end_that_was_left_for_another_robot_comes_back_with_its_own():
     model.receive(argued(words=(ended(agreed=False),)), 0.0)
     model.screen(0.0)
     model.do(ChooseRobot(1), 0.0)
-    model.do(ChooseRoom(3), 0.0)
+    model.do(SelectRoomAct(3), 0.0)
     assert model.screen(0.0).popup.robot == 1
     assert model.screen(0.0).waiting == (), "it has been read"
     model.do(ChooseRobot(0), 0.0)
@@ -193,7 +193,7 @@ def test_an_end_that_was_left_for_another_robot_comes_back_with_its_own():
 
 def test_a_robot_that_says_nothing_because_all_was_said_is_explained():
     model = model_of(argued())
-    model.do(ChooseRoom(2), 0.0)
+    model.do(SelectRoomAct(2), 0.0)
     model.receive(argued(words=(ended(agreed=False, said=()),)), 0.0)
     assert "talked about that before" in model.screen(0.0).popup.outcome
 
@@ -217,7 +217,7 @@ def test_a_name_is_said_to_robots_that_argue_and_what_was_agreed_is_what_it_is_n
     model = model_of(found)
     model.do(PickName("Cup"), 0.0)
     model.screen(0.0)
-    model.do(SubmitName(), 0.0)
+    model.do(IdentifyTreasureAct(), 0.0)
     assert OpenDialogue(0, "take-treasure", 2, "Cup") in model.requests()
     agreed = structs.replace(found, consents=(Consent(0, "take-treasure", 2, "Vase"),))
     model.receive(agreed, 0.0)

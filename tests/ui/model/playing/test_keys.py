@@ -19,25 +19,25 @@ from ui.model.playing.keys import (
 )
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
-    AnotherGame,
-    AskAdvice,
+    AnswerDialogueAct,
     Cancel,
-    ChooseRoom,
     Confirm,
     DialoguePopup,
-    EndGame,
+    EndGameAct,
     FinishNumber,
     FollowRobot,
-    GiveAnswer,
-    LeaveTreasure,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
     NextRobot,
     Phase,
     PickName,
+    PlayAgainAct,
+    RequestSuggestionAct,
+    SelectRoomAct,
     ShowHelp,
     ShowNext,
-    StopRobot,
-    SubmitName,
-    TakeThePicture,
+    StopRobotAct,
+    TakePictureAct,
     TreasurePopup,
     TypeDigit,
     TypeLetter,
@@ -96,10 +96,10 @@ def test_a_whole_hunt_by_keys_alone():
         ("Tab", NextRobot(1)),
         ("Shift+Tab", NextRobot(-1)),
         ("3", TypeDigit(3)),
-        ("?", AskAdvice()),
-        ("D", AskAdvice()),
-        ("X", StopRobot()),
-        ("E", EndGame()),
+        ("?", RequestSuggestionAct()),
+        ("D", RequestSuggestionAct()),
+        ("X", StopRobotAct()),
+        ("E", EndGameAct()),
         ("Esc", ShowNext()),
         ("F1", ShowHelp()),
         ("Q", None),
@@ -112,14 +112,14 @@ def test_keys_while_playing(key, act):
 
 def test_a_question_hears_only_yes_no_and_help():
     seat = Seat()
-    screen = seat.press(EndGame())
+    screen = seat.press(EndGameAct())
     assert [act_for(key, screen) for key in ("Y", "N", "Esc", "F1")] == [Confirm(), Cancel(), Cancel(), ShowHelp()]
     assert [act_for(key, screen) for key in ("3", "Tab", "Enter", "D", "E")] == [None] * 5
 
 
 def test_a_question_is_answered_by_the_letters_of_the_language_as_its_buttons_say():
     seat = Seat(Participant(texts=shipped_texts("de")))
-    question = seat.press(EndGame()).confirmation
+    question = seat.press(EndGameAct()).confirmation
     assert (question.yes.key, question.no.key) == ("J", "N")
     assert [act_for(key, seat.screen) for key in ("J", "N", "Esc", "Y")] == [Confirm(), Cancel(), Cancel(), None]
     assert ("J", "Ja auf eine Frage des Programms") in help_lines(shipped_texts("de"), 8)
@@ -127,14 +127,18 @@ def test_a_question_is_answered_by_the_letters_of_the_language_as_its_buttons_sa
 
 def test_a_dialogue_takes_the_letters_on_its_buttons():
     seat = Seat()
-    screen = seat.do(ChooseRoom(3))
-    assert [act_for(key, screen) for key in ("C", "S", "Enter")] == [GiveAnswer(0), GiveAnswer(1), GiveAnswer(0)]
+    screen = seat.do(SelectRoomAct(3))
+    assert [act_for(key, screen) for key in ("C", "S", "Enter")] == [
+        AnswerDialogueAct(0),
+        AnswerDialogueAct(1),
+        AnswerDialogueAct(0),
+    ]
     assert act_for("Esc", screen) == ShowNext()
 
 
 def test_help_closes_by_esc_before_anything_else_hears_it():
     seat = Seat()
-    seat.do(ChooseRoom(3))
+    seat.do(SelectRoomAct(3))
     screen = seat.press(ShowHelp())
     assert [act_for(key, screen) for key in ("Esc", "F1", "H")] == [ShowHelp()] * 3
     assert [act_for(key, screen) for key in ("C", "3", "Tab", "Enter")] == [None] * 4
@@ -142,9 +146,9 @@ def test_help_closes_by_esc_before_anything_else_hears_it():
 
 def test_names_are_picked_by_arrows():
     seat = Seat()
-    seat.do(ChooseRoom(3))
-    seat.do(GiveAnswer(0))
-    seat.do(GiveAnswer(0), 40)
+    seat.do(SelectRoomAct(3))
+    seat.do(AnswerDialogueAct(0))
+    seat.do(AnswerDialogueAct(0), 40)
     screen = seat.screen
     assert screen.popup.picked is None
     assert act_for("Down", screen) == PickName(screen.popup.names[0])
@@ -159,14 +163,22 @@ def test_names_are_picked_by_arrows():
 
 def test_letters_belong_to_the_open_list_and_ctrl_stands_before_those_of_buttons():
     seat = Seat()
-    seat.do(ChooseRoom(3))
-    seat.do(GiveAnswer(0))
-    screen = seat.do(GiveAnswer(0), 40)
+    seat.do(SelectRoomAct(3))
+    seat.do(AnswerDialogueAct(0))
+    screen = seat.do(AnswerDialogueAct(0), 40)
     letters = string.ascii_uppercase
     assert [act_for(letter, screen) for letter in letters] == [TypeLetter(letter.lower()) for letter in letters]
     keys = ("Enter", "Ctrl+N", "Ctrl+P", "Ctrl+L", "Esc", "Ctrl+X", "Ctrl+F", "Ctrl+H", "?", "Space", "3", "Ctrl+Q")
-    acts = [SubmitName(), SubmitName(), TakeThePicture(), LeaveTreasure(), ShowNext(), StopRobot(), FollowRobot()]
-    acts += [ShowHelp(), AskAdvice(), None, TypeDigit(3), None]
+    acts = [
+        IdentifyTreasureAct(),
+        IdentifyTreasureAct(),
+        TakePictureAct(),
+        LeaveTreasureAct(),
+        ShowNext(),
+        StopRobotAct(),
+        FollowRobot(),
+    ]
+    acts += [ShowHelp(), RequestSuggestionAct(), None, TypeDigit(3), None]
     assert [act_for(key, screen) for key in keys] == acts
     printed = {action.key for action in seat.offers()}
     assert {"Enter", "Ctrl+P", "Ctrl+L", "Esc", "F1"} <= printed
@@ -202,8 +214,8 @@ def test_every_binding_is_on_the_help_sheet():
 
 
 def test_acts_without_a_key_have_none_printed():
-    assert key_of(AnotherGame()) == "A"
-    assert key_of(ChooseRoom(3)) == ""
+    assert key_of(PlayAgainAct()) == "A"
+    assert key_of(SelectRoomAct(3)) == ""
 
 
 @pytest.mark.parametrize(

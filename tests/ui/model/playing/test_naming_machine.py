@@ -11,13 +11,13 @@ from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend
 from ui.model.playing.keys import act_for
 from ui.model.playing.screen import (
+    AnswerDialogueAct,
     ChooseRobot,
-    ChooseRoom,
     DialoguePopup,
-    EndGame,
-    GiveAnswer,
+    EndGameAct,
+    IdentifyTreasureAct,
     PickName,
-    SubmitName,
+    SelectRoomAct,
     TreasurePopup,
     TypeLetter,
 )
@@ -39,9 +39,9 @@ class Naming(RuleBasedStateMachine):
         self.read = 0
         for robot, room in ((0, 3), (1, 4)):
             self.seat.press(ChooseRobot(robot))
-            self.seat.press(ChooseRoom(room))
+            self.seat.press(SelectRoomAct(room))
             for _ in range(3):
-                self.seat.press(GiveAnswer(0), 20)
+                self.seat.press(AnswerDialogueAct(0), 20)
         self.look()
 
     def look(self):
@@ -56,7 +56,7 @@ class Naming(RuleBasedStateMachine):
 
     def act(self, act, ticks):
         """Do an act as its person means it, and see what comes of it."""
-        if isinstance(act, SubmitName) and self.chosen is not None:
+        if isinstance(act, IdentifyTreasureAct) and self.chosen is not None:
             self.said[self.question[1]] = self.chosen
         self.seat.model.do(act, self.seat.now)
         self.look()
@@ -74,7 +74,7 @@ class Naming(RuleBasedStateMachine):
 
     @rule(data=st.data(), ticks=st.sampled_from((0, 1, 30)))
     def click(self, data, ticks):
-        acts = [action.act for action in self.seat.offers() if action.enabled and action.act != EndGame()]
+        acts = [action.act for action in self.seat.offers() if action.enabled and action.act != EndGameAct()]
         self.act(data.draw(st.sampled_from(acts)), ticks)
 
     @rule(data=st.data(), ticks=st.sampled_from((0, 1)))

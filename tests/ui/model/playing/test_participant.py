@@ -22,29 +22,29 @@ from thbridge.roles.shared.notices import PicturePiece, PoseTelemetry
 from thbridge.roles.shared.robot_requests import WizardAdvice, WizardMode, WizardMove
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
-    AgreeToTakePart,
-    AnotherGame,
-    AskAdvice,
+    AnswerDialogueAct,
     Cancel,
     ChooseRobot,
-    ChooseRoom,
     Confirm,
     DialoguePopup,
-    EndGame,
+    EndGameAct,
     EnlargePicture,
     FinishNumber,
     FollowRobot,
-    GiveAnswer,
-    LeaveTreasure,
+    GiveConsentAct,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
     NextRobot,
     Phase,
     PickName,
+    PlayAgainAct,
+    RequestSuggestionAct,
+    SelectRoomAct,
     ShowNext,
     ShowWaiting,
-    StopRobot,
-    SubmitName,
-    TakeThePicture,
-    TakeUpAgain,
+    StopRobotAct,
+    TakePictureAct,
+    TakeUpTreasureAct,
     TreasurePopup,
     TypeDigit,
     TypeLetter,
@@ -55,14 +55,14 @@ TALKATIVE = "sklar-azhar-2015"
 
 def go(seat, room):
     """Send the selected robot to a room, agreeing to all it asks, and let it arrive."""
-    seat.do(ChooseRoom(room))
+    seat.do(SelectRoomAct(room))
     agree(seat)
     return seat.run(30)
 
 
 def agree(seat):
     while isinstance(seat.screen.popup, DialoguePopup) and seat.screen.popup.choices:
-        seat.do(GiveAnswer(0))
+        seat.do(AnswerDialogueAct(0))
 
 
 def capital(words):
@@ -86,13 +86,13 @@ def play(seat, look=lambda screen: None):
         elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
             seat.do(ShowNext())
         elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
-            seat.do(TakeThePicture())
+            seat.do(TakePictureAct())
         elif isinstance(pop, TreasurePopup):
             right = seat.stage.session.game.treasures[pop.room - 1].name
             look(seat.press(PickName(right)))
-            seat.do(SubmitName() if seat.offered(SubmitName()).enabled else LeaveTreasure())
+            seat.do(IdentifyTreasureAct() if seat.offered(IdentifyTreasureAct()).enabled else LeaveTreasureAct())
         elif screen.ask_advice.enabled:
-            seat.do(AskAdvice())
+            seat.do(RequestSuggestionAct())
         elif len(screen.cards) > 1 and turn % 2:
             seat.do(ChooseRobot(1 - next(card.robot for card in screen.cards if card.selected)))
         else:
@@ -110,7 +110,7 @@ def test_a_whole_hunt_by_what_is_offered():
         "Every room has been visited.",
         "No robot has the energy to go any further.",
     )
-    assert seat.do(AnotherGame(), 30).game == 2
+    assert seat.do(PlayAgainAct(), 30).game == 2
     assert seat.screen.phase is Phase.PLAYING
     assert seat.screen.score == 0
     assert [line.text for line in seat.screen.history] == ["Game 2 begins, with 2 robots and 8 rooms."]
@@ -118,7 +118,7 @@ def test_a_whole_hunt_by_what_is_offered():
 
 def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
     seat = Seat()
-    seat.model.do(ChooseRoom(3), seat.now)
+    seat.model.do(SelectRoomAct(3), seat.now)
     pop = seat.screen.popup
     assert (pop.title, pop.sentences, pop.choices) == ("Asking robot 1 about room 3 …", (("you", "Go to room 3."),), ())
     assert seat.screen.tiles[2].choose.pending
@@ -126,7 +126,7 @@ def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
     pop = seat.run().popup
     assert pop.sentences == (("you", "Go to room 3."), ("robot", "It will cost me 17 to go to room 3"))
     assert [(choice.label, choice.key) for choice in pop.choices] == [("Continue", "C"), ("Stop", "S")]
-    seat.model.do(GiveAnswer(0), seat.now)
+    seat.model.do(AnswerDialogueAct(0), seat.now)
     pop = seat.screen.popup
     assert pop.sentences[-1] == ("you", "Continue")
     assert [choice.enabled for choice in pop.choices] == [False, False]
@@ -143,27 +143,27 @@ def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
 def test_stop_sends_nobody_and_the_same_can_be_asked_again():
     seat = Seat()
     for _ in range(2):
-        seat.do(ChooseRoom(3))
-        assert seat.do(GiveAnswer(1)).popup is None
+        seat.do(SelectRoomAct(3))
+        assert seat.do(AnswerDialogueAct(1)).popup is None
     assert not events(seat, RobotDeparted)
     assert [line.text for line in seat.screen.history if line.speaker == "you"] == ["Go to room 3.", "Stop"] * 2
 
 
 def test_an_answer_counts_for_what_was_on_the_screen_only():
     seat = Seat()
-    seat.do(ChooseRoom(3))
-    seat.model.do(GiveAnswer(0), seat.now)
-    seat.model.do(GiveAnswer(0), seat.now)
+    seat.do(SelectRoomAct(3))
+    seat.model.do(AnswerDialogueAct(0), seat.now)
+    seat.model.do(AnswerDialogueAct(0), seat.now)
     seat.run()
     assert seat.screen.popup.sentences[-1] == ("robot", "Are you sure?")
     # The robot's next question comes while the finger is on its way down to the button.
     before = seat.screen
-    seat.model.do(GiveAnswer(0), seat.now)
+    seat.model.do(AnswerDialogueAct(0), seat.now)
     for _ in range(12):
         seat.now += 0.02
         seat.tabui.poll_player()
         seat.stage.run(1)
-    seat.model.do(GiveAnswer(1), seat.now)
+    seat.model.do(AnswerDialogueAct(1), seat.now)
     assert before.popup.choices[1].label == "Stop"
     assert seat.view.robots[0].moving_to == 3
 
@@ -179,7 +179,7 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     treasure = seat.stage.session.game.treasures[2]
     assert [fact.value for fact in pop.facts] == [*treasure.properties.values()]
     seat.press(PickName(treasure.name))
-    pop = seat.do(SubmitName()).popup
+    pop = seat.do(IdentifyTreasureAct()).popup
     assert isinstance(pop, DialoguePopup)
     words = name_in_words(treasure.name)
     assert pop.title == f"Robot 1: name it {words}?"
@@ -187,13 +187,13 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     assert [fact.value for fact in pop.facts] == [*treasure.properties.values()]
     assert pop.picture is None
     assert pop.title in seat.screen.announcement
-    pop = seat.do(GiveAnswer(1)).popup
+    pop = seat.do(AnswerDialogueAct(1)).popup
     assert (pop.picked, pop.verdict, pop.name_it.enabled) == (None, None, False), "a name not confirmed is gone"
     assert not events(seat, TreasureIdentified)
     pop = seat.press(PickName(treasure.name)).popup
     assert pop.name_it.label == f"Name it {words}"
-    seat.do(SubmitName())
-    pop = seat.do(GiveAnswer(0)).popup
+    seat.do(IdentifyTreasureAct())
+    pop = seat.do(AnswerDialogueAct(0)).popup
     assert pop.verdict == f"{capital(words)} is right, {treasure.points} points won."
     assert pop.points == seat.screen.score == treasure.points
     assert pop.aside.label == "Close"
@@ -213,8 +213,8 @@ def test_a_picture_is_talked_over_and_taken_once_agreed():
     pop = go(seat, 3).popup
     energy = seat.screen.cards[0].energy
     assert pop.take_picture.hint.startswith("Costs 5 of")
-    seat.do(TakeThePicture())
-    pop = seat.do(GiveAnswer(0)).popup
+    seat.do(TakePictureAct())
+    pop = seat.do(AnswerDialogueAct(0)).popup
     assert isinstance(pop, TreasurePopup)
     assert pop.take_picture is None
     assert seat.screen.cards[0].energy == energy - 5
@@ -228,7 +228,7 @@ def test_a_wrong_name_costs_and_is_said_so():
     treasure = seat.stage.session.game.treasures[2]
     wrong = next(name for name in seat.names if name != treasure.name)
     seat.press(PickName(wrong))
-    pop = seat.do(SubmitName()).popup
+    pop = seat.do(IdentifyTreasureAct()).popup
     assert pop.verdict == f"{capital(name_in_words(wrong))} is wrong, {treasure.points} points lost."
     tile = seat.screen.tiles[2]
     assert (tile.found, *tile.found_shorter) == (f"{wrong}, −{treasure.points}", wrong, f"−{treasure.points}")
@@ -246,21 +246,21 @@ def test_time_and_rooms_left_are_shown():
 def test_a_picture_is_enlarged_until_it_is_pressed_again_or_its_pop_up_goes():
     seat = Seat()
     go(seat, 3)
-    seat.do(TakeThePicture())
+    seat.do(TakePictureAct())
     agree(seat)
     seat.model.receive(PicturePiece(1, 3, 0, 1, b64encode(b"image").decode()), seat.now)
     assert seat.screen.popup.picture == b"image" and seat.screen.enlarged is None
     assert seat.do(EnlargePicture(), 0).enlarged == b"image"
     assert seat.do(EnlargePicture(), 0).enlarged is None
     seat.do(EnlargePicture(), 0)
-    assert seat.do(LeaveTreasure()).enlarged is None
+    assert seat.do(LeaveTreasureAct()).enlarged is None
 
 
 def test_who_may_be_sent_is_said_where_nothing_waits():
     seat = Seat(robots=3)
     assert seat.screen.nothing_waits == "3 robots are ready to be sent"
     seat.do(ChooseRobot(0))
-    assert seat.do(ChooseRoom(1), 3).nothing_waits == "2 robots are ready to be sent"
+    assert seat.do(SelectRoomAct(1), 3).nothing_waits == "2 robots are ready to be sent"
     agree(seat)
     assert seat.screen.nothing_waits == "2 robots are ready to be sent"
 
@@ -273,31 +273,31 @@ def test_one_robot_is_selected_that_of_the_pop_up():
     screen = seat.do(ChooseRobot(1))
     assert (selected(seat), screen.popup) == (1, None)
     assert [waiting.robot for waiting in screen.waiting] == [0]
-    seat.do(ChooseRoom(2))
+    seat.do(SelectRoomAct(2))
     agree(seat)
     assert (selected(seat), seat.screen.popup.room) == (0, 1), "it comes back once the other robot is sent"
 
 
 def test_no_other_robot_is_selected_by_itself_before_the_selected_one_is_sent():
     seat = Seat(robots=2)
-    seat.do(ChooseRoom(1))
+    seat.do(SelectRoomAct(1))
     agree(seat)
     seat.do(ChooseRobot(1))
     screen = seat.run(60)
     assert (selected(seat), screen.popup, [waiting.robot for waiting in screen.waiting]) == (1, None, [0])
-    seat.do(ChooseRoom(2))
+    seat.do(SelectRoomAct(2))
     agree(seat)
     assert (selected(seat), seat.screen.popup.room) == (0, 1)
 
 
 def test_a_map_that_follows_a_robot_follows_that_of_the_pop_up():
     seat = Seat(robots=2)
-    seat.do(ChooseRoom(1))
+    seat.do(SelectRoomAct(1))
     agree(seat)
     seat.do(ChooseRobot(1))
     seat.do(FollowRobot())
     assert seat.model.followed == 1
-    seat.do(ChooseRoom(2))
+    seat.do(SelectRoomAct(2))
     agree(seat)
     seat.run(60)
     assert (seat.screen.popup.robot, seat.model.followed) == (0, 0)
@@ -313,7 +313,7 @@ def test_a_robot_for_which_no_room_is_left_is_not_said_to_be_ready():
     for room in range(1, 9):
         go(seat, room)
         if room < 8:
-            seat.do(LeaveTreasure())
+            seat.do(LeaveTreasureAct())
     assert {card.state for card in seat.screen.cards if card.robot == 1} == {"nothing left to do"}
 
 
@@ -321,10 +321,10 @@ def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
     seat = Seat(robots=3)
     for robot, room in ((0, 1), (1, 2)):
         seat.do(ChooseRobot(robot))
-        seat.do(ChooseRoom(room))
+        seat.do(SelectRoomAct(room))
         agree(seat)
     seat.do(ChooseRobot(2))
-    seat.do(ChooseRoom(5), 3)
+    seat.do(SelectRoomAct(5), 3)
     reading = seat.screen.popup
     screen = seat.run(60)
     assert screen.popup.title == reading.title or screen.popup.robot == 2
@@ -341,24 +341,24 @@ def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
     assert screen.popup is None or screen.popup.robot == 2
     seat.do(ShowWaiting(0))
     assert seat.screen.popup.room == 1
-    seat.do(LeaveTreasure())
+    seat.do(LeaveTreasureAct())
     assert [event.room.people for event in events(seat, TreasureLeft)] == [1]
 
 
 def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
     seat = Seat()
     seat.stage.puppets.ticks = 400
-    seat.do(ChooseRoom(3))
+    seat.do(SelectRoomAct(3))
     agree(seat)
-    screen = seat.do(ChooseRoom(6))
+    screen = seat.do(SelectRoomAct(6))
     assert screen.confirmation.title == "Send robot 1 to room 6 instead?"
     assert "is on its way to room 3" in screen.confirmation.text
     assert screen.tiles[5].choose.hint == "Robot 1 is on its way to room 3 and would be called back first."
     assert seat.do(Cancel()).confirmation is None
     assert seat.view.robots[0].moving_to == 3
     # A second press of the same key is no answer to a question.
-    seat.press(ChooseRoom(6))
-    assert seat.press(ChooseRoom(6)).confirmation is not None
+    seat.press(SelectRoomAct(6))
+    assert seat.press(SelectRoomAct(6)).confirmation is not None
     screen = seat.do(Confirm())
     assert [event.refund for event in events(seat, MoveFailed)] == [8.5]
     assert isinstance(screen.popup, DialoguePopup)
@@ -369,9 +369,9 @@ def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
 
 def test_a_robot_that_arrives_before_it_is_called_back_is_not_sent_on():
     seat = Seat()
-    seat.do(ChooseRoom(3))
+    seat.do(SelectRoomAct(3))
     agree(seat)
-    seat.press(ChooseRoom(6), 0)
+    seat.press(SelectRoomAct(6), 0)
     screen = seat.run(60)
     assert screen.confirmation is None
     assert screen.banner.text == "Robot 1 is in room 3 now."
@@ -381,9 +381,9 @@ def test_a_robot_that_arrives_before_it_is_called_back_is_not_sent_on():
 def test_stop_calls_a_robot_back():
     seat = Seat()
     seat.stage.puppets.ticks = 400
-    seat.do(ChooseRoom(3))
+    seat.do(SelectRoomAct(3))
     agree(seat)
-    seat.model.do(StopRobot(), seat.now)
+    seat.model.do(StopRobotAct(), seat.now)
     card = seat.screen.cards[0]
     assert (card.state, card.stop.pending, card.stop.enabled) == ("stopping", True, False)
     card = seat.run().cards[0]
@@ -393,11 +393,11 @@ def test_stop_calls_a_robot_back():
 def test_going_on_asks_before_it_leaves_a_treasure_behind():
     seat = Seat()
     go(seat, 3)
-    screen = seat.do(ChooseRoom(4))
+    screen = seat.do(SelectRoomAct(4))
     assert screen.confirmation.title == "Leave what is in room 3?"
     seat.do(Cancel())
     assert not events(seat, TreasureLeft)
-    seat.do(ChooseRoom(4))
+    seat.do(SelectRoomAct(4))
     seat.do(Confirm())
     agree(seat)
     assert [event.room.people for event in events(seat, TreasureLeft)] == [3]
@@ -407,7 +407,7 @@ def test_going_on_asks_before_it_leaves_a_treasure_behind():
 def test_a_refusal_is_told_and_takes_back_what_was_shown_for_it():
     seat = Seat()
     seat.stage.puppets.stuck = {0}
-    seat.do(ChooseRoom(3))
+    seat.do(SelectRoomAct(3))
     agree(seat)
     screen = seat.run(30)
     assert (screen.banner.kind, screen.banner.text) == ("note", "The robot did not get there.")
@@ -418,19 +418,19 @@ def test_a_refusal_is_told_and_takes_back_what_was_shown_for_it():
 
 def test_a_room_that_another_robot_asks_about_is_not_offered():
     seat = Seat()
-    seat.do(ChooseRoom(3))
+    seat.do(SelectRoomAct(3))
     seat.press(NextRobot(1))
     tile = seat.screen.tiles[2]
     assert (tile.choose.enabled, tile.choose.hint) == (False, "Robot 1 is asking you about this room.")
-    screen = seat.press(ChooseRoom(3))
+    screen = seat.press(SelectRoomAct(3))
     assert screen.banner.text == "Robot 1 is asking you about this room."
 
 
 def test_ending_asks_once():
     seat = Seat()
-    screen = seat.do(EndGame())
+    screen = seat.do(EndGameAct())
     assert screen.confirmation.title == "End the game?"
-    assert seat.press(EndGame()).phase is Phase.PLAYING
+    assert seat.press(EndGameAct()).phase is Phase.PLAYING
     screen = seat.do(Confirm())
     assert screen.phase is Phase.OVER
     assert screen.ending.lines[0] == "You have ended the game."
@@ -452,7 +452,7 @@ def test_energy_that_does_not_do_to_name_what_is_there_is_warned_of():
 def driving_with(energy):
     seat = Seat(rules=replace(RULES, energy=energy))
     assert seat.screen.cards[0].warning == ""
-    seat.do(ChooseRoom(3))
+    seat.do(SelectRoomAct(3))
     while seat.view.robots[0].moving_to is None:
         seat.press(seat.screen.popup.choices[0].act)
     return seat
@@ -479,7 +479,7 @@ def test_the_card_of_a_robot_that_drives_tells_what_its_energy_will_not_do_for(e
 
 
 def test_a_robot_that_stops_is_not_warned_of_where_it_was_going():
-    assert driving_with(18.0).press(StopRobot(0), 0).cards[0].warning == ""
+    assert driving_with(18.0).press(StopRobotAct(0), 0).cards[0].warning == ""
 
 
 def test_digits_choose_rooms():
@@ -504,7 +504,7 @@ def test_trouble_is_said_in_words(condition, state):
 def test_a_robot_that_somebody_speaks_for_is_thinking_until_they_do():
     seat = Seat()
     seat.stage.session.ask("wizard", WizardMode(0, on=True))
-    seat.do(AskAdvice())
+    seat.do(RequestSuggestionAct())
     assert seat.screen.cards[0].state == "is being asked"
     seat.model = Participant()  # a window that was closed and opened again
     seat.model.connected(seat.now)
@@ -520,7 +520,7 @@ def test_what_was_asked_and_lost_on_its_way_is_asked_again(monkeypatch):
     seat = Seat()
     step = seat.tabui.step
     monkeypatch.setattr(seat.tabui, "step", lambda tick, messages: [step(tick, messages), []][1])
-    seat.do(ChooseRoom(3))
+    seat.do(SelectRoomAct(3))
     monkeypatch.undo()
     assert seat.screen.popup.title == "Asking robot 1 about room 3 …"
     assert seat.run(160).popup.title == "Robot 1: go to room 3?"
@@ -539,7 +539,7 @@ def test_a_server_that_comes_back_goes_on_where_it_was():
     assert "lost for 5 seconds." in seat.screen.banner.text
     seat.model.do(ShowWaiting(0), seat.now)
     assert seat.screen.popup.picked is None
-    seat.model.do(LeaveTreasure(), seat.now)
+    seat.model.do(LeaveTreasureAct(), seat.now)
     assert seat.screen.popup.leave.pending
     seat.model.connected(seat.now)
     seat.tabui.connected()
@@ -552,11 +552,11 @@ def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
     seat = Seat()
     assert go(seat, 3).popup.leave.hint == "Free; can be undone."
     assert seat.screen.cards[0].take_up is None
-    screen = seat.do(LeaveTreasure())
+    screen = seat.do(LeaveTreasureAct())
     assert screen.popup is None and screen.waiting == ()
     assert screen.banner.text == ("What is in room 3 is left there; until robot 1 sets out, you can take it up again.")
     assert (screen.cards[0].take_up.key, screen.cards[1].take_up) == ("Ctrl+Z", None)
-    seat.model.do(TakeUpAgain(), seat.now)
+    seat.model.do(TakeUpTreasureAct(), seat.now)
     assert seat.screen.cards[0].take_up.pending
     screen = seat.run()
     assert (screen.popup.room, screen.popup.picked, screen.cards[0].take_up) == (3, None, None)
@@ -565,10 +565,10 @@ def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
         "What is in room 3 is left there.",
         "What is in room 3 is taken up again.",
     ]
-    seat.do(LeaveTreasure())
+    seat.do(LeaveTreasureAct())
     assert go(seat, 5).cards[0].take_up is None
     assert (
-        seat.press(TakeUpAgain()).banner.text
+        seat.press(TakeUpTreasureAct()).banner.text
         == "There is nothing to undo: robot 1 does not stand where you left something."
     )
     assert [type(event) for event in events(seat, TreasureLeft | TreasureTakenUp)] == [
@@ -584,9 +584,9 @@ def test_what_is_taken_up_again_comes_before_what_is_shown():
         seat.do(ChooseRobot(robot))
         go(seat, room)
     assert seat.screen.popup.room == 3
-    seat.do(LeaveTreasure())
+    seat.do(LeaveTreasureAct())
     assert seat.screen.popup.room == 4
-    screen = seat.do(TakeUpAgain(0))
+    screen = seat.do(TakeUpTreasureAct(0))
     assert screen.popup.room == 3
     assert [waiting.robot for waiting in screen.waiting] == [1]
 
@@ -596,12 +596,12 @@ def test_leaving_the_last_find_says_that_it_ends_the_game():
     pop = go(seat, 3).popup
     assert pop.leave.hint == "Ends the game."
     assert seat.press(PickName(seat.names[0])).popup.name_it.hint.endswith("Then the game ends.")
-    screen = seat.do(LeaveTreasure())
+    screen = seat.do(LeaveTreasureAct())
     assert screen.confirmation.title == "Leave it, and end the game?"
     assert not events(seat, TreasureLeft)
     screen = seat.do(Cancel())
     assert screen.phase is Phase.PLAYING and screen.popup.room == 3
-    seat.do(LeaveTreasure())
+    seat.do(LeaveTreasureAct())
     assert seat.do(Confirm()).phase is Phase.OVER
     assert events(seat, TreasureLeft)
 
@@ -611,11 +611,11 @@ def test_the_picture_stays_in_sight_while_a_name_is_talked_over():
     pictures = {kind.image: b"image" for kind in Seat(set_name=TALKATIVE).stage.templates.kinds}
     seat = Seat(set_name=TALKATIVE, briefing=Briefing(names=names, pictures=pictures))
     go(seat, 3)
-    seat.do(TakeThePicture())
+    seat.do(TakePictureAct())
     agree(seat)
     assert seat.run(60).popup.picture == b"image"
     seat.press(PickName(names[0]))
-    pop = seat.do(SubmitName()).popup
+    pop = seat.do(IdentifyTreasureAct()).popup
     assert isinstance(pop, DialoguePopup)
     assert pop.picture == b"image"
 
@@ -624,7 +624,7 @@ def test_the_picture_comes_from_the_keeper_in_pieces():
     image = bytes(range(256)) * 300
     seat = Seat(briefing=Briefing(names=("ball",), pictures={f"rsz_t{number}.jpg": image for number in range(1, 5)}))
     assert go(seat, 3).popup.picture is None
-    assert seat.do(TakeThePicture(), 60).popup.picture == image
+    assert seat.do(TakePictureAct(), 60).popup.picture == image
     seat.model = Participant()
     seat.model.connected(seat.now)
     seat.tabui.connected()
@@ -635,9 +635,9 @@ def test_nothing_is_played_before_the_participant_agrees():
     seat = Seat(briefing=Briefing(names=("ball",), consent="May we record what you do?"))
     screen = seat.screen
     assert (screen.phase, screen.consent, screen.popup) == (Phase.CONSENT, "May we record what you do?", None)
-    seat.press(ChooseRoom(3))
-    assert seat.do(AgreeToTakePart()).phase is Phase.PLAYING
-    assert seat.do(ChooseRoom(3)).popup.title == "Robot 1: go to room 3?"
+    seat.press(SelectRoomAct(3))
+    assert seat.do(GiveConsentAct()).phase is Phase.PLAYING
+    assert seat.do(SelectRoomAct(3)).popup.title == "Robot 1: go to room 3?"
 
 
 def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
@@ -648,12 +648,12 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     seat.do(ShowNext())
     seat.press(NextRobot(1))
     seat.stage.puppets.ticks = 500
-    seat.do(ChooseRoom(4))
+    seat.do(SelectRoomAct(4))
     agree(seat)
     lines = len(seat.screen.history)
     # Asked while nobody is there to receive it.
     seat.model.lost("The server has gone.", seat.now)
-    seat.model.do(StopRobot(), seat.now)
+    seat.model.do(StopRobotAct(), seat.now)
     assert seat.screen.cards[1].state == "stopping"
     seat.restart_server()
     screen = seat.run(40)
@@ -664,14 +664,14 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     assert [waiting.text for waiting in screen.waiting] == ["Robot 1 is in room 3 and found something"]
     assert seat.do(ShowWaiting(0)).popup.picked is None
     seat.press(PickName(name))
-    assert seat.do(SubmitName()).popup.verdict is not None
+    assert seat.do(IdentifyTreasureAct()).popup.verdict is not None
 
 
 def test_another_window_comes_into_the_middle_of_a_game():
     seat = Seat()
     go(seat, 3)
     seat.do(ChooseRobot(1))
-    seat.do(ChooseRoom(4))
+    seat.do(SelectRoomAct(4))
     seat.model = Participant()
     seat.model.connected(seat.now)
     seat.tabui.connected()
@@ -682,4 +682,4 @@ def test_another_window_comes_into_the_middle_of_a_game():
     if not isinstance(screen.popup, TreasurePopup):
         seat.do(ShowNext())
     seat.press(PickName(treasure.name))
-    assert seat.do(SubmitName()).score == treasure.points
+    assert seat.do(IdentifyTreasureAct()).score == treasure.points

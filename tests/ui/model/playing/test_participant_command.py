@@ -9,20 +9,20 @@ from tests.ui.model.playing.test_participant_views import model_of, texts
 from tests.ui.model.playing.views import asking, view, with_robot, with_room
 from thbridge.hunt.events import Commander, RobotDeparted, TreasureIdentified
 from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend, TakeCommand
-from thbridge.roles.shared.view import CallBack, IdentificationVerdict, RequestHandback, RequestSuggestion, SelectRoom
+from thbridge.roles.shared.view import IdentificationVerdict, RequestHandback, RequestSuggestion, SelectRoom, StopRobot
 from ui.model.playing.keys import act_for
 from ui.model.playing.offers import offer
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
-    AskAdvice,
-    AskForRobot,
     ChooseRobot,
-    ChooseRoom,
-    LeaveTreasure,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
     PickName,
+    RequestHandbackAct,
+    RequestSuggestionAct,
+    SelectRoomAct,
     ShowWaiting,
-    StopRobot,
-    SubmitName,
+    StopRobotAct,
     TreasurePopup,
 )
 
@@ -75,7 +75,9 @@ def test_a_talk_that_ends_so_is_explained():
     assert screen.banner.text.endswith(f"{BACK} Where it should go need not be talked over any more.")
 
 
-@pytest.mark.parametrize(("act", "wanted"), [(ChooseRoom(3), SelectRoom(0, 3)), (AskAdvice(), RequestSuggestion(0))])
+@pytest.mark.parametrize(
+    ("act", "wanted"), [(SelectRoomAct(3), SelectRoom(0, 3)), (RequestSuggestionAct(), RequestSuggestion(0))]
+)
 def test_a_request_on_its_way_is_taken_back(act, wanted):
     model = model_of(view())
     model.do(act, 0.0)
@@ -88,11 +90,11 @@ def test_a_request_on_its_way_is_taken_back(act, wanted):
 def test_a_robot_of_others_is_not_stopped_here():
     moving = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", robot=0)
     model = model_of(moving)
-    model.do(StopRobot(0), 0.0)
-    assert model.requests() == (CallBack(0),)
+    model.do(StopRobotAct(0), 0.0)
+    assert model.requests() == (StopRobot(0),)
     model.receive(with_robot(moving, 0, **THEIRS), 1.0)
     assert (model.requests(), model.screen(1.0).cards[0].stop) == ((), None)
-    model.do(StopRobot(), 1.0)
+    model.do(StopRobotAct(), 1.0)
     assert (model.requests(), model.screen(1.0).banner.text) == ((), WHY)
 
 
@@ -103,7 +105,7 @@ def test_what_others_robots_find_is_named_here():
     screen = seat.run(30)
     assert isinstance(screen.popup, TreasurePopup) and screen.popup.room == 3
     seat.press(PickName(seat.stage.session.game.treasures[2].name))
-    seat.do(SubmitName() if seat.offered(SubmitName()).enabled else LeaveTreasure())
+    seat.do(IdentifyTreasureAct() if seat.offered(IdentifyTreasureAct()).enabled else LeaveTreasureAct())
     agree(seat)
     assert events(seat, TreasureIdentified)[0].points > 0
 
@@ -112,7 +114,7 @@ def test_a_robot_that_came_back_is_sent_as_ever():
     seat = Seat(robots=2)
     seat.stage.session.ask("station", TAKE)
     seat.run()
-    seat.press(ChooseRoom(3))
+    seat.press(SelectRoomAct(3))
     assert not events(seat, RobotDeparted)
     seat.stage.session.ask("station", ReleaseCommand(0))
     seat.run()
@@ -137,11 +139,11 @@ def test_a_robot_of_others_is_asked_for_once_and_again_when_that_may_help():
     theirs = with_robot(view(), 0, **THEIRS)
     model = model_of(theirs)
     screen = model.screen(0.0)
-    assert screen.cards[1].ask_back is None and act_for("B", screen) == AskForRobot()
-    ask = offer(screen, AskForRobot())
+    assert screen.cards[1].ask_back is None and act_for("B", screen) == RequestHandbackAct()
+    ask = offer(screen, RequestHandbackAct())
     assert (ask.label, ask.key, ask.enabled) == ("Ask for it back", "B", True)
     assert ask.hint == f"Robot 1 is commanded by ground station 255. {BACK}"
-    model.do(AskForRobot(), 0.0)
+    model.do(RequestHandbackAct(), 0.0)
     ask = model.screen(0.0).cards[0].ask_back
     assert (model.requests(), ask.label, ask.enabled, ask.pending) == ((RequestHandback(0),), "Asked", False, True)
     model.receive(with_robot(theirs, 0, asked_back=True), 0.1)
@@ -149,7 +151,7 @@ def test_a_robot_of_others_is_asked_for_once_and_again_when_that_may_help():
     ask = screen.cards[0].ask_back
     assert (model.requests(), ask.label, ask.enabled, ask.pending) == ((), "Asked", False, False)
     assert screen.announcement == screen.banner.text == texts(screen)[-1] == f"You have asked {NAME} for robot 1 back."
-    model.do(AskForRobot(0), 0.1)
+    model.do(RequestHandbackAct(0), 0.1)
     assert model.requests() == () and "again in some seconds" in model.screen(0.1).banner.text
     model.receive(theirs, 10.0)
     assert model.screen(10.0).cards[0].ask_back.enabled
@@ -157,11 +159,11 @@ def test_a_robot_of_others_is_asked_for_once_and_again_when_that_may_help():
 
 def test_what_comes_back_meanwhile_is_asked_for_no_more():
     model = model_of(with_robot(view(), 0, **THEIRS))
-    model.do(AskForRobot(0), 0.0)
+    model.do(RequestHandbackAct(0), 0.0)
     model.receive(view(), 1.0)
     screen = model.screen(1.0)
     assert (model.requests(), screen.cards[0].ask_back, screen.banner.text) == ((), None, "Robot 1 is yours again.")
-    model.do(AskForRobot(), 2.0)
+    model.do(RequestHandbackAct(), 2.0)
     assert (model.requests(), model.screen(2.0).banner.text) == ((), "You command robot 1 yourself.")
 
 
@@ -191,7 +193,7 @@ def test_what_a_station_leaves_unnamed_stays_on_the_table():
     assert [waiting.text for waiting in seat.screen.waiting] == ["Robot 1 found something in room 3"]
     assert seat.do(ShowWaiting(0, 3)).popup.room == 3
     seat.press(PickName(seat.stage.session.game.treasures[2].name))
-    seat.do(SubmitName())
+    seat.do(IdentifyTreasureAct())
     agree(seat)
     assert "is right" in seat.screen.popup.verdict and seat.screen.popup.title == "What robot 1 found in room 3"
     assert (events(seat, TreasureIdentified)[0].robot, seat.screen.score) == (

@@ -31,27 +31,27 @@ from ui.model.playing.offers import offers
 from ui.model.playing.participant import Participant
 from ui.model.playing.possible import is_allowed
 from ui.model.playing.screen import (
-    AskAdvice,
-    AskForRobot,
+    AnswerDialogueAct,
     Cancel,
     ChooseRobot,
-    ChooseRoom,
     Confirm,
     ConsiderRoom,
     DialoguePopup,
-    EndGame,
-    GiveAnswer,
-    LeaveTreasure,
+    EndGameAct,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
     NextRobot,
     Phase,
     PickName,
+    RequestHandbackAct,
+    RequestSuggestionAct,
+    SelectRoomAct,
     ShowHelp,
     ShowNext,
     ShowWaiting,
-    StopRobot,
-    SubmitName,
-    TakeThePicture,
-    TakeUpAgain,
+    StopRobotAct,
+    TakePictureAct,
+    TakeUpTreasureAct,
     TreasurePopup,
     TypeDigit,
     TypeLetter,
@@ -64,23 +64,23 @@ ACTS = st.one_of(
     st.builds(ChooseRobot, st.integers(-1, 3)),
     st.builds(NextRobot, st.sampled_from((-1, 1))),
     st.builds(ConsiderRoom, st.one_of(st.none(), st.integers(0, 9))),
-    st.builds(ChooseRoom, st.integers(-1, 9)),
+    st.builds(SelectRoomAct, st.integers(-1, 9)),
     st.builds(TypeDigit, st.integers(0, 9)),
-    st.builds(StopRobot, st.one_of(st.none(), st.integers(-1, 3))),
-    st.builds(AskForRobot, st.one_of(st.none(), st.integers(-1, 3))),
-    st.builds(GiveAnswer, st.integers(-1, 2)),
+    st.builds(StopRobotAct, st.one_of(st.none(), st.integers(-1, 3))),
+    st.builds(RequestHandbackAct, st.one_of(st.none(), st.integers(-1, 3))),
+    st.builds(AnswerDialogueAct, st.integers(-1, 2)),
     st.builds(PickName, st.one_of(st.none(), st.sampled_from(("Orange Bottle", "Pink can", "nothing")))),
     st.builds(TypeLetter, st.sampled_from("bcop ")),
     st.builds(ShowWaiting, st.integers(0, 3)),
     st.sampled_from(
         (
-            AskAdvice(),
-            TakeThePicture(),
-            TakeUpAgain(),
-            SubmitName(),
-            LeaveTreasure(),
+            RequestSuggestionAct(),
+            TakePictureAct(),
+            TakeUpTreasureAct(),
+            IdentifyTreasureAct(),
+            LeaveTreasureAct(),
             ShowNext(),
-            EndGame(),
+            EndGameAct(),
             Confirm(),
             Cancel(),
             ShowHelp(),
@@ -93,7 +93,7 @@ def check_offers(screen):
     """Every button says what it does, and why it does not."""
     for action in offers(screen):
         assert action.label
-        assert action.enabled or action.hint or action.pending or isinstance(action.act, GiveAnswer)
+        assert action.enabled or action.hint or action.pending or isinstance(action.act, AnswerDialogueAct)
     if isinstance(screen.popup, DialoguePopup):
         keys = [choice.key for choice in screen.popup.choices]
         assert len(set(keys)) == len(keys)
@@ -104,7 +104,7 @@ def check_offers(screen):
     for action in offers(screen):
         if action.key and not action.key.isdigit() and not isinstance(action.act, ChooseRobot | ShowWaiting):
             done = act_for(action.key, screen)
-            assert done == action.act or isinstance(done, StopRobot | TakeUpAgain), (action, done)
+            assert done == action.act or isinstance(done, StopRobotAct | TakeUpTreasureAct), (action, done)
 
 
 class Game(RuleBasedStateMachine):
@@ -124,7 +124,9 @@ class Game(RuleBasedStateMachine):
 
     @rule(data=st.data(), ticks=st.integers(0, 30))
     def do_what_is_offered(self, data, ticks):
-        possible = [action for action in self.seat.offers() if action.enabled and not isinstance(action.act, EndGame)]
+        possible = [
+            action for action in self.seat.offers() if action.enabled and not isinstance(action.act, EndGameAct)
+        ]
         self.seat.do(data.draw(st.sampled_from(possible)).act, ticks)
 
     @rule(data=st.data(), ticks=st.integers(5, 30))
@@ -132,15 +134,15 @@ class Game(RuleBasedStateMachine):
     def go_along(self, data, ticks):
         match self.seat.screen.popup:
             case DialoguePopup(choices=choices) if choices:
-                self.seat.press(GiveAnswer(0), ticks)
+                self.seat.press(AnswerDialogueAct(0), ticks)
             case TreasurePopup(names=names) if names:
                 self.seat.press(PickName(data.draw(st.sampled_from(names))), 1)
-                self.seat.press(SubmitName(), ticks)
+                self.seat.press(IdentifyTreasureAct(), ticks)
 
     @rule(key=st.sampled_from(KEYS), ticks=st.integers(0, 5))
     def press_a_key(self, key, ticks):
         act = act_for(key, self.seat.screen)
-        if act is not None and not isinstance(act, EndGame):
+        if act is not None and not isinstance(act, EndGameAct):
             self.seat.press(act, ticks)
 
     @rule(robot=st.integers(0, 2), condition=st.sampled_from(Condition))
@@ -231,7 +233,7 @@ class Game(RuleBasedStateMachine):
         if isinstance(popup, TreasurePopup) and popup.picked:
             allowed = is_allowed(situation, OpenDialogue(popup.robot, "take-treasure", popup.room))
             assert popup.name_it.pending or popup.name_it.enabled == allowed
-        assert screen.end.enabled == isinstance(rules.give_up(state), tuple) or screen.end.pending
+        assert screen.end.enabled == isinstance(rules.end_game(state), tuple) or screen.end.pending
         check_cards(seat, state)
 
 

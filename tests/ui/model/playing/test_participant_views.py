@@ -22,44 +22,44 @@ from thbridge.roles.shared.notices import (
 )
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
     Consent,
     Debrief,
+    EndGame,
     GiveConsent,
-    GiveUp,
-    GiveUpTreasure,
     IdentificationVerdict,
     IdentifyTreasure,
+    LeaveTreasure,
     PlayAgain,
     RequestSuggestion,
     RoomDebrief,
     SelectRoom,
     SendRobot,
     SenseTreasure,
+    StopRobot,
 )
 from ui.model.playing.keys import act_for
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (
-    AgreeToTakePart,
-    AnotherGame,
-    AskAdvice,
+    AnswerDialogueAct,
     ChooseRobot,
-    ChooseRoom,
     Confirm,
     ConsiderRoom,
-    EndGame,
+    EndGameAct,
     FitMap,
     FollowRobot,
-    GiveAnswer,
+    GiveConsentAct,
     GoOnFromGame,
-    LeaveTreasure,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
     Phase,
     PickName,
+    PlayAgainAct,
+    RequestSuggestionAct,
+    SelectRoomAct,
     ShowHelp,
     ShowNext,
     ShowWaiting,
-    StopRobot,
-    SubmitName,
+    StopRobotAct,
     TypeDigit,
 )
 
@@ -133,10 +133,10 @@ def test_consent_comes_before_everything_else():
     model.receive(view(consent="May we record what you do?"), 0.0)
     screen = model.screen(0.0)
     assert (screen.phase, screen.consent) == (Phase.CONSENT, "May we record what you do?")
-    model.do(ChooseRoom(1), 0.0)
+    model.do(SelectRoomAct(1), 0.0)
     assert model.requests() == ()
-    model.do(AgreeToTakePart(), 0.0)
-    model.do(AgreeToTakePart(), 0.0)
+    model.do(GiveConsentAct(), 0.0)
+    model.do(GiveConsentAct(), 0.0)
     assert model.requests() == (GiveConsent("2026-11-23T09:30:00Z"),), "the time of the first yes"
     assert model.screen(0.0).agree.pending
     model.receive(view(), 1.0)
@@ -165,10 +165,12 @@ MOTIONS = st.builds(
 
 @given(
     st.sampled_from([view(), UNDER_WAY, FOUND, structs.replace(UNDER_WAY, dialogues=(asking(1, 2),))]),
-    st.sampled_from([None, ChooseRoom(2), ChooseRobot(1), TypeDigit(2)]),
+    st.sampled_from([None, SelectRoomAct(2), ChooseRobot(1), TypeDigit(2)]),
     st.lists(st.tuples(MOTIONS, MOTIONS), min_size=1, max_size=4),
 )
-@example(UNDER_WAY, ChooseRoom(2), [(RobotMotion("driving", None, share), RobotMotion()) for share in (0.1, 0.1, 0.7)])
+@example(
+    UNDER_WAY, SelectRoomAct(2), [(RobotMotion("driving", None, share), RobotMotion()) for share in (0.1, 0.1, 0.7)]
+)
 def test_motions_change_the_screen_as_if_all_of_it_were_made_again(game, act, motions):
     model = model_of(game, where(1), where(2, *motions[0]))
     if act is not None:
@@ -322,13 +324,13 @@ def test_an_agreed_name_is_said_only_as_it_was_picked():
     model = model_of(agreed)
     assert model.requests() == ()
     model.do(PickName("no such thing"), 0.0)
-    model.do(SubmitName(), 0.0)
+    model.do(IdentifyTreasureAct(), 0.0)
     assert model.requests() == ()
     model.do(PickName("can"), 0.0)
-    model.do(SubmitName(), 0.0)
+    model.do(IdentifyTreasureAct(), 0.0)
     assert model.requests() == (), "it has not been drawn as picked yet"
     assert model.screen(0.0).popup.picked == "can"
-    model.do(SubmitName(), 0.0)
+    model.do(IdentifyTreasureAct(), 0.0)
     assert model.requests() == (IdentifyTreasure(3, "can"),)
     model.do(PickName("ball"), 0.0)
     assert model.requests() == (IdentifyTreasure(3, "can"),)
@@ -351,11 +353,11 @@ def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
     model.receive(two, 0.1)
     assert model.screen(0.1).popup.room == 3
     model.receive(with_room(two, 3, left=True), 0.2)
-    model.do(LeaveTreasure(), 0.2)
+    model.do(LeaveTreasureAct(), 0.2)
     assert model.requests() == ()
     assert model.screen(0.2).popup.room == 2
-    model.do(LeaveTreasure(), 0.3)
-    assert model.requests() == (GiveUpTreasure(2),)
+    model.do(LeaveTreasureAct(), 0.3)
+    assert model.requests() == (LeaveTreasure(2),)
 
 
 def test_what_came_up_meanwhile_is_not_put_aside_unseen():
@@ -370,10 +372,10 @@ def test_what_came_up_meanwhile_is_not_put_aside_unseen():
 
 def test_a_robot_that_arrives_as_it_is_called_back_stays_with_what_it_found():
     model = model_of(UNDER_WAY)
-    model.do(ChooseRoom(1), 0.0)
+    model.do(SelectRoomAct(1), 0.0)
     model.screen(0.0)
     model.do(Confirm(), 0.0)
-    assert model.requests() == (CallBack(0),)
+    assert model.requests() == (StopRobot(0),)
     model.receive(FOUND, 0.1)
     assert model.requests() == ()
     assert model.screen(0.1).banner.text == "Robot 1 was already in room 3 when you called it back."
@@ -382,10 +384,10 @@ def test_a_robot_that_arrives_as_it_is_called_back_stays_with_what_it_found():
 
 def test_a_robot_that_is_stopped_after_all_is_sent_nowhere_else():
     model = model_of(UNDER_WAY)
-    model.do(ChooseRoom(1), 0.0)
+    model.do(SelectRoomAct(1), 0.0)
     model.screen(0.0)
     model.do(Confirm(), 0.0)
-    model.do(StopRobot(), 0.0)
+    model.do(StopRobotAct(), 0.0)
     model.receive(view(), 0.1)
     assert model.requests() == ()
     assert model.screen(0.1).popup is None
@@ -394,13 +396,13 @@ def test_a_robot_that_is_stopped_after_all_is_sent_nowhere_else():
 def test_an_act_for_one_game_is_none_for_the_next():
     model = model_of(view())
     model.receive(view(game=2), 0.1)
-    model.do(ChooseRoom(3), 0.1)
+    model.do(SelectRoomAct(3), 0.1)
     assert model.requests() == ()
 
 
 def test_advice_is_asked_for_once():
     model = model_of(view())
-    model.do(AskAdvice(), 0.0)
+    model.do(RequestSuggestionAct(), 0.0)
     asked = model.screen(0.0).ask_advice
     assert (asked.enabled, asked.pending, model.requests()) == (False, True, (RequestSuggestion(0),))
     suggestion = replace(asking(0, 2), suggested=True)
@@ -408,7 +410,7 @@ def test_advice_is_asked_for_once():
     model.screen(0.1)
     model.do(ShowNext(), 0.1)
     assert model.screen(0.1).popup is None
-    model.do(AskAdvice(), 0.2)
+    model.do(RequestSuggestionAct(), 0.2)
     assert model.requests() == (), "what the robot has suggested is shown, and not asked for again"
     assert model.screen(0.2).popup is not None
 
@@ -425,7 +427,7 @@ def test_a_picture_after_which_nothing_could_be_named_is_warned_of():
 def test_what_follows_on_an_act_before_the_screen_does_is_for_nothing_shown():
     model = model_of(FOUND)
     model.do(ShowNext(), 0.0)
-    model.do(LeaveTreasure(), 0.0)
+    model.do(LeaveTreasureAct(), 0.0)
     assert model.requests() == ()
     model.do(ShowNext(), 0.0)
     assert model.screen(0.0).popup is None
@@ -433,17 +435,17 @@ def test_what_follows_on_an_act_before_the_screen_does_is_for_nothing_shown():
 
 def test_a_question_is_answered_by_nobody_who_has_not_seen_it():
     model = model_of(view())
-    model.do(EndGame(), 0.0)
+    model.do(EndGameAct(), 0.0)
     model.do(Confirm(), 0.0)
     assert model.requests() == ()
     assert model.screen(0.0).confirmation is not None
     model.do(Confirm(), 0.0)
-    assert model.requests() == (GiveUp(1),)
+    assert model.requests() == (EndGame(1),)
 
 
 def test_nobody_is_asked_about_a_treasure_that_the_robot_cannot_name():
     model = model_of(with_robot(structs.replace(FOUND, identify_cost=50.0), 0, energy=20.0))
-    model.do(ChooseRoom(1), 0.0)
+    model.do(SelectRoomAct(1), 0.0)
     assert model.screen(0.0).confirmation is None
     assert model.requests() == (SelectRoom(0, 1),)
 
@@ -451,16 +453,16 @@ def test_nobody_is_asked_about_a_treasure_that_the_robot_cannot_name():
 def test_an_answer_names_the_turn_that_was_read():
     model = model_of(view(dialogues=(asking(0, 3, turn=1),)))
     model.receive(view(dialogues=(asking(0, 3, turn=3),)), 0.1)
-    model.do(GiveAnswer(0), 0.1)
+    model.do(AnswerDialogueAct(0), 0.1)
     assert model.requests() == ()
     model.screen(0.1)
-    model.do(GiveAnswer(0), 0.2)
+    model.do(AnswerDialogueAct(0), 0.2)
     assert model.requests() == (AnswerDialogue(1, 3, 0),)
 
 
 def test_wishes_outlive_a_connection():
     model = model_of(view())
-    model.do(ChooseRoom(3), 0.0)
+    model.do(SelectRoomAct(3), 0.0)
     model.lost("", 1.0)
     assert model.requests() == (SelectRoom(0, 3),)
     model.connected(9.0)
@@ -520,7 +522,7 @@ def test_another_game_begins_with_nothing_of_the_last_one(other):
     model.do(PickName("can"), 0.0)
     model.receive(verdict, 0.5)
     assert model.screen(0.5).popup.points == 5
-    model.do(ChooseRoom(2), 0.6)
+    model.do(SelectRoomAct(2), 0.6)
     model.receive(other, 1.0)
     screen = model.screen(1.0)
     assert (screen.popup, screen.waiting, model.requests()) == (None, (), ())
@@ -550,7 +552,7 @@ def test_a_verdict_that_comes_while_another_find_is_shown_waits_to_be_read():
 
 def test_that_the_game_is_over_is_not_noted_above_the_card_that_says_it():
     model = model_of(FOUND)
-    model.do(EndGame(), 0.1)
+    model.do(EndGameAct(), 0.1)
     assert model.screen(0.1).confirmation is not None
     model.receive(structs.replace(FOUND, over="no-move-left"), 0.2)
     screen = model.screen(0.2)
@@ -571,7 +573,7 @@ def test_the_end_says_why_and_what_came_of_it():
         "Room 3: Can is right, 20 points won.",
         "Thank you for playing.",
     )
-    model.do(AnotherGame(), 0.0)
+    model.do(PlayAgainAct(), 0.0)
     assert model.requests() == (PlayAgain(1),)
     assert model.screen(0.0).ending.again.pending
 
@@ -699,7 +701,7 @@ def test_whoever_listens_is_told_what_matters_and_the_same_words_twice():
 
 def test_everything_that_happened_is_in_the_history():
     model = model_of(view(dialogues=(asking(0, 3),)))
-    model.do(GiveAnswer(0), 0.1)
+    model.do(AnswerDialogueAct(0), 0.1)
     model.receive(view(), 0.2)
     model.receive(UNDER_WAY, 0.3)
     model.receive(with_robot(view(), 0, energy=96.5), 0.4)
@@ -728,7 +730,7 @@ def test_energy_that_comes_back_to_a_robot_that_stopped_is_shown_for_a_while():
 def test_a_change_of_goal_is_asked_without_the_price_that_the_room_has_told():
     model = model_of(UNDER_WAY)
     assert model.screen(0.0).tiles[0].cost == 5.0
-    model.do(ChooseRoom(1), 0.0)
+    model.do(SelectRoomAct(1), 0.0)
     text = model.screen(0.0).confirmation.text
     assert text == (
         "Robot 1 is on its way to room 3. If it stops, the energy for the rest of that path comes back, about 7. "

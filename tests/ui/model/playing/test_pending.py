@@ -7,15 +7,15 @@ from tests.ui.model.playing.views import asking, refusal, view, with_robot, with
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
     Consent,
+    EndGame,
     GiveConsent,
-    GiveUp,
-    GiveUpTreasure,
+    LeaveTreasure,
     OpenDialogue,
     PlayAgain,
     RequestSuggestion,
     SelectRoom,
+    StopRobot,
     TakeUpTreasure,
 )
 from ui.model.playing.memory.pending import PendingRequests
@@ -43,8 +43,8 @@ UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", r
         ),
         (AnswerDialogue(1, 1, 0), view(dialogues=(asking(0, 3),)), view(dialogues=(asking(0, 3, 1, 3),))),
         (AnswerDialogue(1, 1, 0), view(dialogues=(asking(0, 3),)), view()),
-        (CallBack(0), UNDER_WAY, view()),
-        (GiveUpTreasure(3), STANDING, with_room(STANDING, 3, left=True)),
+        (StopRobot(0), UNDER_WAY, view()),
+        (LeaveTreasure(3), STANDING, with_room(STANDING, 3, left=True)),
         (TakeUpTreasure(3), with_room(STANDING, 3, left=True), STANDING),
         (OpenDialogue(0, "take-picture", 3), STANDING, with_room(STANDING, 3, picture="a.jpg")),
         (
@@ -52,7 +52,7 @@ UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", r
             STANDING,
             structs.replace(STANDING, consents=(Consent(0, "take-picture", 3),)),
         ),
-        (GiveUp(1), view(), view(over="given-up")),
+        (EndGame(1), view(), view(over="given-up")),
         (PlayAgain(1), view(over="given-up"), view(game=2)),
     ],
 )
@@ -72,8 +72,8 @@ def test_a_request_is_kept_until_the_view_shows_it_granted(wanted, before, grant
         (RequestSuggestion(0), view(), "Unsure"),
         (RequestSuggestion(0), view(), "select-room"),
         (OpenDialogue(0, "take-treasure", 3), STANDING, "take-treasure"),
-        (GiveUpTreasure(3), STANDING, "Leave"),
-        (CallBack(0), UNDER_WAY, "CallBack"),
+        (LeaveTreasure(3), STANDING, "Leave"),
+        (StopRobot(0), UNDER_WAY, "CallBack"),
     ],
 )
 def test_a_refusal_ends_the_request_it_is_about_and_no_other(wanted, before, kind):
@@ -115,7 +115,7 @@ def test_a_robot_is_asked_to_go_to_one_place_at_a_time():
 
 def test_nothing_is_wanted_of_a_game_that_is_over_but_another_one():
     pending = PendingRequests()
-    for wanted in (SelectRoom(0, 3), GiveUpTreasure(3), PlayAgain(1)):
+    for wanted in (SelectRoom(0, 3), LeaveTreasure(3), PlayAgain(1)):
         pending.ask(wanted, STANDING)
     assert set(pending.receive(shipped_texts(), structs.replace(STANDING, over="given-up"))) <= {""}
     assert pending.requests == (PlayAgain(1),)

@@ -17,7 +17,15 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.events import RobotDeparted
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from ui.model.playing.screen import Action, AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext, TypeDigit
+from ui.model.playing.screen import (
+    Action,
+    ChooseRobot,
+    DialoguePopup,
+    RequestSuggestionAct,
+    SelectRoomAct,
+    ShowNext,
+    TypeDigit,
+)
 from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
@@ -92,7 +100,7 @@ def sit(qtbot: QtBot, qapp: QApplication) -> Sit:
 
 def another_room(arguer: Arguer) -> int:
     """A room where the robot would not go by itself."""
-    arguer.click(AskAdvice())
+    arguer.click(RequestSuggestionAct())
     wanted = arguer.pop.room
     arguer.say("Let us leave it")
     arguer.click(ShowNext())
@@ -102,7 +110,7 @@ def another_room(arguer: Arguer) -> int:
 def test_a_person_is_persuaded(sit: Sit) -> None:
     arguer = sit()
     room = another_room(arguer)
-    arguer.click(ChooseRoom(room))
+    arguer.click(SelectRoomAct(room))
     arguer.say(f"Why not room {room}")
     assert "because" in arguer.pop.sentences[-1][1] or "reasons" in arguer.pop.sentences[-1][1]
     arguer.say("I have a question")
@@ -158,9 +166,9 @@ def test_the_questions_lead_back_to_where_the_focus_was(sit: Sit) -> None:
 
 def test_two_robots_wait_and_each_card_shows_its_dialogue(sit: Sit) -> None:
     arguer = sit()
-    arguer.click(AskAdvice())
+    arguer.click(RequestSuggestionAct())
     arguer.key("Tab")
-    arguer.click(AskAdvice())
+    arguer.click(RequestSuggestionAct())
     assert [card.state for card in arguer.seat.screen.cards] == ["waits for your answer"] * 2
     arguer.click(ChooseRobot(0))
     assert arguer.pop.robot == 0
@@ -175,7 +183,7 @@ def test_two_robots_wait_and_each_card_shows_its_dialogue(sit: Sit) -> None:
 
 def test_a_dialogue_that_was_left_does_not_go_without_a_word(sit: Sit) -> None:
     arguer = sit()
-    arguer.click(AskAdvice())
+    arguer.click(RequestSuggestionAct())
     arguer.type("Let us leave it")
     assert arguer.window.dialogue.isVisible()
     assert [who for who, _ in arguer.pop.sentences[-2:]] == ["you", "robot"]
@@ -188,7 +196,7 @@ def test_a_dialogue_that_was_left_does_not_go_without_a_word(sit: Sit) -> None:
 def test_a_person_decides_against_advice(sit: Sit) -> None:
     arguer = sit(DialogueCondition.ADVISER)
     room = another_room(arguer)
-    arguer.click(ChooseRoom(room))
+    arguer.click(SelectRoomAct(room))
     button = arguer.window.dialogue.choices.buttons[arguer.answer_of("all the same")]
     assert "This is your decision." in button.accessibleDescription()
     arguer.say("all the same")
@@ -197,7 +205,7 @@ def test_a_person_decides_against_advice(sit: Sit) -> None:
 
 def test_a_supervised_robot_goes_with_one_click(sit: Sit) -> None:
     arguer = sit(DialogueCondition.SUPERVISOR)
-    arguer.click(ChooseRoom(6))
+    arguer.click(SelectRoomAct(6))
     assert arguer.departures == [(0, 6)]
 
 

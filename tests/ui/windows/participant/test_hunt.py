@@ -14,16 +14,16 @@ from thbridge.hunt.events import PropertyMeasured, PropertyTold
 from ui.model.playing.screen import (
     Act,
     Action,
-    AnotherGame,
-    AskAdvice,
+    AnswerDialogueAct,
     DialoguePopup,
-    GiveAnswer,
-    LeaveTreasure,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
     NextRobot,
     Phase,
+    PlayAgainAct,
+    RequestSuggestionAct,
     ShowNext,
-    SubmitName,
-    TakeThePicture,
+    TakePictureAct,
     TreasurePopup,
 )
 from ui.model.shared.theme import LIGHT
@@ -99,11 +99,11 @@ def by_mouse(player: Player, right: str) -> None:
     screen, window = player.seat.screen, player.window
     pop = screen.popup
     if isinstance(pop, DialoguePopup) and pop.choices:
-        player.click(GiveAnswer(0))
+        player.click(AnswerDialogueAct(0))
     elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
         player.click(ShowNext())
     elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
-        player.click(TakeThePicture())
+        player.click(TakePictureAct())
     elif isinstance(pop, TreasurePopup) and (more := to_find_out(pop)) is not None:
         player.click(more.act)
     elif isinstance(pop, TreasurePopup) and pop.picked is None and pop.names:
@@ -112,9 +112,9 @@ def by_mouse(player: Player, right: str) -> None:
         player.qtbot.mouseClick(names.viewport(), LEFT, pos=names.visualItemRect(item).center())
         player.wait()
     elif isinstance(pop, TreasurePopup) and (pop.name_it.enabled or pop.leave.enabled):
-        player.click(SubmitName() if pop.name_it.enabled else LeaveTreasure())
+        player.click(IdentifyTreasureAct() if pop.name_it.enabled else LeaveTreasureAct())
     elif pop is None and screen.ask_advice.enabled:
-        player.click(AskAdvice())
+        player.click(RequestSuggestionAct())
     elif pop is None and len(screen.cards) > 1:
         player.click(next(card.select.act for card in screen.cards if not card.selected))
     else:
@@ -178,7 +178,7 @@ def test_a_whole_hunt(
     assert sitting.window.top.score.accessibleName() == f"Score {seat.screen.score}"
     sitting.wait()  # until the end can have been read
     if play is by_mouse:
-        sitting.click(AnotherGame())
+        sitting.click(PlayAgainAct())
     else:
         sitting.key("A")
     sitting.wait(30)

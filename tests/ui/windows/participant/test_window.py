@@ -21,35 +21,35 @@ from tests.ui.windows.participant.conftest import Opened
 from thbridge.files.language_texts import shipped_texts
 from ui.model.playing.screen import (
     Act,
-    AgreeToTakePart,
-    AnotherGame,
-    AskAdvice,
-    AskForRobot,
+    AnswerDialogueAct,
     Banner,
     Cancel,
     ChooseRobot,
-    ChooseRoom,
     Confirm,
     ConsiderRoom,
     DialoguePopup,
-    EndGame,
+    EndGameAct,
     EnlargePicture,
     FitMap,
     FollowRobot,
-    GiveAnswer,
+    GiveConsentAct,
     HistoryLine,
-    LeaveTreasure,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
     NextRobot,
     Phase,
     PickName,
+    PlayAgainAct,
+    RequestHandbackAct,
+    RequestSuggestionAct,
+    SelectRoomAct,
     ShowHelp,
     ShowNext,
     ShowWaiting,
-    StopRobot,
-    SubmitName,
+    StopRobotAct,
     SwitchSound,
-    TakeThePicture,
-    TakeUpAgain,
+    TakePictureAct,
+    TakeUpTreasureAct,
     TreasurePopup,
     TypeDigit,
     TypeLetter,
@@ -85,26 +85,26 @@ def that_asks(window: QWidget, act: Act) -> ParticipantButton:
 
 CLICKS: list[tuple[str, Act]] = [
     ("playing", ChooseRobot(1)),
-    ("playing", ChooseRoom(5)),
-    ("playing", AskAdvice()),
-    ("playing", StopRobot(0)),
-    ("commanded", AskForRobot(1)),
-    ("left", TakeUpAgain(2)),
-    ("playing", EndGame()),
+    ("playing", SelectRoomAct(5)),
+    ("playing", RequestSuggestionAct()),
+    ("playing", StopRobotAct(0)),
+    ("commanded", RequestHandbackAct(1)),
+    ("left", TakeUpTreasureAct(2)),
+    ("playing", EndGameAct()),
     ("playing", FollowRobot()),
     ("playing", FitMap()),
     ("playing", ShowHelp()),
-    ("dialogue", GiveAnswer(0)),
-    ("dialogue", GiveAnswer(1)),
+    ("dialogue", AnswerDialogueAct(0)),
+    ("dialogue", AnswerDialogueAct(1)),
     ("dialogue", ShowNext()),
     ("dialogue", ShowWaiting(2)),
-    ("treasure", TakeThePicture()),
-    ("treasure", LeaveTreasure()),
-    ("picture", SubmitName()),
+    ("treasure", TakePictureAct()),
+    ("treasure", LeaveTreasureAct()),
+    ("picture", IdentifyTreasureAct()),
     ("question", Confirm()),
     ("question", Cancel()),
-    ("consent", AgreeToTakePart()),
-    ("over", AnotherGame()),
+    ("consent", GiveConsentAct()),
+    ("over", PlayAgainAct()),
 ]
 
 
@@ -150,9 +150,9 @@ def test_a_name_of_a_file_is_shown_in_words_and_asked_for_as_it_is(qtbot: QtBot,
 
 def test_what_cannot_be_done_says_why_and_asks_for_nothing(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["playing"])
-    button = that_asks(shown.window, ChooseRoom(6))
+    button = that_asks(shown.window, SelectRoomAct(6))
     qtbot.mouseClick(button, LEFT)
-    assert not [done for done in shown.done if isinstance(done, ChooseRoom)]
+    assert not [done for done in shown.done if isinstance(done, SelectRoomAct)]
     assert "not possible" in button.accessibleName()
     assert "not enough energy" in button.accessibleDescription()
 
@@ -161,13 +161,13 @@ def test_the_map_takes_clicks(opened: Open) -> None:
     shown = opened(STATES["playing"])
     shown.window.map.room_clicked.emit(3)
     shown.window.map.robot_clicked.emit(2)
-    assert shown.done == [ChooseRoom(3), ChooseRobot(2)]
+    assert shown.done == [SelectRoomAct(3), ChooseRobot(2)]
 
 
 def test_rooms_are_considered_while_the_pointer_or_else_the_focus_is_on_them(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["playing"])
-    point(qtbot, that_asks(shown.window, ChooseRoom(5)))
-    that_asks(shown.window, ChooseRoom(7)).setFocus()
+    point(qtbot, that_asks(shown.window, SelectRoomAct(5)))
+    that_asks(shown.window, SelectRoomAct(7)).setFocus()
     assert shown.done == [ConsiderRoom(5)], "the pointer comes before the focus"
     place = room_on_map(shown, 3)
     point(qtbot, shown.window.map, place)
@@ -197,7 +197,7 @@ def test_a_pop_up_that_comes_below_the_resting_pointer_is_not_pointed_at(qtbot: 
 
 def test_a_room_under_the_resting_pointer_is_not_looked_at_once_a_pop_up_comes(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["playing"])
-    tile = that_asks(shown.window, ChooseRoom(5))
+    tile = that_asks(shown.window, SelectRoomAct(5))
     point(qtbot, tile)
     shown.show(STATES["dialogue"])
     assert shown.done == [ConsiderRoom(5), ConsiderRoom(None)]
@@ -250,11 +250,11 @@ def room_on_map(shown: Opened, room: int) -> QPoint:
 
 KEYS: list[tuple[str, str, Act]] = [
     ("playing", "5", TypeDigit(5)),
-    ("playing", "D", AskAdvice()),
-    ("playing", "X", StopRobot()),
-    ("commanded", "B", AskForRobot()),
-    ("left", "Ctrl+Z", TakeUpAgain()),
-    ("playing", "E", EndGame()),
+    ("playing", "D", RequestSuggestionAct()),
+    ("playing", "X", StopRobotAct()),
+    ("commanded", "B", RequestHandbackAct()),
+    ("left", "Ctrl+Z", TakeUpTreasureAct()),
+    ("playing", "E", EndGameAct()),
     ("playing", "F", FollowRobot()),
     ("playing", "A", FitMap()),
     ("playing", "M", SwitchSound()),
@@ -262,21 +262,21 @@ KEYS: list[tuple[str, str, Act]] = [
     ("playing", "Shift+Tab", NextRobot(-1)),
     ("playing", "F1", ShowHelp()),
     ("help", "Esc", ShowHelp()),
-    ("dialogue", "C", GiveAnswer(0)),
-    ("dialogue", "Return", GiveAnswer(0)),
-    ("dialogue", "S", GiveAnswer(1)),
+    ("dialogue", "C", AnswerDialogueAct(0)),
+    ("dialogue", "Return", AnswerDialogueAct(0)),
+    ("dialogue", "S", AnswerDialogueAct(1)),
     ("dialogue", "Esc", ShowNext()),
-    ("treasure", "Ctrl+P", TakeThePicture()),
-    ("treasure", "Ctrl+L", LeaveTreasure()),
+    ("treasure", "Ctrl+P", TakePictureAct()),
+    ("treasure", "Ctrl+L", LeaveTreasureAct()),
     ("treasure", "Ctrl+F", FollowRobot()),
     ("treasure", "F", TypeLetter("f")),
     ("treasure", "Down", PickName("Blue bottle")),
     ("treasure", "End", PickName("Yellow can")),
-    ("picture", "Return", SubmitName()),
+    ("picture", "Return", IdentifyTreasureAct()),
     ("question", "Y", Confirm()),
     ("question", "N", Cancel()),
-    ("consent", "A", AgreeToTakePart()),
-    ("over", "A", AnotherGame()),
+    ("consent", "A", GiveConsentAct()),
+    ("over", "A", PlayAgainAct()),
 ]
 
 
@@ -338,7 +338,7 @@ def test_enter_names_what_was_typed_wherever_the_focus_was(qtbot: QtBot, opened:
     shown.show(replace(STATES["treasure"], popup=samples.treasure(picked="Pink can")))
     shown.now += 1.0
     press(qtbot, shown.window, "Return")
-    assert shown.done == [TypeLetter("p"), SubmitName()]
+    assert shown.done == [TypeLetter("p"), IdentifyTreasureAct()]
 
 
 def test_a_blank_within_a_name_presses_no_button(qtbot: QtBot, opened: Open) -> None:
@@ -350,7 +350,7 @@ def test_a_blank_within_a_name_presses_no_button(qtbot: QtBot, opened: Open) -> 
     shown.show(replace(STATES["treasure"], popup=pop))
     shown.window.treasure.leave.setFocus()
     press(qtbot, shown.window, "Space")
-    assert shown.done == [TypeLetter(" "), LeaveTreasure()]
+    assert shown.done == [TypeLetter(" "), LeaveTreasureAct()]
 
 
 def test_nothing_is_picked_by_keys_pressed_before_the_question_came(qtbot: QtBot, opened: Open) -> None:
@@ -385,7 +385,7 @@ def test_a_name_is_submitted_only_once_it_can_have_been_read(qtbot: QtBot, opene
     assert shown.window.treasure.name_it.accessibleName() == "Name it Pink can"
     shown.now += 0.31
     press(qtbot, shown.window, "Return")
-    assert shown.done == [SubmitName()]
+    assert shown.done == [IdentifyTreasureAct()]
 
 
 @pytest.mark.parametrize("focused", ["window", "name_it"])
@@ -393,11 +393,11 @@ def test_enter_that_names_and_is_held_answers_nothing(qtbot: QtBot, opened: Open
     shown = opened(STATES["picture"])
     (shown.window if focused == "window" else shown.window.treasure.name_it).setFocus()
     hold(shown.window, Qt.Key.Key_Return)
-    assert shown.done == [SubmitName()]
+    assert shown.done == [IdentifyTreasureAct()]
     shown.show(STATES["dialogue"])
     shown.now += 1.0
     hold(shown.window, Qt.Key.Key_Return, repeated=True)
-    assert shown.done == [SubmitName()]
+    assert shown.done == [IdentifyTreasureAct()]
 
 
 def hold(window: QWidget, key: Qt.Key, *, repeated: bool = False) -> None:
@@ -411,7 +411,7 @@ def test_a_focused_button_is_pressed_by_enter_and_space_once(qtbot: QtBot, opene
     shown.window.dialogue.choices.buttons[1].setFocus()
     press(qtbot, shown.window, "Return")
     press(qtbot, shown.window, "Space")
-    assert shown.done == [GiveAnswer(1), GiveAnswer(1)]
+    assert shown.done == [AnswerDialogueAct(1), AnswerDialogueAct(1)]
 
 
 def test_everything_can_be_reached_by_keyboard(qtbot: QtBot, opened: Open) -> None:
@@ -442,7 +442,7 @@ def test_a_press_meant_for_what_was_there_before_is_no_answer(qtbot: QtBot, open
     shown = opened(STATES["dialogue"])
     pop = samples.dialogue()
     following = replace(pop, sentences=(*pop.sentences, ("you", "Continue"), ("robot", "Sure?")))
-    other = (replace(pop.choices[0], act=GiveAnswer(7)), pop.choices[1])
+    other = (replace(pop.choices[0], act=AnswerDialogueAct(7)), pop.choices[1])
     button = shown.window.dialogue.choices.buttons[0]
     qtbot.mousePress(button, LEFT)
     shown.show(replace(STATES["dialogue"], popup=replace(following, choices=other)))
@@ -453,7 +453,7 @@ def test_a_press_meant_for_what_was_there_before_is_no_answer(qtbot: QtBot, open
     assert shown.done == [], "nobody has read it yet"
     shown.now += 0.31
     qtbot.mouseClick(button, LEFT)
-    assert shown.done == [GiveAnswer(7)]
+    assert shown.done == [AnswerDialogueAct(7)]
 
 
 def test_the_next_turn_with_the_same_answers_wants_to_be_read_too(qtbot: QtBot, opened: Open) -> None:
@@ -470,7 +470,7 @@ def test_the_next_turn_with_the_same_answers_wants_to_be_read_too(qtbot: QtBot, 
 
 def test_a_pop_up_leaves_the_focus_where_it_is(opened: Open) -> None:
     shown = opened(STATES["playing"])
-    tile = that_asks(shown.window, ChooseRoom(7))
+    tile = that_asks(shown.window, SelectRoomAct(7))
     tile.setFocus()
     shown.show(STATES["treasure"])
     assert QApplication.focusWidget() is tile
@@ -513,7 +513,7 @@ def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(qtbot: QtBot, o
     assert shown.done == [], "nobody has read it yet"
     shown.now += 1.0
     qtbot.keyClick(shown.window.dialogue, Qt.Key.Key_Return)
-    assert shown.done == [GiveAnswer(0)], "and not Later, its first button"
+    assert shown.done == [AnswerDialogueAct(0)], "and not Later, its first button"
     qtbot.keyClick(shown.window.dialogue, Qt.Key.Key_Down)
     assert QApplication.focusWidget() is shown.window.dialogue.choices.buttons[0]
     shown.show(STATES["treasure"])
@@ -685,10 +685,10 @@ def test_a_click_meant_for_a_pop_up_that_has_just_come_or_gone_sends_nobody(qtbo
     shown.window.refresh()
     place = room_on_map(shown, 6)
     qtbot.mouseClick(shown.window.map.viewport(), LEFT, pos=place)
-    assert ChooseRoom(6) not in shown.done
+    assert SelectRoomAct(6) not in shown.done
     shown.now += 1.0
     qtbot.mouseClick(shown.window.map.viewport(), LEFT, pos=place)
-    assert ChooseRoom(6) in shown.done
+    assert SelectRoomAct(6) in shown.done
 
 
 def covered(shown: Opened, panel: QWidget) -> QRect:
@@ -973,7 +973,7 @@ def test_each_phase_has_its_page(opened: Open) -> None:
 
 def test_while_something_is_asked_nothing_behind_it_can_be_clicked(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["question"])
-    room = that_asks(shown.window, ChooseRoom(5))
+    room = that_asks(shown.window, SelectRoomAct(5))
     under = shown.window.childAt(room.mapTo(shown.window, room.rect().center()))
     assert under is not room
 

@@ -1,4 +1,4 @@
-"""The participant's requests beyond the lines of 2016: dialogues, leaving treasures, calling a robot back."""
+"""The participant's requests beyond the lines of 2016: dialogues, leaving treasures, stopping a robot."""
 
 from typing import TypeAlias, assert_never
 
@@ -13,10 +13,9 @@ from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.shared.participant_rules import Situation, judge, place
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
-    GiveUp,
-    GiveUpTreasure,
+    EndGame,
     IdentifyTreasure,
+    LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     RequestHandback,
@@ -24,6 +23,7 @@ from thbridge.roles.shared.view import (
     SelectRoom,
     SendRobot,
     SenseTreasure,
+    StopRobot,
     TakePicture,
     TakeUpTreasure,
     TellProperty,
@@ -35,15 +35,15 @@ NoticeRequest: TypeAlias = (
     | RequestSuggestion
     | AnswerDialogue
     | SendRobot
-    | CallBack
+    | StopRobot
     | RequestHandback
     | SenseTreasure
     | OpenDialogue
     | TakePicture
     | IdentifyTreasure
-    | GiveUpTreasure
+    | LeaveTreasure
     | TakeUpTreasure
-    | GiveUp
+    | EndGame
     | MeasureProperty
     | TellProperty
 )
@@ -66,9 +66,9 @@ def handle_participant_request(
     if robot is not None:
         game.attend(robot)
     match request:
-        case GiveUpTreasure() | TakeUpTreasure() | MeasureProperty() | TellProperty():
+        case LeaveTreasure() | TakeUpTreasure() | MeasureProperty() | TellProperty():
             game.apply_ruling(kind, judge(now, request))
-        case GiveUp():
+        case EndGame():
             if request.game == state.started.game:
                 game.apply_ruling(kind, judge(now, request))
         case RequestHandback():
@@ -76,9 +76,9 @@ def handle_participant_request(
             # Who asked a moment ago is refused what has become impossible, and else waits for the answer.
             if isinstance(ruling, RequestRefused) or request.robot not in game.handbacks.robots:
                 game.apply_ruling(kind, ruling)
-        case CallBack():
+        case StopRobot():
             if game.apply_ruling(kind, judge(now, request)):
-                game.recall(request.robot)
+                game.stop(request.robot)
         case RequestSuggestion():
             ruling = judge(now, request)
             if isinstance(ruling, RequestRefused):

@@ -13,10 +13,10 @@ from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.robot_requests import (
     CommandRequest,
     ReleaseCommand,
-    StationCallBack,
     StationIdentify,
     StationLeave,
     StationSend,
+    StationStop,
     StationTakePicture,
     TakeCommand,
 )
@@ -40,7 +40,7 @@ def handle_station_request(
         awaits_treasures: Hider is about to hide them; until then no robot is sent.
     """
     match request:
-        case StationCallBack(robot):
+        case StationStop(robot):
             if state.has_robot(robot) and state.robots[robot].bound_for is not None:
                 _stop(game, state, robot)
         case StationSend() if awaits_treasures:
@@ -86,11 +86,11 @@ def return_robots(game: OpenGame) -> None:
 
 
 def _stop(game: OpenGame, state: GameState, robot: int) -> None:
-    """Call a robot back, once; a participant who commands it learns by a refusal who stopped it."""
-    if not game.moves.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
+    """Stop a robot, once; a participant who commands it learns by a refusal who stopped it."""
+    if not game.moves.is_stopping(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {robot_name(robot)}."
         game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.STOPPED, sentence))
-    game.recall(robot)
+    game.stop(robot)
 
 
 def ruling_on(state: GameState, request: JudgedRequest) -> rules.Ruling:

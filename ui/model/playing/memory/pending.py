@@ -6,10 +6,9 @@ from thbridge.hunt.rooms import Room
 from thbridge.roles.shared.participant_rules import Situation, revealed
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
+    EndGame,
     GiveConsent,
-    GiveUp,
-    GiveUpTreasure,
+    LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
@@ -18,6 +17,7 @@ from thbridge.roles.shared.view import (
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
+    StopRobot,
     TakeUpTreasure,
     TellProperty,
     View,
@@ -129,14 +129,14 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
             return fresh or stands or agreed or view.robots[robot].moving_to is not None
         case AnswerDialogue(dialogue, turn, _):
             return not any((each.dialogue, each.turn) == (dialogue, turn) for each in view.dialogues)
-        case CallBack(robot):
+        case StopRobot(robot):
             return view.robots[robot].moving_to is None
         case RequestHandback(robot):
             return view.robots[robot].asked_back
         case OpenDialogue(robot, matter, room):
             done = view.room(room).picture is not None if matter == "take-picture" else not view.room(room).undecided
             return done or (robot, matter, room) in known.discussed
-        case GiveUpTreasure(room):
+        case LeaveTreasure(room):
             return not view.room(room).undecided
         case TakeUpTreasure(room):
             return not view.room(room).left
@@ -144,7 +144,7 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
             return name in view.room(room).known
         case TellProperty(room, name, value):
             return view.room(room).told.get(name) == value
-        case GiveUp(game):
+        case EndGame(game):
             return view.over is not None or view.game != game
         case PlayAgain(game):
             return view.game != game
@@ -161,7 +161,7 @@ def _moot(texts: Texts, request: ParticipantRequest, view: View, known: Situatio
             return why_not_go(texts, known, robot, room)
         case RequestSuggestion(robot):
             return why_not_ask(texts, known, robot)
-        case CallBack(robot):
+        case StopRobot(robot):
             return why_not_command(texts, known, robot)
         case RequestHandback(robot):
             # A robot that came back is announced anyway.

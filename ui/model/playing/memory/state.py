@@ -29,7 +29,7 @@ class Reroute:
 
 
 @dataclass(frozen=True, slots=True)
-class LeaveUndecided:
+class DepartUndecided:
     """A robot is to go on although the treasure in its room is not decided."""
 
     request: SelectRoom | RequestSuggestion
@@ -42,7 +42,7 @@ class EndGameEarly:
 
 
 @dataclass(frozen=True, slots=True)
-class LeaveLast:
+class LeaveLastTreasure:
     """A treasure is to be left, after which nothing is left to do and the game ends."""
 
     room: int
@@ -70,7 +70,7 @@ class Note:
     about: PopupItem | None = None
 
 
-PendingStep = Reroute | LeaveUndecided | EndGameEarly | LeaveLast | LeaveWindow
+PendingStep = Reroute | DepartUndecided | EndGameEarly | LeaveLastTreasure | LeaveWindow
 """A step that waits for the participant's confirmation."""
 
 
@@ -200,7 +200,7 @@ class HuntMemory:
         match self.pending_step:
             case Reroute(rerouted, room) if rerouted == robot:
                 return room
-            case LeaveUndecided(SelectRoom() as request, _) if request.robot == robot:
+            case DepartUndecided(SelectRoom() as request, _) if request.robot == robot:
                 return request.room
         asked = self.pending.destination_request(robot)
         if isinstance(asked, SelectRoom):

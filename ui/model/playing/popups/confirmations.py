@@ -2,10 +2,10 @@
 
 from ui.model.playing.keys import question_keys
 from ui.model.playing.memory.state import (
+    DepartUndecided,
     EndGameEarly,
     HuntMemory,
-    LeaveLast,
-    LeaveUndecided,
+    LeaveLastTreasure,
     LeaveWindow,
     ParticipantMemory,
     Reroute,
@@ -26,7 +26,7 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
                 Action(Confirm(), texts.text("confirmations.reroute_yes", room=room), yes),
                 Action(Cancel(), texts.text("confirmations.reroute_no"), no),
             )
-        case LeaveUndecided(request, room):
+        case DepartUndecided(request, room):
             return Confirmation(
                 texts.text("confirmations.undecided", room=room),
                 texts.text("confirmations.undecided_text", robot=request.robot, room=room),
@@ -43,7 +43,7 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
                 Action(Confirm(), texts.text("confirmations.end_yes"), yes),
                 Action(Cancel(), texts.text("confirmations.end_no"), no),
             )
-        case LeaveLast(room):
+        case LeaveLastTreasure(room):
             return Confirmation(
                 texts.text("confirmations.leave_last"),
                 texts.text("confirmations.leave_last_text", room=room, score=score),

@@ -9,7 +9,7 @@ from ui.model.playing.memory.history import SpokenLine, says, spoken
 from ui.model.playing.memory.popup_queue import DestinationItem
 from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.possible import energy_warning
-from ui.model.playing.screen import Action, DialoguePopup, GiveAnswer, ShowNext
+from ui.model.playing.screen import Action, AnswerDialogueAct, DialoguePopup, ShowNext
 from ui.model.playing.words import MATTERS, outcome_of
 
 OVERRIDE = "override"
@@ -56,7 +56,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
     keys = choice_keys(dialogue.choices, acts)
     choices = tuple(
         Action(
-            GiveAnswer(number),
+            AnswerDialogueAct(number),
             text,
             keys[number],
             enabled=answered is None,

@@ -6,7 +6,7 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.roles.shared.view import Debrief, PlayAgain, RoomDebrief, RoomView, View
 from ui.model.playing.keys import keyed
 from ui.model.playing.memory.state import HuntMemory
-from ui.model.playing.screen import AnotherGame, GameOverPage, GoOnFromGame
+from ui.model.playing.screen import GameOverPage, GoOnFromGame, PlayAgainAct
 from ui.model.playing.words import verdict_words
 from ui.model.shared.points import scored
 
@@ -26,7 +26,7 @@ def game_over_page(hunt: HuntMemory, once: bool) -> GameOverPage:
     lines += [line for room in view.rooms if (line := _of_room(texts, view, room, was.get(room.room)))]
     lines.append(debrief.farewell or texts.text("game_over.thanks"))
     busy = PlayAgain(view.game) in hunt.pending
-    again = keyed(AnotherGame(), texts.text("game_over.again"), not busy, texts.text("game_over.again_hint"), busy)
+    again = keyed(PlayAgainAct(), texts.text("game_over.again"), not busy, texts.text("game_over.again_hint"), busy)
     if once:
         again = keyed(GoOnFromGame(), texts.text("game_over.go_on"))
     return GameOverPage(texts.text("game_over.title", score=scored(view.score)), tuple(lines), again)

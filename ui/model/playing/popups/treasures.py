@@ -7,7 +7,7 @@ from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.events import TreasureIdentified, TreasureLeft
 from thbridge.hunt.properties import Teller, TreasureProperty
 from thbridge.hunt.rooms import Room
-from thbridge.roles.shared.view import Consent, GiveUpTreasure, MeasureProperty, OpenDialogue, RoomView, View
+from thbridge.roles.shared.view import Consent, LeaveTreasure, MeasureProperty, OpenDialogue, RoomView, View
 from ui.model.playing.keys import keyed
 from ui.model.playing.memory.history import spoken
 from ui.model.playing.memory.pictures import Pictures
@@ -27,12 +27,12 @@ from ui.model.playing.screen import (
     AskWhatItIs,
     DialoguePopup,
     EnlargePicture,
-    LeaveTreasure,
-    SenseMore,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
+    MeasurePropertyAct,
     ShowNext,
-    SubmitName,
-    TakeThePicture,
-    TellOfIt,
+    TakePictureAct,
+    TellPropertyAct,
     TreasureFact,
     TreasurePopup,
 )
@@ -140,8 +140,8 @@ def _sense(
     label = texts.text("popups.sense", property=texts.noun(measured.label))
     if value:
         is_value = texts.text("popups.sensed", value=measured.word(value))
-        return Action(SenseMore(measured.name), label, key, enabled=False, hint=is_value)
-    return Action(SenseMore(measured.name), label, key, refused is None and not busy, hint, busy)
+        return Action(MeasurePropertyAct(measured.name), label, key, enabled=False, hint=is_value)
+    return Action(MeasurePropertyAct(measured.name), label, key, refused is None and not busy, hint, busy)
 
 
 def _cost(hunt: HuntMemory, robot: int, cost: float, sensor: str = "") -> str:
@@ -166,7 +166,11 @@ def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, 
     after = (told.values.index(value) + 1) % len(told.values) if value in told.values else 0
     return tuple(
         Action(
-            TellOfIt(told.name, each), told.shown(each), key if number == after else "", each != value and seen, hint
+            TellPropertyAct(told.name, each),
+            told.shown(each),
+            key if number == after else "",
+            each != value and seen,
+            hint,
         )
         for number, each in enumerate(told.values)
     )
@@ -203,7 +207,7 @@ def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Actio
     )
     refused = why_not_picture(hunt.texts, hunt.known, item.robot, item.room)
     hint = refused or _cost(hunt, item.robot, view.picture_cost)
-    return keyed(TakeThePicture(), hunt.texts.text("popups.take_picture"), refused is None and not asked, hint, asked)
+    return keyed(TakePictureAct(), hunt.texts.text("popups.take_picture"), refused is None and not asked, hint, asked)
 
 
 def _name_it(hunt: HuntMemory, item: TreasureItem, name: str | None = None) -> Action:
@@ -220,7 +224,7 @@ def _name_it(hunt: HuntMemory, item: TreasureItem, name: str | None = None) -> A
     label = (
         texts.text("popups.name_it") if picked is None else texts.text("popups.name_it_so", name=view.word_for(picked))
     )
-    return keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
+    return keyed(IdentifyTreasureAct(), label, refused is None and not busy, refused or cost, busy)
 
 
 def _unsure(hunt: HuntMemory, item: TreasureItem) -> Action | None:
@@ -253,8 +257,8 @@ def _wrong(texts: Texts, share: float | None) -> str:
 
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
-    texts, busy = hunt.texts, GiveUpTreasure(item.room) in hunt.pending
-    possible = is_allowed(hunt.known, GiveUpTreasure(item.room))
+    texts, busy = hunt.texts, LeaveTreasure(item.room) in hunt.pending
+    possible = is_allowed(hunt.known, LeaveTreasure(item.room))
     silent = why_not_work(texts, hunt.known, item.robot)
     if not possible:
         hint = texts.text("hints.refused_already_decided")
@@ -264,4 +268,4 @@ def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
         gone = hunt.robot_in_room(item.room) is None
         hint = texts.text("popups.leave_for_good" if gone else "popups.leave_for_now")
     told = f"{silent} {hint}" if silent else hint
-    return keyed(LeaveTreasure(), texts.text("popups.leave"), possible and not busy, told, busy)
+    return keyed(LeaveTreasureAct(), texts.text("popups.leave"), possible and not busy, told, busy)

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.playing.keys import keyed, shown_key
-from ui.model.playing.screen import Action, AgreeToTakePart, Confirmation, DeclineToTakePart, GameOverPage, ShowHelp
+from ui.model.playing.screen import Action, Confirmation, DeclineConsentAct, GameOverPage, GiveConsentAct, ShowHelp
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace
@@ -153,10 +153,10 @@ def consent_page(
         markdown: True where the text is Markdown.
     """
     page = ConsentPage(texts)
-    agree = keyed(AgreeToTakePart(), texts.text("game.agree"), hint=texts.text("game.agree_hint"))
-    decline = keyed(DeclineToTakePart(), texts.text("game.decline"), hint=hint_of_no)
+    agree = keyed(GiveConsentAct(), texts.text("game.agree"), hint=texts.text("game.agree_hint"))
+    decline = keyed(DeclineConsentAct(), texts.text("game.decline"), hint=hint_of_no)
     page.show_consent(text, agree, decline, markdown=markdown)
-    page.requested.connect(lambda act: answered(isinstance(act, AgreeToTakePart)))
+    page.requested.connect(lambda act: answered(isinstance(act, GiveConsentAct)))
     for button in (page.agree, page.decline):
         QShortcut(QKeySequence(button.face.key if button.face else ""), page).activated.connect(button.click)
     return page

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.hunt.properties import PropertyDrawing
 from ui.model.playing.keys import shown_key
-from ui.model.playing.screen import Act, Action, EnlargePicture, TellOfIt, TreasureFact
+from ui.model.playing.screen import Act, Action, EnlargePicture, TellPropertyAct, TreasureFact
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
@@ -298,7 +298,7 @@ class FactActs(QWidget):
         actions = [action for fact in offered for action in fact.acts]
         for button, action in zip(self._buttons, actions, strict=True):
             # The key of the values stands beside the question, as it goes from one to the next.
-            button.show_action(replace(action, key="") if isinstance(action.act, TellOfIt) else action)
+            button.show_action(replace(action, key="") if isinstance(action.act, TellPropertyAct) else action)
         self.setVisible(bool(offered))
 
     def _lay_out(self, offered: Sequence[TreasureFact]) -> None:

@@ -38,12 +38,11 @@ from thbridge.roles.participant.tabui import REJOIN_PERIOD, RENEWAL_PERIOD, TabU
 from thbridge.roles.shared.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
     Debrief,
+    EndGame,
     GiveConsent,
-    GiveUp,
-    GiveUpTreasure,
     IdentifyTreasure,
+    LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
@@ -53,6 +52,7 @@ from thbridge.roles.shared.view import (
     SelectRoom,
     SendRobot,
     SenseTreasure,
+    StopRobot,
     TakePicture,
     TakeUpTreasure,
     TellProperty,
@@ -207,15 +207,15 @@ EVERY_WISH = [
     RequestSuggestion(0),
     AnswerDialogue(1, 1, 0),
     SendRobot(0, 3),
-    CallBack(0),
+    StopRobot(0),
     RequestHandback(0),
     SenseTreasure(3),
     OpenDialogue(0, "take-picture", 3),
     TakePicture(3),
     IdentifyTreasure(3, "moon"),
-    GiveUpTreasure(3),
+    LeaveTreasure(3),
     TakeUpTreasure(3),
-    GiveUp(1),
+    EndGame(1),
     PlayAgain(1),
     MeasureProperty(3, "weight"),
     TellProperty(3, "material", "wood"),
@@ -244,7 +244,7 @@ def test_who_has_agreed_plays_as_others_do():
 def test_agreement_holds_for_later_games_and_their_journals_say_so():
     played = Played(Briefing(consent=CONSENT))
     played.say(GiveConsent())
-    played.say(GiveUp(1))
+    played.say(EndGame(1))
     view = played.say(PlayAgain(1))
     assert (view.game, view.consent) == (2, None)
     events = played.stage.log.events
@@ -255,7 +255,7 @@ def test_agreement_holds_for_later_games_and_their_journals_say_so():
 def test_the_record_has_the_time_of_the_yes_in_every_game():
     played = Played(Briefing(consent=CONSENT))
     played.say(GiveConsent(YES.at))
-    played.say(GiveUp(1))
+    played.say(EndGame(1))
     played.say(PlayAgain(1))
     assert [event for event in played.stage.log.events if isinstance(event, ConsentGiven)] == [ConsentGiven(YES.at)] * 2
 
@@ -264,10 +264,10 @@ def test_the_next_person_at_a_finished_game_is_asked_anew():
     played = Played(Briefing(consent=CONSENT))
     played.say(GiveConsent(YES.at))
     played.tabui.connected()
-    played.say(GiveUp(1))
+    played.say(EndGame(1))
     played.tabui.connected()
     assert played.say(PlayAgain(1)).consent is None, "the connection of the same person was lost twice"
-    played.say(GiveUp(2))
+    played.say(EndGame(2))
     played.tabui.run = "another"
     played.tabui.connected()
     assert played.say(PlayAgain(2)).consent == CONSENT, "before anything of the game that is over"
@@ -411,7 +411,7 @@ def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed
 def test_after_the_game_and_not_before_it_is_told_what_was_in_the_rooms_and_what_was_possible():
     played = Played(Briefing(answers=True, farewell="Thanks."))
     assert played.go(0, 3).debrief is None
-    view = played.say(GiveUp(1))
+    view = played.say(EndGame(1))
     state = played.stage.keeper.state
     assert [(room.name, room.points) for room in view.debrief.rooms] == [
         (kind.name, kind.points) for kind in state.treasures
@@ -424,7 +424,7 @@ def test_after_the_game_and_not_before_it_is_told_what_was_in_the_rooms_and_what
 def test_a_study_may_keep_the_answers_to_itself():
     played = Played(Briefing())
     played.go(0, 3)
-    assert played.say(GiveUp(1)).debrief == Debrief()
+    assert played.say(EndGame(1)).debrief == Debrief()
 
 
 def test_points_are_told_with_the_names_where_the_study_tells():

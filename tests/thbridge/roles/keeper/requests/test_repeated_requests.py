@@ -18,10 +18,10 @@ from thbridge.roles.shared.participant_lines import encode_request_line
 from thbridge.roles.shared.robot_requests import (
     GameRequest,
     ReleaseCommand,
-    StationCallBack,
     StationIdentify,
     StationLeave,
     StationSend,
+    StationStop,
     TakeCommand,
     WizardAdvice,
     WizardMode,
@@ -29,10 +29,9 @@ from thbridge.roles.shared.robot_requests import (
 )
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    CallBack,
-    GiveUp,
-    GiveUpTreasure,
+    EndGame,
     IdentifyTreasure,
+    LeaveTreasure,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
@@ -42,6 +41,7 @@ from thbridge.roles.shared.view import (
     SelectRoom,
     SendRobot,
     SenseTreasure,
+    StopRobot,
     TakePicture,
     TakeUpTreasure,
     TellProperty,
@@ -60,9 +60,9 @@ in_a_game = st.one_of(
     st.builds(SelectRoom, robots, rooms),
     st.builds(RequestSuggestion, robots),
     st.builds(RequestSuggestion, robots),
-    st.builds(CallBack, robots),
+    st.builds(StopRobot, robots),
     st.builds(RequestHandback, robots),
-    st.builds(GiveUpTreasure, rooms),
+    st.builds(LeaveTreasure, rooms),
     st.builds(TakeUpTreasure, rooms),
     st.builds(MeasureProperty, rooms, st.sampled_from(["weight", "colour"])),
     st.builds(TellProperty, rooms, st.just("shape"), st.sampled_from(["round", "square"])),
@@ -71,7 +71,7 @@ of_others = st.one_of(
     st.builds(TakeCommand, robots, st.just("ground station 255")),
     st.builds(ReleaseCommand, robots),
     st.builds(StationSend, robots, rooms),
-    st.builds(StationCallBack, robots),
+    st.builds(StationStop, robots),
     st.builds(StationIdentify, robots, names),
     st.builds(StationLeave, robots),
     st.builds(WizardMode, robots, st.booleans()),
@@ -204,7 +204,7 @@ class RepeatedRequests(RuleBasedStateMachine):
         opens = isinstance(request, SelectRoom | RequestSuggestion | OpenDialogue)
         talks = {about.robot for about in (*self.view.dialogues, *self.view.consents)}
         # A game that is over refuses to be ended; that has no other effect.
-        ends = isinstance(request, GiveUp)
+        ends = isinstance(request, EndGame)
         if (
             self.view.refusal == refused
             and not ends
@@ -285,7 +285,7 @@ class RepeatedRequests(RuleBasedStateMachine):
     @rule(again=st.booleans(), gap=at_once_or_later)
     def ends_the_game_or_begins_another(self, again: bool, gap: int) -> None:
         if (self.view.over is not None) == again and (again or len(self.once.stage.log.entries) > 40):
-            request = PlayAgain(self.view.game) if again else GiveUp(self.view.game)
+            request = PlayAgain(self.view.game) if again else EndGame(self.view.game)
             self.ask(request, gap, is_late=not again)
 
     @rule(ticks=st.sampled_from([1, 5, 12, 50]))

@@ -16,7 +16,7 @@ from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
 from thbridge.roles.shared.view import (
     AnswerDialogue,
-    GiveUp,
+    EndGame,
     ParticipantRequest,
     PlayAgain,
     RequestSuggestion,
@@ -183,7 +183,7 @@ def test_a_puppet_that_does_not_answer_any_more_is_not_waited_for(oz: Oz) -> Non
 
 def test_puppets_stay_puppets_in_the_next_game(oz: Oz) -> None:
     oz.ask(ON)
-    oz.wish(GiveUp(1))
+    oz.wish(EndGame(1))
     oz.wish(PlayAgain(1))
     oz.stage.run(10)
     assert oz.view.game == 2
