@@ -14,9 +14,10 @@ from thbridge.batch.settings import SettingCache
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
+from thbridge.files.yaml.merge import nested, over
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse
 from thbridge.study.factors import Level, check_keys_set_once, entries_of, factorial, levels_of, spread, written
-from thbridge.study.overrides import merged, nested, over, resolved_tree
+from thbridge.study.overrides import merged, resolved_tree
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, load_study
 

@@ -10,8 +10,8 @@ from typing import ClassVar
 from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import load_tree
+from thbridge.files.yaml.merge import nested, over, set_by_both
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, quoted
-from thbridge.study.overrides import nested, over, set_by_both
 from thbridge.study.text import is_plain_word
 
 

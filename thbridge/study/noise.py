@@ -5,7 +5,7 @@ them, and `TARGET_PATHS` holds the place of each.
 """
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 from sim.parameters import AmclParameters, EkfParameters, LaserParameters, OdometryNoise, WorldParameters, param
 from thbridge.files.yaml.load import load_tree
+from thbridge.files.yaml.merge import nested, over, without
+from thbridge.files.yaml.places import node_at
 from thbridge.files.yaml.tree import Node, Scalar, Section, parse
 
 if TYPE_CHECKING:
@@ -149,6 +151,28 @@ def with_noise(section: NoiseSection, study: T) -> T:
     return with_values(study, {home: value_at(section, path) for path, home in TARGET_PATHS.items()})
 
 
+def resolve_noise(tree: Node) -> Node:
+    """Return the tree of a study with the numbers of its section `noise` moved to their own places.
+
+    Their keys remember where people wrote them, for messages. A number that is also written at its own place stays, and
+    so does all else in the section, so that its faults are found where they are.
+    """
+    moved: Node = Section(1, [])
+    rest = tree
+    for path, home in TARGET_PATHS.items():
+        written = f"noise.{path}".split(".")
+        number = node_at(tree, written)
+        if isinstance(number, Scalar) and _stands_once(tree, written) and node_at(tree, home.split(".")) is None:
+            moved = over(moved, nested(home, number, number.line, f"noise.{path}"))
+            rest = without(rest, written)
+    return over(moved, rest)
+
+
+def _stands_once(tree: Node, path: Sequence[str]) -> bool:
+    above = node_at(tree, path[:-1])
+    return isinstance(above, Section) and [key.text for key, _ in above.entries].count(path[-1]) == 1
+
+
 def preset_in(tree: Node) -> NoisePreset:
     """Return the preset that a file names, or `NoisePreset.NONE`."""
     for name in ("noise", "preset"):
@@ -157,6 +181,12 @@ def preset_in(tree: Node) -> NoisePreset:
         tree = next((node for key, node in tree.entries if key.text == name), Scalar("", True, 1))
     named = tree.text if isinstance(tree, Scalar) else ""
     return NoisePreset(named) if named in set(NoisePreset) else NoisePreset.NONE
+
+
+def tree_of_preset(name: NoisePreset) -> Node:
+    """Return the tree of a study that has just the numbers of a preset."""
+    section = parse(Path(f"preset {name}"), PRESETS[name])
+    return without(resolve_noise(nested("noise", section, section.line)), ("noise",))
 
 
 def preset(name: NoisePreset, standard: NoiseSection) -> NoiseSection:

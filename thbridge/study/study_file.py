@@ -37,11 +37,10 @@ from thbridge.study.noise import (
     TARGET_PATHS,
     NoiseSection,
     noise_section_of,
-    preset,
     preset_in,
+    resolve_noise,
+    tree_of_preset,
     value_at,
-    with_noise,
-    with_values,
 )
 from thbridge.study.real_robots import FleetSection, faults_of_fleet
 from thbridge.study.robots_from import RobotsFrom
@@ -410,8 +409,8 @@ def study_before(path: Path, tree: Node) -> StudyFile:
 def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
     """Read a study from a parsed text; see `load_study`."""
     start = _start(path, tree)
-    written = load_tree(path, tree, StudyFile, StudyFile.of(start.study))
-    study = _gathered(written)
+    written = load_tree(path, resolve_noise(tree), StudyFile, StudyFile.of(start.study))
+    study = Study(**_fields(written.value))
     loaded = Loaded(path, study, written.lines, (*start.notices_about(study, written.lines), *written.notices))
     faults = (*_given_twice(written), *_contradictions(loaded))
     if faults:
@@ -444,7 +443,7 @@ def _start(path: Path, tree: Node) -> _Start:
     files = parse_ros_files(_ros_files(path, tree))
     standard = Study()
     begun = dataclasses.replace(standard, robot=files.start(standard.robot))
-    start = with_noise(preset(preset_in(tree), noise_section_of(begun)), begun)
+    start = load_tree(path, tree_of_preset(preset_in(tree)), Study, begun).value
     ros = files.over(start.robot)
     return _Start(dataclasses.replace(start, robot=ros.value), begun.robot, ros)
 
@@ -454,25 +453,6 @@ def _ros_files(path: Path, tree: Node) -> list[Path]:
     entries = tree.entries if isinstance(tree, Section) else []
     lists = [child.items for key, child in entries if key.text == "ros_parameters" and isinstance(child, Listing)]
     return [path.parent / item.text for items in lists for item in items if isinstance(item, Scalar)]
-
-
-def _gathered(written: Loaded[StudyFile]) -> Study:
-    """Return the study with the numbers of the section `noise`, except those also written at their own place."""
-    file = written.value
-    noise = {home: value_at(file.noise, path) for path, home in TARGET_PATHS.items() if home not in written.lines}
-    study = with_values(Study(**_fields(file)), noise)
-    own = {
-        home.removeprefix("robot."): value_at(study, home)
-        for home in TARGET_PATHS.values()
-        if home.startswith("robot.")
-    }
-    each = {
-        number: with_values(
-            software, {path: value for path, value in own.items() if f"each.{number}.{path}" not in written.lines}
-        )
-        for number, software in study.each.items()
-    }
-    return dataclasses.replace(study, each=each)
 
 
 def _given_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:

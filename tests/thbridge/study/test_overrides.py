@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -44,6 +45,19 @@ def test_one_robot_alone() -> None:
     )
     assert [study.software(number).localization for number in (1, 2, 3)] == ["ekf", "truth", "amcl"]
     assert study.software(3).amcl.max_particles == 900
+
+
+def test_a_number_of_noise_is_changed_once_and_named_where_it_was_written(tmp_path: Path) -> None:
+    changes = tmp_path / "changes.yaml"
+    for text, fault in (
+        ("noise: {gyro_noise: 0.1}\nnoise: {gyro_noise: 0.2}\n", "line 2, noise: stands twice, first in line 1"),
+        ("noise:\n  gyro_noise: 0.1\n  gyro_noise: 0.2\n", "line 3, noise.gyro_noise: stands twice, first in line 2"),
+        ("noise: {odometry: {alpha1: -1}}\n", "line 1, noise.odometry.alpha1: -1 is out of range"),
+        ("noise: {gyro_noise: 0.1}\nworld:\n  gyro_noise: 0.2\n", "line 1, noise.gyro_noise: 0.1 here, but 0.2 as"),
+    ):
+        changes.write_text(text)
+        with pytest.raises(BadFile, match=re.escape(fault)):
+            with_changes(RECORDED, [changes], [])
 
 
 def test_another_preset_brings_its_own_numbers() -> None:

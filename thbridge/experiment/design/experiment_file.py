@@ -19,9 +19,10 @@ from thbridge.files.disk.regular_files import is_regular
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import BadFile, FaultCollection, visible
 from thbridge.files.yaml.load import Loaded, load_tree
+from thbridge.files.yaml.merge import over
 from thbridge.files.yaml.tree import Listing, Node, Section, at_line, parse
 from thbridge.study.factors import Level, check_keys_set_once, entries_of, factorial, levels_of, spread
-from thbridge.study.overrides import merged, over, resolved_tree
+from thbridge.study.overrides import merged, resolved_tree
 from thbridge.study.study_file import Study, load_study
 
 MOST_CONDITIONS = 16

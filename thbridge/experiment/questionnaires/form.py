@@ -14,8 +14,8 @@ from thbridge.files.disk.inside import fault_of_name
 from thbridge.files.disk.text_files import read_text
 from thbridge.files.errors import FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
+from thbridge.files.yaml.merge import over
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
-from thbridge.study.overrides import over
 
 SHIPPED = Path(__file__).parent / "forms"
 """Folder of the forms that come with the program: in English, and in a folder for each other language."""

@@ -271,7 +271,7 @@ class _Reader:
         for name, child in sorted(
             self.renamed(node, into, key), key=lambda entry: model_of(known.get(entry[0].text)) is not None
         ):
-            place = f"{key}.{name.text}" if key else name.text
+            place = name.place or (f"{key}.{name.text}" if key else name.text)
             if name.text in first_lines:
                 self.wrong(
                     name.line, place, f"stands twice, first in line {first_lines[name.text]}", "Keep one of the two"

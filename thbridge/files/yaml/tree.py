@@ -38,6 +38,7 @@ class Scalar:
     """A word, number or text; `plain` when it has no quotes; `tag` is a word such as `!degrees` before it.
 
     `start` and `end` are its offsets in the text, with its quotes; they are equal for a value that was left out.
+    `place` is the path of a key that was moved within the tree, as people wrote it, for messages.
     """
 
     text: str
@@ -46,6 +47,7 @@ class Scalar:
     tag: str | None = None
     start: int = field(default=0, compare=False)
     end: int = field(default=0, compare=False)
+    place: str = field(default="", compare=False)
 
     @property
     def absent(self) -> bool:
