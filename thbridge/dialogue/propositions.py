@@ -1,7 +1,8 @@
 """Propositions of the hunt: what robots and people may believe, and argue about; written as in Sklar and Azhar 2015."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import fsum
+from typing import ClassVar, cast
 
 from sim.common.robot_numbers import number_of
 from thbridge.dialogue.argumentation.propositions import Literal, Proposition
@@ -10,19 +11,56 @@ from thbridge.hunt.rooms import Room
 
 
 @dataclass(frozen=True, slots=True)
-class Selected(Proposition):
-    """A room is one of those to look into."""
+class HuntProposition(Proposition):
+    """A proposition of the hunt: a predicate, and its values, which are written in the order of the fields.
 
-    room: Room
+    Attributes:
+        predicate: its name.
+        unique_by: fields that name a thing of which at most one value holds; None: any number may hold.
+    """
+
+    predicate: ClassVar[str]
+    unique_by: ClassVar[tuple[str, ...] | None] = None
+
+    def excludes(self, other: Proposition) -> bool:
+        """Return True for another value of the same thing."""
+        if self.unique_by is None or type(other) is not type(self) or self == other:
+            return False
+        return all(getattr(self, name) == getattr(other, name) for name in self.unique_by)
 
     def __str__(self) -> str:
-        return f"selected({_room(self.room)})"
+        values = (_written(field.name, cast(object, getattr(self, field.name))) for field in fields(self))
+        return f"{self.predicate}({', '.join(values)})"
+
+
+def _written(name: str, value: object) -> str:
+    match value:
+        case Room():
+            return f"Room{value.people}"
+        case float():
+            return energy_text(value)
+        case int() if name == "robot":
+            return f"Robot{number_of(value)}"
+        case tuple():
+            between = {"rooms": ", ", "terms": " + ", "names": " or "}[name]
+            return between.join(_written("", each) for each in cast(tuple[object, ...], value))
+        case _:
+            return str(value)
 
 
 @dataclass(frozen=True, slots=True)
-class VisitOrder(Proposition):
+class Selected(HuntProposition):
+    """A room is one of those to look into."""
+
+    predicate: ClassVar[str] = "selected"
+    room: Room
+
+
+@dataclass(frozen=True, slots=True)
+class VisitOrder(HuntProposition):
     """A room is the nth to be visited; at each place there is one room, and each room has one place."""
 
+    predicate: ClassVar[str] = "order"
     place: int
     room: Room
 
@@ -30,18 +68,16 @@ class VisitOrder(Proposition):
         """Return True for another room at this place, and for this room at another place."""
         return isinstance(other, VisitOrder) and (self.place == other.place) != (self.room == other.room)
 
-    def __str__(self) -> str:
-        return f"order({self.place}, {_room(self.room)})"
-
 
 @dataclass(frozen=True, slots=True)
-class RoomSequence(Proposition):
+class RoomSequence(HuntProposition):
     """Rooms are visited in this order: for each one at which place it comes.
 
     Attributes:
         rooms: at least two, the first one first.
     """
 
+    predicate: ClassVar[str] = "tour"
     rooms: tuple[Room, ...]
 
     @property
@@ -49,57 +85,42 @@ class RoomSequence(Proposition):
         """The place of each room; the opposite denies each of them (Sklar and Azhar 2015)."""
         return tuple(Literal(VisitOrder(place, room)) for place, room in enumerate(self.rooms, start=1))
 
-    def __str__(self) -> str:
-        return f"tour({', '.join(map(_room, self.rooms))})"
-
 
 @dataclass(frozen=True, slots=True)
-class EnergyLevel(Proposition):
+class EnergyLevel(HuntProposition):
     """The robot has so much energy left."""
 
+    predicate: ClassVar[str] = "current_energy_level"
+    unique_by: ClassVar[tuple[str, ...] | None] = ()
     energy: float
-
-    def excludes(self, other: Proposition) -> bool:
-        """Return True for another level."""
-        return isinstance(other, EnergyLevel) and self != other
-
-    def __str__(self) -> str:
-        return f"current_energy_level({energy_text(self.energy)})"
 
 
 @dataclass(frozen=True, slots=True)
-class EnergyCost(Proposition):
+class EnergyCost(HuntProposition):
     """Going from a place to a room costs so much energy."""
 
+    predicate: ClassVar[str] = "energy_cost"
+    unique_by: ClassVar[tuple[str, ...] | None] = ("start", "goal")
     start: Room
     goal: Room
     energy: float
 
-    def excludes(self, other: Proposition) -> bool:
-        """Return True for another cost of the same way."""
-        same = isinstance(other, EnergyCost) and (self.start, self.goal) == (other.start, other.goal)
-        return same and self != other
-
-    def __str__(self) -> str:
-        return f"energy_cost({_room(self.start)}, {_room(self.goal)}, {energy_text(self.energy)})"
-
 
 @dataclass(frozen=True, slots=True)
-class CostsMore(Proposition):
+class CostsMore(HuntProposition):
     """Going from a place to a room costs more than so much energy."""
 
+    predicate: ClassVar[str] = "costs_more"
     start: Room
     goal: Room
     energy: float
 
-    def __str__(self) -> str:
-        return f"costs_more({_room(self.start)}, {_room(self.goal)}, {energy_text(self.energy)})"
-
 
 @dataclass(frozen=True, slots=True)
-class LessThan(Proposition):
+class LessThan(HuntProposition):
     """A sum of energies is below another energy."""
 
+    predicate: ClassVar[str] = "less_than"
     terms: tuple[float, ...]
     limit: float
 
@@ -108,51 +129,40 @@ class LessThan(Proposition):
         """True when the numbers say so."""
         return fsum(self.terms) < self.limit
 
-    def __str__(self) -> str:
-        return f"less_than({' + '.join(map(energy_text, self.terms))}, {energy_text(self.limit)})"
-
 
 @dataclass(frozen=True, slots=True)
-class ColourFound(Proposition):
+class ColourFound(HuntProposition):
     """A robot has seen a colour in a picture."""
 
+    predicate: ClassVar[str] = "color_found"
     image: str
     colour: str
 
-    def __str__(self) -> str:
-        return f"color_found({self.image}, {self.colour})"
-
 
 @dataclass(frozen=True, slots=True)
-class InImage(Proposition):
+class InImage(HuntProposition):
     """Something is to be seen in a picture."""
 
+    predicate: ClassVar[str] = "in_image"
     thing: str
     image: str
 
-    def __str__(self) -> str:
-        return f"in_image({self.thing}, {self.image})"
-
 
 @dataclass(frozen=True, slots=True)
-class TreasureIn(Proposition):
+class TreasureIn(HuntProposition):
     """A treasure is in a room; another one is not."""
 
+    predicate: ClassVar[str] = "treasure_in"
+    unique_by: ClassVar[tuple[str, ...] | None] = ("room",)
     name: str
     room: Room
 
-    def excludes(self, other: Proposition) -> bool:
-        """Return True for another treasure in this room."""
-        return isinstance(other, TreasureIn) and self.room == other.room and self.name != other.name
-
-    def __str__(self) -> str:
-        return f"treasure_in({self.name}, {_room(self.room)})"
-
 
 @dataclass(frozen=True, slots=True)
-class Wanted(Proposition):
+class Wanted(HuntProposition):
     """The speaker wants it so, without a further reason."""
 
+    predicate: ClassVar[str] = "wanted"
     what: Literal
 
     @property
@@ -160,32 +170,25 @@ class Wanted(Proposition):
         """True."""
         return True
 
-    def __str__(self) -> str:
-        return f"wanted({self.what})"
-
 
 @dataclass(frozen=True, slots=True)
-class Visited(Proposition):
+class Visited(HuntProposition):
     """A room has been looked into."""
 
+    predicate: ClassVar[str] = "visited"
     room: Room
-
-    def __str__(self) -> str:
-        return f"visited({_room(self.room)})"
 
 
 @dataclass(frozen=True, slots=True)
-class TooFar(Proposition):
+class TooFar(HuntProposition):
     """A room is too far for the energy left."""
 
+    predicate: ClassVar[str] = "too_far"
     room: Room
-
-    def __str__(self) -> str:
-        return f"too_far({_room(self.room)})"
 
 
 @dataclass(frozen=True, slots=True)
-class NextRoom(Proposition):
+class NextRoom(HuntProposition):
     """A robot goes to a room next; it goes to one, and no other robot goes there.
 
     Attributes:
@@ -193,6 +196,7 @@ class NextRoom(Proposition):
         room: the room.
     """
 
+    predicate: ClassVar[str] = "next"
     robot: int
     room: Room
 
@@ -200,12 +204,9 @@ class NextRoom(Proposition):
         """Return True for another room of this robot, and for this room of another robot."""
         return isinstance(other, NextRoom) and (self.robot == other.robot) != (self.room == other.room)
 
-    def __str__(self) -> str:
-        return f"next({_robot(self.robot)}, {_room(self.room)})"
-
 
 @dataclass(frozen=True, slots=True)
-class TeamPlan(Proposition):
+class TeamPlan(HuntProposition):
     """Best that the team reaches when a robot goes to a room next: so many rooms, for so much energy in all.
 
     Where two are compared, each is the best that the team can do.
@@ -217,24 +218,19 @@ class TeamPlan(Proposition):
         energy: for all moves of the team.
     """
 
+    predicate: ClassVar[str] = "plan"
+    unique_by: ClassVar[tuple[str, ...] | None] = ("robot", "room")
     robot: int
     room: Room
     rooms: int
     energy: float
 
-    def excludes(self, other: Proposition) -> bool:
-        """Return True for another value of the same next room."""
-        same = isinstance(other, TeamPlan) and (self.robot, self.room) == (other.robot, other.room)
-        return same and self != other
-
-    def __str__(self) -> str:
-        return f"plan({_robot(self.robot)}, {_room(self.room)}, {self.rooms}, {energy_text(self.energy)})"
-
 
 @dataclass(frozen=True, slots=True)
-class FewerRooms(Proposition):
+class FewerRooms(HuntProposition):
     """A number of rooms is below another one."""
 
+    predicate: ClassVar[str] = "fewer_rooms"
     fewer: int
     more: int
 
@@ -243,36 +239,29 @@ class FewerRooms(Proposition):
         """True when the numbers say so."""
         return self.fewer < self.more
 
-    def __str__(self) -> str:
-        return f"fewer_rooms({self.fewer}, {self.more})"
-
 
 @dataclass(frozen=True, slots=True)
-class DearerPlan(Proposition):
+class DearerPlan(HuntProposition):
     """Going to a room next instead of another one costs the team so much more energy, for as many rooms."""
 
+    predicate: ClassVar[str] = "dearer_plan"
     room: Room
     instead: Room
     energy: float
 
-    def __str__(self) -> str:
-        return f"dearer_plan({_room(self.room)}, {_room(self.instead)}, {energy_text(self.energy)})"
-
 
 @dataclass(frozen=True, slots=True)
-class ShorterPlan(Proposition):
+class ShorterPlan(HuntProposition):
     """Going to a room next instead of another one lets the team reach so many rooms less."""
 
+    predicate: ClassVar[str] = "shorter_plan"
     room: Room
     instead: Room
     rooms: int
 
-    def __str__(self) -> str:
-        return f"shorter_plan({_room(self.room)}, {_room(self.instead)}, {self.rooms})"
-
 
 @dataclass(frozen=True, slots=True)
-class LeftBehind(Proposition):
+class LeftBehind(HuntProposition):
     """Another robot has no room to go to, and stays where it is, when this one goes to a room next.
 
     Attributes:
@@ -281,16 +270,14 @@ class LeftBehind(Proposition):
         room: this robot's next room.
     """
 
+    predicate: ClassVar[str] = "left_behind"
     robot: int
     place: Room
     room: Room
 
-    def __str__(self) -> str:
-        return f"left_behind({_robot(self.robot)}, {_room(self.place)}, {_room(self.room)})"
-
 
 @dataclass(frozen=True, slots=True)
-class CostOfOther(Proposition):
+class CostOfOther(HuntProposition):
     """Going to a room would cost another robot so much energy, as that one says.
 
     Attributes:
@@ -299,21 +286,15 @@ class CostOfOther(Proposition):
         energy: of its way there.
     """
 
+    predicate: ClassVar[str] = "energy_cost_of"
+    unique_by: ClassVar[tuple[str, ...] | None] = ("robot", "room")
     robot: int
     room: Room
     energy: float
 
-    def excludes(self, other: Proposition) -> bool:
-        """Return True for another cost of the same way."""
-        same = isinstance(other, CostOfOther) and (self.robot, self.room) == (other.robot, other.room)
-        return same and self != other
-
-    def __str__(self) -> str:
-        return f"energy_cost_of({_robot(self.robot)}, {_room(self.room)}, {energy_text(self.energy)})"
-
 
 @dataclass(frozen=True, slots=True)
-class UnderWay(Proposition):
+class UnderWay(HuntProposition):
     """Another robot is on its way to a room, or has agreed to go there.
 
     Attributes:
@@ -321,55 +302,45 @@ class UnderWay(Proposition):
         room: the room.
     """
 
+    predicate: ClassVar[str] = "under_way"
     robot: int
     room: Room
 
-    def __str__(self) -> str:
-        return f"under_way({_robot(self.robot)}, {_room(self.room)})"
-
 
 @dataclass(frozen=True, slots=True)
-class NoWay(Proposition):
+class NoWay(HuntProposition):
     """The robot finds no way to a room."""
 
+    predicate: ClassVar[str] = "no_way"
     room: Room
-
-    def __str__(self) -> str:
-        return f"no_way({_room(self.room)})"
 
 
 @dataclass(frozen=True, slots=True)
-class InTheWay(Proposition):
+class InTheWay(HuntProposition):
     """Something that no map shows is in the way to a room: a door that is shut, a fire."""
 
+    predicate: ClassVar[str] = "in_the_way"
     room: Room
-
-    def __str__(self) -> str:
-        return f"in_the_way({_room(self.room)})"
 
 
 @dataclass(frozen=True, slots=True)
-class TakesPicture(Proposition):
+class TakesPicture(HuntProposition):
     """The robot in a room takes a picture of the treasure there."""
 
+    predicate: ClassVar[str] = "picture"
     room: Room
-
-    def __str__(self) -> str:
-        return f"picture({_room(self.room)})"
 
 
 @dataclass(frozen=True, slots=True)
-class NamesTreasure(Proposition):
+class NamesTreasure(HuntProposition):
     """The treasure in a room is named now."""
 
+    predicate: ClassVar[str] = "name"
     room: Room
-
-    def __str__(self) -> str:
-        return f"name({_room(self.room)})"
 
 
 @dataclass(frozen=True, slots=True)
-class NamesTreasureAs(Proposition):
+class NamesTreasureAs(HuntProposition):
     """The treasure in a room is named now, by this name.
 
     Attributes:
@@ -377,19 +348,14 @@ class NamesTreasureAs(Proposition):
         name: of the treasure.
     """
 
+    predicate: ClassVar[str] = "name_as"
+    unique_by: ClassVar[tuple[str, ...] | None] = ("room",)
     room: Room
     name: str
 
-    def excludes(self, other: Proposition) -> bool:
-        """Return True for another name of this treasure."""
-        return isinstance(other, NamesTreasureAs) and self.room == other.room and self != other
-
-    def __str__(self) -> str:
-        return f"name_as({_room(self.room)}, {self.name})"
-
 
 @dataclass(frozen=True, slots=True)
-class PropertyFound(Proposition):
+class PropertyFound(HuntProposition):
     """The treasure in a room was found to have a property.
 
     Attributes:
@@ -397,15 +363,13 @@ class PropertyFound(Proposition):
         value: of the property, as part of a sentence: `round and large`, `made of wood`.
     """
 
+    predicate: ClassVar[str] = "found"
     room: Room
     value: str
 
-    def __str__(self) -> str:
-        return f"found({_room(self.room)}, {self.value})"
-
 
 @dataclass(frozen=True, slots=True)
-class PropertyListed(Proposition):
+class PropertyListed(HuntProposition):
     """The list of treasures, which everybody knows, has it that a treasure of this name has a property.
 
     Attributes:
@@ -413,15 +377,13 @@ class PropertyListed(Proposition):
         value: of the property, as part of a sentence.
     """
 
+    predicate: ClassVar[str] = "listed"
     name: str
     value: str
 
-    def __str__(self) -> str:
-        return f"listed({self.name}, {self.value})"
-
 
 @dataclass(frozen=True, slots=True)
-class SeenInPicture(Proposition):
+class SeenInPicture(HuntProposition):
     """A person sees this treasure in the picture of the one in a room.
 
     Attributes:
@@ -429,19 +391,14 @@ class SeenInPicture(Proposition):
         name: of the treasure.
     """
 
+    predicate: ClassVar[str] = "seen"
+    unique_by: ClassVar[tuple[str, ...] | None] = ("room",)
     room: Room
     name: str
 
-    def excludes(self, other: Proposition) -> bool:
-        """Return True for another treasure in this picture."""
-        return isinstance(other, SeenInPicture) and self.room == other.room and self != other
-
-    def __str__(self) -> str:
-        return f"seen({_room(self.room)}, {self.name})"
-
 
 @dataclass(frozen=True, slots=True)
-class CouldBe(Proposition):
+class CouldBe(HuntProposition):
     """All that is known of the treasure in a room fits several names.
 
     Attributes:
@@ -449,6 +406,7 @@ class CouldBe(Proposition):
         names: at least two, in alphabetical order.
     """
 
+    predicate: ClassVar[str] = "could_be"
     room: Room
     names: tuple[str, ...]
 
@@ -456,14 +414,12 @@ class CouldBe(Proposition):
         """Return True for other names, or a single one, of the same treasure."""
         return isinstance(other, CouldBe | Settled) and self.room == other.room and self != other
 
-    def __str__(self) -> str:
-        return f"could_be({_room(self.room)}, {' or '.join(self.names)})"
-
 
 @dataclass(frozen=True, slots=True)
-class Settled(Proposition):
+class Settled(HuntProposition):
     """All that is known of the treasure in a room fits one name only."""
 
+    predicate: ClassVar[str] = "settled"
     room: Room
     name: str
 
@@ -471,43 +427,26 @@ class Settled(Proposition):
         """Return True for another name, or several ones, of the same treasure."""
         return isinstance(other, CouldBe | Settled) and self.room == other.room and self != other
 
-    def __str__(self) -> str:
-        return f"settled({_room(self.room)}, {self.name})"
-
 
 @dataclass(frozen=True, slots=True)
-class PictureTaken(Proposition):
+class PictureTaken(HuntProposition):
     """There is a picture of the treasure in a room already."""
 
+    predicate: ClassVar[str] = "picture_taken"
     room: Room
 
-    def __str__(self) -> str:
-        return f"picture_taken({_room(self.room)})"
-
 
 @dataclass(frozen=True, slots=True)
-class PictureCost(Proposition):
+class PictureCost(HuntProposition):
     """Taking a picture costs so much energy."""
 
+    predicate: ClassVar[str] = "picture_cost"
     energy: float
-
-    def __str__(self) -> str:
-        return f"picture_cost({energy_text(self.energy)})"
 
 
 @dataclass(frozen=True, slots=True)
-class NamingCost(Proposition):
+class NamingCost(HuntProposition):
     """Naming a treasure costs so much energy."""
 
+    predicate: ClassVar[str] = "naming_cost"
     energy: float
-
-    def __str__(self) -> str:
-        return f"naming_cost({energy_text(self.energy)})"
-
-
-def _room(room: Room) -> str:
-    return f"Room{room.people}"
-
-
-def _robot(robot: int) -> str:
-    return f"Robot{number_of(robot)}"
