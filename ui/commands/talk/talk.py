@@ -128,7 +128,7 @@ def talk_check(
     told: dict[str, object] = {"folders": [each.as_json() for each in checked]}
     lines = [line for each in checked for line in each.lines()]
     if strategy is not None and readable:
-        from ui.commands.talk.strategy_check import check_strategy
+        from ui.commands.talk.trials import check_strategy
 
         with bad_input():
             tried = check_strategy(strategy, rulebook_with(folders or []), conversations, seed or 0)
@@ -136,7 +136,7 @@ def talk_check(
         told["strategy"] = tried.as_json()
         lines += tried.lines()
     if author is not None and readable:
-        from ui.commands.talk.author_check import check_author
+        from ui.commands.talk.trials import check_author
 
         languages = [language for each in checked for language in each.languages]
         with bad_input():
