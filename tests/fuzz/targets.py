@@ -18,10 +18,10 @@ from tests.thbridge.analysis.planting import Entry, Form, Line, Planted, clean, 
 from tests.thbridge.files.ros.test_nav2 import AMCL, CONTROLLER
 from tests.thbridge.recording.bag.test_ros2_storage import written
 from tests.ui.model.test_arena_draft import GRID
+from thbridge.analysis.bag_summary import summarise
 from thbridge.analysis.check import judge
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.measured.gathering import read_games
-from thbridge.analysis.summary import summarise
 from thbridge.analysis.to_mcap import to_mcap
 from thbridge.analysis.to_ros2 import to_ros2
 from thbridge.batch.design import read_design

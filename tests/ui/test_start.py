@@ -103,7 +103,7 @@ def test_a_summary_of_a_bag_and_a_suggestion_load_no_simulator(tmp_path: Path) -
         modules = loaded(tmp_path, *command)
         assert not {name.partition(".")[0] for name in modules} & {"numba", "scipy", "matplotlib", "pyarrow", "asyncio"}
         assert not {name for name in modules if name.startswith(("sim.", "thbridge.app"))}
-        assert "thbridge.analysis.summary" in modules or "thbridge.hunt.tour" in modules
+        assert "thbridge.analysis.bag_summary" in modules or "thbridge.hunt.tour" in modules
 
 
 def test_a_text_server_listens_without_robots_vehicles_and_bags(tmp_path: Path) -> None:

@@ -134,7 +134,7 @@ def play(
     from ui.first_start.compiling import compile_ahead
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
-    from ui.hosting.seats import seat_of_bot, seat_of_person
+    from ui.hosting.players import player_of_bot, player_of_person
 
     files, assignments = changes_of(changes or [])
     # Programs of others expect the game of 2016, as ours do when they run apart.
@@ -179,9 +179,9 @@ def play(
     if who == PERSON:
         START_BAR.close()  # Who types needs the line.
         text = None if legacy.TABUI in others else setting.consent
-        seat = seat_of_person(setting.texts, None if text is None else ask_for_consent(setting.texts, text))
+        player = player_of_person(setting.texts, None if text is None else ask_for_consent(setting.texts, text))
     else:
-        seat = seat_of_bot(who, setting.templates, study)
+        player = player_of_bot(who, setting.templates, study)
     path = bag or usual_bag(setting)
     make_ready(path)
 
@@ -216,10 +216,10 @@ def play(
             keys=ring,
             run=new_token(),
         )
-        program = hunt.play(setting, seat.tabui, options, ready, follow, told)
+        program = hunt.play(setting, player.tabui, options, ready, follow, told)
         shown = nullcontext(untold) if who == PERSON else shown_progress(progress, "play", beside_text=not as_json)
         with shown as tell:
-            outcome = run(program, seat.typed)
+            outcome = run(program, player.typed)
     except ParticipantDeclined as declined:
         fail(DECLINED if declined.answered else FAILED, NOT_TAKING_PART)
     except HuntUnfinished as early:

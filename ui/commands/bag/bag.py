@@ -52,7 +52,7 @@ def bag_info(
     """Say what is in a bag: topics, types, rates, gaps, and the session if it is ours."""
     import msgspec
 
-    from thbridge.analysis.summary import summarise
+    from thbridge.analysis.bag_summary import summarise
     from thbridge.recording.digest import digest_of
     from ui.command_line.progress import shown_progress
     from ui.commands.bag.summary import show_summary

@@ -1,6 +1,6 @@
 """The summary that `thbridge bag info` shows."""
 
-from thbridge.analysis.summary import RecordingSummary
+from thbridge.analysis.bag_summary import RecordingSummary
 from thbridge.files.errors import visible
 from thbridge.ros.messages.session_records import MACHINE
 from ui.command_line.terminal import say

@@ -13,7 +13,7 @@ from thbridge.study.study_file import ServerSection, Study
 from ui.command_line.options import ADDRESS, PERSON
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, note
 from ui.hosting.lobby import WILDCARD_ADDRESSES
-from ui.hosting.seats import Seat, seat_of_bot, seat_of_person
+from ui.hosting.players import LocalPlayer, player_of_bot, player_of_person
 
 ANOTHER_GAME = (
     "Another game begins by Play again in the window of `thbridge tabui`, "
@@ -22,17 +22,17 @@ ANOTHER_GAME = (
 """Sentence of a terminal at the end of a game."""
 
 
-def seat_of(who: str, study: Study, study_file: Path | None, templates: str | None, seed: int | None) -> Seat:
-    """Seat the player; a person needs neither study nor options. `templates` and `seed` have changed the study."""
+def player_of(who: str, study: Study, study_file: Path | None, templates: str | None, seed: int | None) -> LocalPlayer:
+    """Return the player; a person needs neither study nor options. `templates` and `seed` have changed the study."""
     if who == PERSON:
         for option, value in (("--templates", templates), ("--seed", seed)):
             if value is not None:
                 note(f"{option} has no effect here: it is for simulated participants.")
-        return seat_of_person(shipped_texts())
+        return player_of_person(shipped_texts())
     beside = Path() if study_file is None or templates is not None else study_file.parent
     templates_read = read_templates(study.templates, beside)
     with bad_input():
-        return seat_of_bot(who, templates_read, study)
+        return player_of_bot(who, templates_read, study)
 
 
 def read_templates(wanted: str, beside: Path) -> TemplateSet:

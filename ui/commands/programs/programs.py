@@ -200,7 +200,7 @@ def tabui(
     from ui.command_line.event_loop import run
     from ui.command_line.keys import key_of
     from ui.command_line.settings import study_of
-    from ui.commands.programs.client import ANOTHER_GAME, address_of, new_token, seat_of, show_nothing, tell_lost
+    from ui.commands.programs.client import ANOTHER_GAME, address_of, new_token, player_of, show_nothing, tell_lost
 
     study_file = the_study(client.study_file, client.study_option)
     study = study_of(study_file, {"templates": templates, "seed": seed})
@@ -214,11 +214,11 @@ def tabui(
             raise typer.Exit(play_at(host, port, new_token(), look.value, shown))
         note(f"{why} A simulated participant plays.")
     participant = participant or BotStrategy.SUGGESTION.value
-    seat = seat_of(participant, study, study_file, templates, seed)
-    program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing, shown)
-    last = run(program, seat.typed)
-    if seat.tabui.declined:
-        say((seat.tabui.texts or shipped_texts()).text("terminal.thanks"))
+    player = player_of(participant, study, study_file, templates, seed)
+    program = programs.tabui(player.tabui, host, port, new_token(), tell_lost, show_nothing, shown)
+    last = run(program, player.typed)
+    if player.tabui.declined:
+        say((player.tabui.texts or shipped_texts()).text("terminal.thanks"))
         raise typer.Exit(DECLINED)
     if last is None:
         fail(FAILED, "stopped before the game was over")

@@ -5,7 +5,7 @@ import pytest
 
 from tests.thbridge.analysis.planting import ODOM_LINE, START, STEP, Entry, Planted, clean, odom_message, write
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
-from thbridge.analysis.summary import RecordingSummary, TopicSummary, summarise
+from thbridge.analysis.bag_summary import RecordingSummary, TopicSummary, summarise
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.types import plain_definition

@@ -14,7 +14,7 @@ from ui.hosting.terminal_player import TerminalPlayer
 
 
 @dataclass(frozen=True, slots=True)
-class Seat:
+class LocalPlayer:
     """A player and its program.
 
     Attributes:
@@ -26,13 +26,13 @@ class Seat:
     typed: Callable[[str], None] | None
 
 
-def seat_of_bot(who: str, templates: TemplateSet, study: Study) -> Seat:
-    """Seat a simulated participant with the study's seed and attitude, who knows the treasures."""
-    return Seat(TabUI(build_bot(templates, who, study.seed, study.participant.attitude)), None)
+def player_of_bot(who: str, templates: TemplateSet, study: Study) -> LocalPlayer:
+    """Return a simulated participant with the study's seed and attitude, who knows the treasures."""
+    return LocalPlayer(TabUI(build_bot(templates, who, study.seed, study.participant.attitude)), None)
 
 
-def seat_of_person(texts: Texts, consent: GiveConsent | None = None) -> Seat:
-    """Seat a person, who knows what the game tells, and may have agreed to take part already.
+def player_of_person(texts: Texts, consent: GiveConsent | None = None) -> LocalPlayer:
+    """Return a person, who knows what the game tells, and may have agreed to take part already.
 
     Args:
         texts: until the game has told those of its language.
@@ -47,4 +47,4 @@ def seat_of_person(texts: Texts, consent: GiveConsent | None = None) -> Seat:
             tabui.decline()
         tabui.poll_player()
 
-    return Seat(tabui, typed)
+    return LocalPlayer(tabui, typed)
