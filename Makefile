@@ -56,10 +56,10 @@ peers: setup ## Install what tests/peers plays against: MAVLink clients, ROS too
 	@scripts/install_peers.sh
 
 maps: setup ## Draw the maps that come with the project anew.
-	$(BIN)/python scripts/draw_maps.py
+	$(BIN)/python scripts/draw/maps.py
 
 pictures: setup ## Draw the windows for docs/windows-gallery.md anew.
-	$(BIN)/python scripts/draw_windows.py $(ARGS)
+	$(BIN)/python scripts/draw/windows.py $(ARGS)
 
 # What requirements.lock holds: all extras, and what tests and checks need.
 WANTED = pyproject.toml $(addprefix --extra ,gui argumentation cluster learning markers foxglove) --group dev --python-version 3.11

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-drawn = runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "draw_encounters.py"))
+drawn = runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "draw" / "encounters.py"))
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SCRIPT = ROOT / "scripts" / "draw_maps.py"
+SCRIPT = ROOT / "scripts" / "draw" / "maps.py"
 RESOLUTION = 0.05
 
 drawn = runpy.run_path(str(SCRIPT))

@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def script():
-    spec = importlib.util.spec_from_file_location("draw_treasures", ROOT / "scripts" / "draw_treasures.py")
+    spec = importlib.util.spec_from_file_location("treasures", ROOT / "scripts" / "draw" / "treasures.py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)

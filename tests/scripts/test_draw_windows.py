@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 ROOT = Path(__file__).parents[2]
-SCRIPT = ROOT / "scripts" / "draw_windows.py"
+SCRIPT = ROOT / "scripts" / "draw" / "windows.py"
 PICTURES = ROOT / "docs" / "pictures" / "windows"
 
 

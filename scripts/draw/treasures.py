@@ -3,7 +3,7 @@
 Each treasure is a signed distance field with a colour for every point, seen by sphere tracing: lit from the upper left,
 standing on a floor that it shadows.
 
-    python scripts/draw_treasures.py [FOLDER]
+    python scripts/draw/treasures.py [FOLDER]
 """
 
 import argparse
@@ -487,7 +487,7 @@ PICTURES = {
 def main() -> None:
     """Draw all pictures into the template folders."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    shipped = Path(__file__).parents[1] / "templates"
+    shipped = Path(__file__).parents[2] / "templates"
     parser.add_argument(
         "templates", nargs="?", type=Path, metavar="FOLDER", default=shipped, help="by default templates"
     )

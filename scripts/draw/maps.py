@@ -1,6 +1,6 @@
 """Draw the maps that come with the project: `maps/arena8`, `maps/warehouse12`, `maps/office` and `maps/practice`.
 
-Run it from the project's folder: `.venv/bin/python scripts/draw_maps.py`. The same drawing gives the same bytes, so
+Run it from the project's folder: `.venv/bin/python scripts/draw/maps.py`. The same drawing gives the same bytes, so
 `git diff` shows what a change of a wall does. `--resolution` draws finer or coarser cells, `--into` elsewhere.
 
 Travel costs of a map that has none measured are estimated, in seconds, as

@@ -1,6 +1,6 @@
 """Draw how robots meet: swapping through one door, ten through one door, a dead robot in a doorway.
 
-Run it from the project's folder: `.venv/bin/python scripts/draw_encounters.py`. Each picture shows the hall with the
+Run it from the project's folder: `.venv/bin/python scripts/draw/encounters.py`. Each picture shows the hall with the
 trails of all robots, and beside it how far along the hall each robot was at what time: a robot that waits draws an
 upright line, and the door is passed one by one. The same code gives the same trails.
 """

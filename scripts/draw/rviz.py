@@ -1,6 +1,6 @@
 """Take a picture of rviz beside a running hunt: `docs/pictures/rviz.png`.
 
-Run it from the project's folder: `.venv/bin/python scripts/draw_rviz.py`. It plays a hunt on a ROS graph of its own,
+Run it from the project's folder: `.venv/bin/python scripts/draw/rviz.py`. It plays a hunt on a ROS graph of its own,
 starts rviz with the configuration that `thbridge ros rviz` writes, on a screen that nobody sees (Xvfb), waits a moment
 and takes the picture. Needs Debian's rviz, xvfb and imagemagick.
 """
@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import mkdtemp
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SCREEN = "1300x940x24"
 NEEDED = ("rviz", "Xvfb", "import")
 THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")

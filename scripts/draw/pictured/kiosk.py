@@ -169,4 +169,4 @@ STORIES = (
         at_the_kiosk,
     ),
 )
-"""The states of the windows that `draw_windows.py` takes pictures of."""
+"""The states of the windows that `windows.py` takes pictures of."""

@@ -2,7 +2,7 @@
 
 The pictures are `docs/pictures/windows/<name>-<light|dark>.png`; those of `SIZED` are drawn at four sizes with three
 sizes of text besides, as `<name>-<width>x<height>-<text>.png`. Run it from the project's folder:
-`.venv/bin/python scripts/draw_windows.py`. What is shown are real games and a real recording, made on the spot in
+`.venv/bin/python scripts/draw/windows.py`. What is shown are real games and a real recording, made on the spot in
 simulated time; nothing appears on a screen. The same code, fonts and Qt give the same pictures. The typeface is Inter,
 as everywhere (Debian: fonts-inter).
 """
@@ -29,7 +29,7 @@ from ui.model.shared.theme import DARK, LIGHT, Palette
 from ui.windows.application import application as open_application
 from ui.windows.look import apply_palette, apply_text_size, usual_growth
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "docs" / "pictures" / "windows"
 GALLERY = ROOT / "docs" / "windows-gallery.md"
 SIZES = ((800, 500), (1024, 600), (1366, 768), (1920, 1080))

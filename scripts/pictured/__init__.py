@@ -1,1 +1,0 @@
-"""The states of the windows that `draw_windows.py` takes pictures of."""
