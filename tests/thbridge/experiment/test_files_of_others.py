@@ -19,7 +19,7 @@ from thbridge.experiment.store.head import restoring_path
 from thbridge.files.errors import BadFile
 from thbridge.recording.recordings import digest_of
 
-PATIENCE = 20
+PATIENCE = 120
 """Seconds after which a test that waits for a pipe fails."""
 
 

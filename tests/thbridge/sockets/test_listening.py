@@ -29,7 +29,7 @@ from thbridge.text_protocol.sockets.server import TextServer
 from thbridge.text_protocol.wire.router import MessageRouter
 from thbridge.watching.sockets.server import WatchServer
 
-PATIENCE = 30
+PATIENCE = 120
 LOCALHOST = "127.0.0.1"
 STARTED = GameStarted(7, 1, 2, 100.0, 5.0, 2.0, 1.0, CostMatrix.of_map_times(((99.0, 5.0), (99.0, 99.0))))
 

@@ -30,7 +30,7 @@ from thbridge.watching.sockets.client import SessionMessage, WatchClient, WatchC
 from thbridge.watching.sockets.server import SessionPace, WatchServer
 from thbridge.watching.wire import parse_status
 
-PATIENCE = 30.0
+PATIENCE = 120.0
 NOW = "2026-03-01T12:00:00Z"
 SOON = Backoff(0.05, 0.05, 20.0)
 

@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable
 from thbridge.timing.loop import LoopResult, _short_turns, run_ticks
 from thbridge.timing.pacer import Pacer
 
-PATIENCE = 20
+PATIENCE = 120
 
 
 class Loop:

@@ -22,7 +22,7 @@ from thbridge.rosgraph.sockets.node import NodeStarted, RosNode
 from thbridge.rosgraph.wire.links import ServiceFailed
 from thbridge.sockets.addresses import ListeningAddress
 
-PATIENCE = 30.0
+PATIENCE = 120.0
 AMCL = "/robot2/amcl"
 BODY = ((0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25), (0.25, -0.25))
 

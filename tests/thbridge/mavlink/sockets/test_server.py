@@ -24,7 +24,7 @@ from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.addresses import Address, UdpTarget, parse_target
 from thbridge.sockets.errors import CannotListen
 
-PATIENCE = 20
+PATIENCE = 120
 
 
 def frame(message: mav.MAVLink_message, system: int = 255, sequence: int = 0) -> Frame:

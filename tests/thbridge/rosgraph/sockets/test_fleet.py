@@ -40,7 +40,7 @@ from thbridge.rosgraph.wire.links import ServiceFailed
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.study.real_robots import FleetNames, FleetSection
 
-PATIENCE = 30.0
+PATIENCE = 120.0
 SESSION = SessionRecord("robots_from: ros\n", 1, {}, "simr", ("SimR",), "")
 NAMED = FleetNames().names(1)
 GOAL = Goal(5, Pose2(2.0, 0.0, 0.0))

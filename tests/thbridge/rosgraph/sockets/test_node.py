@@ -28,7 +28,7 @@ from thbridge.rosgraph.wire.xmlrpc import MethodResponse
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 
-PATIENCE = 30.0
+PATIENCE = 120.0
 STRING = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
 TRIGGER = (
     "std_srvs/Trigger",

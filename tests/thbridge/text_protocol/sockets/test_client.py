@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 HURRIED = Backoff(initial=0.005, maximum=0.02)
 HELLO = TextMessage("%%error", "A", "B", ("hello",))
-PATIENCE = 20
+PATIENCE = 120
 
 
 async def soon(event: Awaitable[T]) -> T:

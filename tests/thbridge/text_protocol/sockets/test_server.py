@@ -19,7 +19,7 @@ from thbridge.text_protocol.wire.router import MessageRouter, RouterLimits
 
 ACK = b"%%ack \n"
 SHUTDOWN = b"%%sshhuuttddoowwnn \n"
-PATIENCE = 20  # seconds until a test that hangs gives up; nothing waits that long otherwise
+PATIENCE = 120  # seconds until a test that hangs gives up; nothing waits that long otherwise
 
 
 class Client:

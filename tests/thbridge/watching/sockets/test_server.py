@@ -28,7 +28,7 @@ from thbridge.watching.sockets.history import MAX_BYTES, MAX_MESSAGES, MessageHi
 from thbridge.watching.sockets.server import MAX_CONNECTIONS, MAX_WATCHERS, SessionPace, WatchServer
 from thbridge.watching.wire import MISTAKES, STATUS, BagStreamReader, SessionMessage, WatchStatus, parse_status
 
-PATIENCE = 30
+PATIENCE = 120
 SECOND = 1_000_000_000
 LEVEL = Topic("/level", types.STRING, latched=True)
 OTHER = Topic("/other", types.STRING, latched=True)

@@ -15,7 +15,7 @@ from thbridge.sockets.tls import server_context
 from thbridge.watching.sockets.server import SessionPace, WatchServer
 from thbridge.watching.wire import BagStreamReader, SessionMessage, WatchStatus, parse_status
 
-PATIENCE = 20.0
+PATIENCE = 120.0
 
 
 class Session:

@@ -7,7 +7,7 @@ from tests.thbridge.recording.bag.writing.inline_queue import InlineQueue
 from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
 
 LANES: list[Callable[[], JobQueue]] = [InlineQueue, lambda: WorkerThread("test")]
-PATIENCE = 30.0
+PATIENCE = 120.0
 
 
 @pytest.mark.parametrize("lane", LANES)
