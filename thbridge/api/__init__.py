@@ -1,6 +1,7 @@
 """The interface for programs: what is named here, and in `thbridge.api.learning`, is public; see docs/api.md."""
 
 from thbridge.api.errors import HuntError as HuntError
+from thbridge.api.errors import HuntWarning as HuntWarning
 from thbridge.api.participant import HuntParticipant as HuntParticipant
 from thbridge.api.recording import HuntRecording as HuntRecording
 from thbridge.api.recording import HuntReplay as HuntReplay

@@ -25,6 +25,10 @@ class HuntError(Exception):
         self.key = key
 
 
+class HuntWarning(UserWarning):
+    """Something in a study that is allowed, but looks like a slip: where, what, and the remedy."""
+
+
 @contextmanager
 def told() -> Iterator[None]:
     """Raise faults of files within as `HuntError`."""

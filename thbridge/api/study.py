@@ -1,11 +1,12 @@
 """Studies: from a file, from keys, checked with everything they name."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
-from thbridge.api.errors import HuntError, told
+from thbridge.api.errors import HuntError, HuntWarning, told
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import quoted
@@ -65,6 +66,8 @@ class HuntStudy:
             raise HuntError(f"robots_from: {problem}. Write sim, or start `thbridge simr`.", key="robots_from")
         self._beside = beside
         self._setting = read_setting(study, beside, written=written)
+        for doubt in self._setting.doubts:
+            warnings.warn(str(doubt), HuntWarning, stacklevel=3)
 
     def changed(self, changes: Mapping[str, StudyValue] | None = None, **keys: StudyValue) -> "HuntStudy":
         """Return a study with other values for some keys; see `HuntStudy`. Another seed alone takes no time.

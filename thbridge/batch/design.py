@@ -88,6 +88,7 @@ class SweepDesign:
         one_bag_in: one of so many games is recorded; 0: none.
         one_verified_in: one of so many games is played again; 0: none.
         chunk: greatest number of games in one file.
+        doubts: what looks like a slip in the files that conditions name.
     """
 
     path: Path
@@ -100,6 +101,7 @@ class SweepDesign:
     one_bag_in: int
     one_verified_in: int
     chunk: int
+    doubts: tuple[BadFile, ...] = ()
 
     @property
     def games(self) -> int:
@@ -158,6 +160,7 @@ def read_design(path: Path) -> SweepDesign:
         _one_in(file.bags) or 0,
         file.verify,
         file.chunk,
+        settings.doubts,
     )
 
 

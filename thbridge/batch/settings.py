@@ -5,6 +5,7 @@ from pathlib import Path
 
 from sim.parameters import RobotParameters, WorldParameters
 from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
 from thbridge.study.plugins import plugins_of
 from thbridge.study.study_file import ParticipantSection, RecordingSection, Study
@@ -27,6 +28,12 @@ class SettingCache:
         if key not in self._settings:
             self._settings[key] = read_setting(study, self._beside, written=written)
         return dataclasses.replace(self._settings[key], study=study)
+
+    @property
+    def doubts(self) -> tuple[BadFile, ...]:
+        """Possible slips in the files of all studies so far, each once."""
+        found = {str(doubt): doubt for setting in self._settings.values() for doubt in setting.doubts}
+        return tuple(found.values())
 
 
 def _naming(study: Study) -> Study:

@@ -51,6 +51,11 @@ def test_a_fault_names_file_line_key_and_remedy(
     assert (caught.value.line, caught.value.key) == (line, key)
 
 
+def test_prices_of_another_map_are_warned_of() -> None:
+    with pytest.warns(api.HuntWarning, match="moves on the map office cost what this file has for the map arena8"):
+        api.HuntStudy(map="office", game={"costs": "original-2016"})
+
+
 def test_all_faults_of_a_file_are_told_at_once(tmp_path: Path) -> None:
     (tmp_path / "hunt.yaml").write_text("seed: -1\nrobots: 0\n")
     with pytest.raises(api.HuntError) as caught:

@@ -5,7 +5,8 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import chain
 
-from thbridge.app.compose.setting import advice_on_language, missing_in, read_map_of
+from thbridge.app.compose.setting import advice_on_language, missing_in
+from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign, OrderKind, name_of
 from thbridge.experiment.design.plan import plan_of
@@ -23,7 +24,7 @@ def advice_on(design: ExperimentDesign) -> tuple[str, ...]:
     return (
         *_on_texts(design),
         *_on_languages(design),
-        *_on_maps(design),
+        *_on_files(design),
         *_on_orders(design),
         *_on_results_shown(design),
         *_on_steps(design),
@@ -75,11 +76,12 @@ def _on_languages(design: ExperimentDesign) -> Iterator[str]:
     yield from dict.fromkeys(f"Participants would read another language: {fault}" for fault in missing)
 
 
-def _on_maps(design: ExperimentDesign) -> Iterator[str]:
-    """Yield what is allowed in a map, but looks like a slip."""
-    studies = {study.map: study for study in (design.study, *chain(*(cell.studies for cell in design.cells)))}
-    for study in studies.values():
-        yield from map(str, read_map_of(study, design.beside, with_costs=False).warnings)
+def _on_files(design: ExperimentDesign) -> Iterator[str]:
+    """Yield what is allowed in maps, treasures and prices, but looks like a slip."""
+    settings = SettingCache(design.beside)
+    for study in chain(*(cell.studies for cell in design.cells)):
+        settings.of(study)
+    yield from map(str, settings.doubts)
 
 
 def _on_orders(design: ExperimentDesign) -> Iterator[str]:

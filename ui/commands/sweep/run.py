@@ -59,6 +59,8 @@ def sweep_run(
         fail(BAD_INPUT, f"--shard: {shard!r} is no part of a whole. Write for example --shard 2/8, from 1/8 to 8/8.")
     with bad_input():
         design = read_design(design_file)
+        for doubt in design.doubts:
+            note(str(doubt))
         if check:
             if as_json:
                 print_json(design_as_json(design))
