@@ -16,7 +16,7 @@ from sim.common.grid import OCCUPIED, UNKNOWN
 from sim.common.observations import Twist
 from sim.common.robot_numbers import robot_name
 from sim.common.traversability import TraversabilityMap, inside
-from sim.inputs import CancelGoal, DriveManually, SendGoal
+from sim.inputs import CancelGoal, DriveManually
 from sim.numerics import elementary
 from sim.team import TeamSnapshot
 from thbridge.hunt import rules
@@ -26,12 +26,10 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.mavlink.role.speed_limit import SpeedLimit
 from thbridge.mavlink.role.station_texts import game_texts, handback_texts
-from thbridge.mavlink.role.trips import TripStage, VehicleTrip, advanced, is_responding
+from thbridge.mavlink.role.trips import TripDispatcher, is_responding
 from thbridge.mavlink.values.vehicle_interface import (
     DenialKind,
     Denied,
-    HelmLeg,
-    LegState,
     ParameterSettings,
     RobotReadings,
     Station,
@@ -45,8 +43,6 @@ from thbridge.roles.shared.robot_requests import (
     SetParameters,
     StationIdentify,
     StationLeave,
-    StationSend,
-    StationStop,
     StationTakePicture,
     TakeCommand,
 )
@@ -76,6 +72,23 @@ class GameSetup:
         xs, ys = np.array([x]), np.array([y])
         return next((room for room in self.rooms if inside(room.region, xs, ys)[0]), None)
 
+    def misplaced(self, robot: int, x: float, y: float) -> Denied | None:
+        """Return a denial, with the sentence of a navigator, when a robot can never stand at a point of the map."""
+        grid = self.floor.grid
+        row, col = grid.cell_of(x, y)
+        if not grid.contains(row, col):
+            axis: Literal["x", "y"] = "x" if 0 <= row < grid.rows else "y"
+            return Denied(reasons.failure_sentence(robot, "goal_outside"), axis=axis)
+        if grid.cells[row, col] == UNKNOWN:
+            return Denied(reasons.unknown_place_sentence(robot))
+        if _is_at_wall(self.floor, row, col):
+            return Denied(reasons.failure_sentence(robot, "goal_occupied"))
+        return None
+
+    def out_of_reach(self, robot: int, x: float, y: float) -> Denied | None:
+        """Return a denial when no goal beside the game can lead a robot to a point of the map."""
+        return None if self.plans_end_apart else self.misplaced(robot, x, y)
+
 
 class Pilot:
     """The `VehicleInterface` of one robot.
@@ -104,14 +117,11 @@ class Pilot:
         self._start = start
         self._speed_limit = speed_limit
         self._ask = ask
-        self._legs = 0
-        self._trip: VehicleTrip | None = None
+        self._trips = TripDispatcher(robot, ask)
         self._snapshot: TeamSnapshot | None = None
         self._game: GameState | None = None
-        # Requests to the game since the last tick, and whether its current move has to end.
+        # Commander after the requests since the last tick.
         self._new_holder: CommandHolder | None = None
-        self._sent = False
-        self._stopping = False
 
     # Command
 
@@ -121,16 +131,14 @@ class Pilot:
             return _NO_GAME
         if not is_responding(self._snapshot, self._robot):
             return Denied(reasons.unresponsive_sentence(self._robot))
-        self._give(TakeCommand(self._robot, str(station)), CommandHolder(Commander.GROUND_STATION, str(station)))
+        self._ask(TakeCommand(self._robot, str(station)))
+        self._new_holder = CommandHolder(Commander.GROUND_STATION, str(station))
         return None
 
     def release(self) -> None:
         """See `VehicleInterface`."""
-        self._give(ReleaseCommand(self._robot), CommandHolder())
-
-    def _give(self, request: TakeCommand | ReleaseCommand, command: CommandHolder) -> None:
-        self._ask(request)
-        self._new_holder = command
+        self._ask(ReleaseCommand(self._robot))
+        self._new_holder = CommandHolder()
 
     # Driving
 
@@ -141,28 +149,19 @@ class Pilot:
         state = self._able()
         if isinstance(state, Denied):
             return state
-        robot, outline = state.robots[self._robot], self._setup.room_at(target.x, target.y)
+        robot, outline, here = state.robots[self._robot], self._setup.room_at(target.x, target.y), self._here()
         room = None if outline is None else Room(outline.room)
         if outline is None or room is None or (robot.bound_for is None and robot.at == room):
-            if not self._is_here(target) and (denied := self._out_of_reach(target.x, target.y)) is not None:
-                return denied
-            trip = self._trip_to(self._pose_at(target), None)
-        else:
-            trip = self._trip_to(Pose2(*outline.goal), room)
-            if robot.bound_for == room and not self._stopping:
-                trip = replace(trip, stage=TripStage.GOING)
-            elif isinstance(ruling := self._judge(state, room), RequestRefused):
-                return Denied(ruling.sentence, is_done=ruling.reason == rules.RuleReason.ALREADY_VISITED)
-        self._legs += 1
-        self._trip = trip
-        if trip.stage is TripStage.WAITING:
-            self._trip = self._set_out(trip, state)
-        return trip.leg.number
+            cell_of = self._setup.floor.grid.cell_of
+            # A robot is in its own cell, whatever the map has there.
+            is_here = cell_of(target.x, target.y) == cell_of(here.x, here.y)
+            denied = None if is_here else self._setup.out_of_reach(self._robot, target.x, target.y)
+            return denied or self._trips.begin(_goal_pose(target, here), None, here, state)
+        return self._trips.begin(Pose2(*outline.goal), room, here, state)
 
     def halt(self) -> None:
         """See `VehicleInterface`."""
-        self._give_up(reasons.STOPPED)
-        self._stop_move()
+        self._trips.abort(reasons.STOPPED)
         self._ask(CancelGoal(self._robot))
 
     def drive(self, twist: Twist) -> Denied | None:
@@ -170,8 +169,7 @@ class Pilot:
         state = self._able()
         if isinstance(state, Denied):
             return state
-        self._give_up(reasons.BY_HAND)
-        self._stop_move()
+        self._trips.abort(reasons.BY_HAND)
         self._ask(DriveManually(self._robot, self._speed_limit.bounded(twist), MANUAL_DRIVE_TICKS))
         return None
 
@@ -192,41 +190,12 @@ class Pilot:
         return self._start
 
     def misplaced(self, x: float, y: float) -> Denied | None:
-        """See `VehicleInterface`; with the sentence of a navigator that fails for the same reason."""
-        grid = self._setup.floor.grid
-        row, col = grid.cell_of(x, y)
-        if not grid.contains(row, col):
-            axis: Literal["x", "y"] = "x" if 0 <= row < grid.rows else "y"
-            return Denied(reasons.failure_sentence(self._robot, "goal_outside"), axis=axis)
-        if grid.cells[row, col] == UNKNOWN:
-            return Denied(reasons.unknown_place_sentence(self._robot))
-        if self._is_at_wall(row, col):
-            return Denied(reasons.failure_sentence(self._robot, "goal_occupied"))
-        return None
-
-    def _is_at_wall(self, row: int, col: int) -> bool:
-        """Return True for a cell in a wall, too near to one, or at the map's rim; the unknown is no wall."""
-        floor = self._setup.floor
-        grid, reach = floor.grid, floor.inscribed / floor.grid.resolution
-        if not (0 < row < grid.rows - 1 and 0 < col < grid.cols - 1):
-            return True
-        cells = math.ceil(reach)
-        top, left = max(0, row - cells), max(0, col - cells)
-        around = grid.cells[top : row + cells + 1, left : col + cells + 1]
-        away = np.argwhere(around == OCCUPIED) - (row - top, col - left)
-        return bool((np.square(away).sum(axis=1) <= reach * reach).any())
+        """See `VehicleInterface`."""
+        return self._setup.misplaced(self._robot, x, y)
 
     def unreachable(self, x: float, y: float) -> Denied | None:
         """See `VehicleInterface`."""
-        return None if self._setup.room_at(x, y) is not None else self._out_of_reach(x, y)
-
-    def _out_of_reach(self, x: float, y: float) -> Denied | None:
-        return None if self._setup.plans_end_apart else self.misplaced(x, y)
-
-    def _is_here(self, target: Target) -> bool:
-        """Return True for a point in the robot's own cell: it is there, whatever the map has."""
-        grid, here = self._setup.floor.grid, self._here()
-        return grid.cell_of(target.x, target.y) == grid.cell_of(here.x, here.y)
+        return None if self._setup.room_at(x, y) is not None else self._setup.out_of_reach(self._robot, x, y)
 
     # Treasures
 
@@ -264,39 +233,9 @@ class Pilot:
         """Update the trip after a tick, and return the robot's readings."""
         news = () if game is None else tuple(game_texts(self._robot, self._game, game))
         asked = () if game is None else tuple(handback_texts(self._robot, self._game, game))
-        self._snapshot, self._game, self._new_holder, self._sent = snapshot, game, None, False
-        if game is not None:
-            self._stopping = self._stopping and game.robots[self._robot].bound_for is not None
-            if self._stopping:
-                self._ask(StationStop(self._robot))
-            if self._trip is not None and self._trip.under_way:
-                trip = advanced(self._trip, snapshot, game, self._robot)
-                self._trip = self._set_out(trip, game) if trip.stage is TripStage.WAITING else trip
+        self._snapshot, self._game, self._new_holder = snapshot, game, None
+        self._trips.follow(snapshot, game)
         return replace(self._readings(snapshot, game), announcements=news, participant_requests=asked)
-
-    def _set_out(self, trip: VehicleTrip, state: GameState) -> VehicleTrip:
-        """Request a trip, unless a move of the game has to end first.
-
-        A return home outlives the command of a station that was lost, until somebody else sends the robot elsewhere.
-        """
-        mover = state.robots[self._robot]
-        if self._sent or mover.bound_for is not None:
-            if not self._stopping:
-                if mover.holder.by is not Commander.GROUND_STATION:
-                    return trip.failed(reasons.ELSEWHERE)
-                self._stop_move()
-            return trip
-        if trip.room is None:
-            if mover.intervention is not None:
-                return trip.failed(reasons.ELSEWHERE)
-            self._ask(SendGoal(self._robot, trip.goal))
-            return replace(trip, stage=TripStage.GOING)
-        ruling = rules.move(state, self._robot, trip.room, Commander.GROUND_STATION)
-        if isinstance(ruling, RequestRefused):
-            return trip.failed(ruling.sentence)
-        self._ask(StationSend(self._robot, trip.room.people))
-        self._sent = True
-        return replace(trip, stage=TripStage.ASKED)
 
     def _readings(self, snapshot: TeamSnapshot, game: GameState | None) -> RobotReadings:
         output = snapshot.robots[self._robot]
@@ -314,7 +253,7 @@ class Pilot:
             under_way=responsive and goal is not None,
             commander=holder.name if holder.by is Commander.GROUND_STATION else None,
             commanded_by=_commander_text(CommandHolder() if robot is None else robot.command),
-            leg=None if self._trip is None else self._trip.leg,
+            leg=self._trips.leg,
         )
 
     # Conditions
@@ -337,36 +276,26 @@ class Pilot:
             return Denied(f"{robot_name(self._robot).capitalize()} has no energy left.")
         return state
 
-    def _judge(self, state: GameState, room: Room) -> rules.Ruling:
-        """Return the rules' verdict on a move; a moving robot is judged as stopped, because it is stopped first."""
-        back = rules.fail(state, self._robot, "", 0.0)
-        for event in () if isinstance(back, RequestRefused) else back:
-            state = apply(state, event)
-        return rules.move(state, self._robot, room, Commander.GROUND_STATION)
-
-    def _trip_to(self, target: Pose2, room: Room | None) -> VehicleTrip:
-        return VehicleTrip(HelmLeg(self._legs + 1, LegState.UNDER_WAY, self._here().distance(target)), target, room)
-
-    def _pose_at(self, target: Target) -> Pose2:
-        """Return the goal pose; without a heading the direction from here to the target is used."""
-        here, heading = self._here(), target.heading
-        ahead = elementary.atan2(target.y - here.y, target.x - here.x)
-        return Pose2(target.x, target.y, ahead if heading is None else heading)
-
     def _here(self) -> Pose2:
         return self._start if self._snapshot is None else self._snapshot.robots[self._robot].estimate.base_in_map
 
-    def _give_up(self, reason: str) -> None:
-        """Abort the leg in progress, if any."""
-        if self._trip is not None and self._trip.under_way:
-            self._trip = self._trip.failed(reason)
 
-    def _stop_move(self) -> None:
-        """Stop the game's current move, or the one just requested; it takes some ticks, and is requested until then."""
-        under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
-        if under_way:
-            self._ask(StationStop(self._robot))
-        self._stopping = under_way or self._sent
+def _goal_pose(target: Target, here: Pose2) -> Pose2:
+    """Return the goal pose; without a heading the direction from here to the target is used."""
+    ahead = elementary.atan2(target.y - here.y, target.x - here.x)
+    return Pose2(target.x, target.y, ahead if target.heading is None else target.heading)
+
+
+def _is_at_wall(floor: TraversabilityMap, row: int, col: int) -> bool:
+    """Return True for a cell in a wall, too near to one, or at the map's rim; the unknown is no wall."""
+    grid, reach = floor.grid, floor.inscribed / floor.grid.resolution
+    if not (0 < row < grid.rows - 1 and 0 < col < grid.cols - 1):
+        return True
+    cells = math.ceil(reach)
+    top, left = max(0, row - cells), max(0, col - cells)
+    around = grid.cells[top : row + cells + 1, left : col + cells + 1]
+    away = np.argwhere(around == OCCUPIED) - (row - top, col - left)
+    return bool((np.square(away).sum(axis=1) <= reach * reach).any())
 
 
 def _commander_text(command: CommandHolder) -> str:

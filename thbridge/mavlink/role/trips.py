@@ -1,17 +1,23 @@
 """Trips that ground stations send a robot on: a move of the game, or a goal of its navigator beside it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
+from sim.inputs import SendGoal
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
-from thbridge.hunt.game import GameState
+from thbridge.hunt import rules
+from thbridge.hunt.events import Commander
+from thbridge.hunt.game import GameState, apply
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.mavlink.values.vehicle_interface import HelmLeg, LegState
+from thbridge.mavlink.values.vehicle_interface import Denied, HelmLeg, LegState
 from thbridge.roles.shared import failure_reasons as reasons
+from thbridge.roles.shared.robot_requests import Request, StationSend, StationStop
 from thbridge.ros.messages.goal_owners import GoalOwner
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND
@@ -61,6 +67,100 @@ class VehicleTrip:
     def failed(self, reason: str) -> "VehicleTrip":
         """Return the trip, given up for this reason."""
         return self.ended(LegState.FAILED, reason)
+
+
+class TripDispatcher:
+    """Trips of one robot, one at a time: requests each from the game, or the navigator, when its turn has come.
+
+    Args:
+        robot: its index in the team, from 0.
+        ask: takes requests to robots and game for the next tick.
+    """
+
+    def __init__(self, robot: int, ask: Callable[[Request], None]) -> None:
+        self._robot = robot
+        self._ask = ask
+        self._legs = 0
+        self._trip: VehicleTrip | None = None
+        self._game: GameState | None = None
+        # A move was requested since the last tick; the game's current move has to end.
+        self._sent = False
+        self._stopping = False
+
+    @property
+    def leg(self) -> HelmLeg | None:
+        """Progress of the last trip; None before the first."""
+        return None if self._trip is None else self._trip.leg
+
+    def begin(self, target: Pose2, room: Room | None, here: Pose2, state: GameState) -> int | Denied:
+        """Begin a trip in place of the last one.
+
+        Args:
+            target: goal pose of the base, map frame.
+            room: destination of a move of the game; None: a goal beside the game.
+            here: present pose of the base, map frame.
+            state: of the game, after all requests so far.
+
+        Returns:
+            The number of its leg, or the game's refusal.
+        """
+        trip = VehicleTrip(HelmLeg(self._legs + 1, LegState.UNDER_WAY, here.distance(target)), target, room)
+        if room is not None and state.robots[self._robot].bound_for == room and not self._stopping:
+            trip = replace(trip, stage=TripStage.GOING)
+        elif room is not None and isinstance(ruling := _judge(state, self._robot, room), RequestRefused):
+            return Denied(ruling.sentence, is_done=ruling.reason == rules.RuleReason.ALREADY_VISITED)
+        self._legs += 1
+        self._trip = self._set_out(trip, state) if trip.stage is TripStage.WAITING else trip
+        return trip.leg.number
+
+    def abort(self, reason: str) -> None:
+        """Abort the trip in progress for this reason, and the game's move, whoever requested it."""
+        if self._trip is not None and self._trip.under_way:
+            self._trip = self._trip.failed(reason)
+        self._stop_move()
+
+    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> None:
+        """Update the trip after a tick."""
+        self._game, self._sent = game, False
+        if game is None:
+            return
+        self._stopping = self._stopping and game.robots[self._robot].bound_for is not None
+        if self._stopping:
+            self._ask(StationStop(self._robot))
+        if self._trip is not None and self._trip.under_way:
+            trip = advanced(self._trip, snapshot, game, self._robot)
+            self._trip = self._set_out(trip, game) if trip.stage is TripStage.WAITING else trip
+
+    def _set_out(self, trip: VehicleTrip, state: GameState) -> VehicleTrip:
+        """Request a trip, unless a move of the game has to end first.
+
+        A return home outlives the command of a station that was lost, until somebody else sends the robot elsewhere.
+        """
+        mover = state.robots[self._robot]
+        if self._sent or mover.bound_for is not None:
+            if not self._stopping:
+                if mover.holder.by is not Commander.GROUND_STATION:
+                    return trip.failed(reasons.ELSEWHERE)
+                self._stop_move()
+            return trip
+        if trip.room is None:
+            if mover.intervention is not None:
+                return trip.failed(reasons.ELSEWHERE)
+            self._ask(SendGoal(self._robot, trip.goal))
+            return replace(trip, stage=TripStage.GOING)
+        ruling = rules.move(state, self._robot, trip.room, Commander.GROUND_STATION)
+        if isinstance(ruling, RequestRefused):
+            return trip.failed(ruling.sentence)
+        self._ask(StationSend(self._robot, trip.room.people))
+        self._sent = True
+        return replace(trip, stage=TripStage.ASKED)
+
+    def _stop_move(self) -> None:
+        """Stop the game's current move, or the one just requested; it takes some ticks, and is requested until then."""
+        under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
+        if under_way:
+            self._ask(StationStop(self._robot))
+        self._stopping = under_way or self._sent
 
 
 def is_responding(snapshot: TeamSnapshot, robot: int) -> bool:
@@ -114,3 +214,11 @@ def _with_remaining(trip: VehicleTrip, output: RobotOutput) -> VehicleTrip:
     planned = trip.stage is TripStage.GOING and navigation.state == "controlling"
     left = navigation.remaining if planned else output.estimate.base_in_map.distance(trip.target)
     return replace(trip, leg=replace(trip.leg, remaining=left))
+
+
+def _judge(state: GameState, robot: int, room: Room) -> rules.Ruling:
+    """Return the rules' verdict on a move; a moving robot is judged as stopped, because it is stopped first."""
+    back = rules.fail(state, robot, "", 0.0)
+    for event in () if isinstance(back, RequestRefused) else back:
+        state = apply(state, event)
+    return rules.move(state, robot, room, Commander.GROUND_STATION)
