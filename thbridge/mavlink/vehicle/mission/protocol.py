@@ -224,7 +224,7 @@ class MissionProtocol(Microservice):
             return item
         if (invalid := unfit(item, size)) is not None:
             return invalid
-        denied = self._run.misplaced(item)
+        denied = self._run.execution.misplaced(item)
         return item if denied is None else misplaced(denied)
 
     def _handle_clear(self, peer: MissionPeer, mission_type: int) -> Iterator[OutgoingMessage]:

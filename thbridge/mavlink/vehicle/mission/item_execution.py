@@ -1,0 +1,211 @@
+"""Execution of mission items, one at a time, through the vehicle interface.
+
+Source: the MAVLink developer guide, "Mission Protocol", and the descriptions in MAV_CMD.
+Differs: a waypoint is reached when the robot has arrived there, never by passing within the acceptance radius, because
+a point in a room is a move of the game and ends at that room's own place.
+"""
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.mavlink.values.options import VisitedRooms
+from thbridge.mavlink.values.vehicle_interface import Denied, LegState, RobotReadings, Target, VehicleInterface
+from thbridge.mavlink.vehicle.geodesy import GeoPoint, MapProjection
+from thbridge.mavlink.vehicle.mission.items import MissionItem
+from thbridge.mavlink.vehicle.mode.home import HomePosition
+from thbridge.mavlink.wire.coordinates import PER_METRE, theta_of
+from thbridge.mavlink.wire.dialect import mav
+
+_IN_ROOM = frozenset((mav.MAV_CMD_IMAGE_START_CAPTURE, mav.MAV_CMD_USER_1, mav.MAV_CMD_USER_2))
+"""Commands about the treasure of the room to which the item before them has led."""
+
+_UNLIMITED = -1
+"""Repeats of a jump without end."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Driving:
+    """Stage of an item that waits for the end of the mission's leg."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Waiting:
+    """Stage of an item that waits for this tick; infinity: for ever."""
+
+    until: float
+
+
+@dataclass(frozen=True, slots=True)
+class ItemJump:
+    """Jump to this item."""
+
+    to: int
+
+
+@dataclass(frozen=True, slots=True)
+class ItemSkip:
+    """Skip the item, for this reason."""
+
+    sentence: str
+
+
+_Stage = _Driving | _Waiting
+"""Stage of an item in execution."""
+
+
+class ItemExecution:
+    """Execution of one robot's mission items, whatever mission they belong to.
+
+    Args:
+        robot: interface to the robot.
+        home: home position.
+        earth: map projection.
+        ardupilot: leave headings at waypoints free, as ArduPilot does.
+        visited_rooms: action at an item that leads into a room that was visited already.
+    """
+
+    def __init__(
+        self,
+        robot: VehicleInterface,
+        home: HomePosition,
+        earth: MapProjection,
+        ardupilot: bool,
+        visited_rooms: VisitedRooms,
+    ) -> None:
+        self._robot = robot
+        self._home = home
+        self._earth = earth
+        self._ardupilot = ardupilot
+        self._skips = visited_rooms is VisitedRooms.SKIP
+        self._stage: _Stage | None = None
+        # The leg that the robot drives for the mission.
+        self._leg: int | None = None
+        self._jumps: Counter[int] = Counter()
+        # The items that were skipped since the robot last arrived anywhere, and whether the last one with a place was.
+        self._skipped: set[int] = set()
+        self._is_elsewhere = False
+
+    def misplaced(self, item: MissionItem) -> Denied | None:
+        """Return the denial of an item whose place the robot can never get to; None when it can, or has no place."""
+        if not item.has_place or item.is_here:
+            return None
+        sets_home = item.command == mav.MAV_CMD_DO_SET_HOME
+        return (self._robot.misplaced if sets_home else self._robot.unreachable)(*self._point(item))
+
+    def step(
+        self, number: int, item: MissionItem, tick: int, readings: RobotReadings
+    ) -> _Stage | ItemJump | ItemSkip | Denied | None:
+        """Begin or continue the item of this number; return its stage, or its end: None when it is done."""
+        stage = self._stage
+        result = self._begin(number, item, tick) if stage is None else self._continue(stage, item, tick, readings)
+        if isinstance(result, Denied | ItemSkip) or (isinstance(result, _Waiting) and stage is None):
+            # The robot may still drive for an item that was replaced by this one.
+            self.stand()
+        self._stage = result if isinstance(result, _Driving | _Waiting) else None
+        return result
+
+    def stand(self) -> None:
+        """Halt the robot if it drives for the mission."""
+        if self._leg is not None:
+            self._robot.halt()
+            self._leg = None
+
+    def drop(self) -> None:
+        """Stop executing the item, which will begin again. The caller must halt the robot itself."""
+        self._stage = self._leg = None
+
+    def restart(self) -> None:
+        """Begin with any item, as if the mission began with it."""
+        self._stage = None
+        self._jumps.clear()
+        self._skipped.clear()
+        self._is_elsewhere = False
+
+    def _begin(self, number: int, item: MissionItem, tick: int) -> _Stage | ItemJump | ItemSkip | Denied | None:
+        """Begin an item and return its stage; None when it is done at once."""
+        first, second, _, _ = item.params
+        match item.command:
+            case command if self._is_elsewhere and command in _IN_ROOM:
+                return self._skip(number, Denied("It is for the room that was skipped."))
+            case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME | mav.MAV_CMD_NAV_LOITER_UNLIM:
+                return self._leg_to(number, self._target(item)) if item.has_place else _stay(item, tick)
+            case mav.MAV_CMD_NAV_RETURN_TO_LAUNCH:
+                return self._leg_to(number, self._home.target)
+            case mav.MAV_CMD_DO_SET_HOME if item.is_here:
+                return self._home.set_here()
+            case mav.MAV_CMD_DO_SET_HOME:
+                return self._home.set_to(Target(*self._point(item)))
+            case mav.MAV_CMD_NAV_DELAY | mav.MAV_CMD_CONDITION_DELAY:
+                return _Waiting(tick + first * TICKS_PER_SECOND)
+            case mav.MAV_CMD_DO_JUMP:
+                return self._jump(number, int(first), int(second))
+            case mav.MAV_CMD_DO_CHANGE_SPEED:
+                # NaN and -1 keep the limit; -2, as all numbers below zero, restores the study's.
+                return None if math.isnan(second) or second == -1 else self._robot.limit_speed(second)
+            case mav.MAV_CMD_IMAGE_START_CAPTURE:
+                return self._robot.photograph()
+            case mav.MAV_CMD_USER_1:
+                return self._robot.identify(int(first))
+            case _:
+                return self._robot.leave()
+
+    def _continue(self, stage: _Stage, item: MissionItem, tick: int, readings: RobotReadings) -> _Stage | Denied | None:
+        """Return an item's stage one tick later; None when it is done."""
+        if isinstance(stage, _Waiting):
+            return stage if tick < stage.until else None
+        leg = readings.leg
+        if leg is None or leg.number != self._leg or leg.state is LegState.UNDER_WAY:
+            return stage
+        self._leg = None
+        if leg.state is LegState.FAILED:
+            return Denied(leg.reason or "The robot did not get there.")
+        self._skipped.clear()
+        return _stay(item, tick)
+
+    def _leg_to(self, item: int, target: Target) -> _Driving | ItemSkip | Denied:
+        leg = self._robot.go_to(target)
+        if isinstance(leg, Denied):
+            if not (leg.is_done and self._skips):
+                return leg
+            self._is_elsewhere = True
+            return self._skip(item, leg)
+        self._leg, self._is_elsewhere = leg, False
+        return _Driving()
+
+    def _skip(self, item: int, denied: Denied) -> ItemSkip | Denied:
+        """Skip an item; halt where it comes again without a way in between: nothing is left to do."""
+        if item in self._skipped:
+            return denied
+        self._skipped.add(item)
+        return ItemSkip(denied.sentence)
+
+    def _jump(self, item: int, to: int, repeats: int) -> ItemJump | None:
+        if repeats != _UNLIMITED and self._jumps[item] >= repeats:
+            return None
+        self._jumps[item] += 1
+        return ItemJump(to)
+
+    def _target(self, item: MissionItem) -> Target:
+        """Return the goal of an item, with the heading there."""
+        yaw = item.params[3]
+        looks_anywhere = self._ardupilot or item.command == mav.MAV_CMD_NAV_LOITER_TIME or math.isnan(yaw)
+        return Target(*self._point(item), None if looks_anywhere else theta_of(math.radians(yaw)))
+
+    def _point(self, item: MissionItem) -> tuple[float, float]:
+        """Return the place of an item, metres east and north in the map."""
+        if item.frame == mav.MAV_FRAME_LOCAL_NED:
+            return item.y / PER_METRE, item.x / PER_METRE
+        return self._earth.map_point(GeoPoint(item.x, item.y))
+
+
+def _stay(item: MissionItem, tick: int) -> _Waiting | None:
+    """Return the stage in which the robot stays at an item's place; None when it does not stay."""
+    match item.command:
+        case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME if item.params[0] > 0.0:
+            return _Waiting(tick + item.params[0] * TICKS_PER_SECOND)
+        case mav.MAV_CMD_NAV_LOITER_UNLIM:
+            return _Waiting(math.inf)
+        case _:
+            return None
