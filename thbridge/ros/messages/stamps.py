@@ -1,4 +1,4 @@
-"""Conversion of ticks to ROS time."""
+"""Conversion of ticks to ROS time and back."""
 
 from sim.common.observations import TICKS_PER_SECOND
 
@@ -11,3 +11,8 @@ TICK_NS = 1_000_000_000 // TICKS_PER_SECOND
 def stamp_ns(tick: int) -> int:
     """Nanoseconds of ROS time at a tick."""
     return START_NS + tick * TICK_NS
+
+
+def tick_of(stamp_ns: int) -> int:
+    """The tick at a time."""
+    return (stamp_ns - START_NS) // TICK_NS

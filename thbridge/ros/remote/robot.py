@@ -12,46 +12,32 @@ from typing import assert_never
 import numpy as np
 
 from sim.common.geometry import Pose2
-from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
+from sim.common.observations import Battery, Imu, Neighbour, Observations, Odometry
 from sim.common.robot_numbers import namespace_of, robot_name
 from sim.inputs import CancelGoal, DriveManually, SendGoal, SetPoseEstimate
-from sim.numerics import elementary, elementary_arrays
+from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
-from thbridge.ros import clients, names
+from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
-from thbridge.ros.frames import FrameTree, PlanarMount
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import GoalId
-from thbridge.ros.messages.stamps import START_NS, TICK_NS
-from thbridge.ros.names import frame_name
+from thbridge.ros.messages.stamps import TICK_NS, tick_of
 from thbridge.ros.remote.changes import RobotPart
 from thbridge.ros.remote.goals import MoveBaseClient, OutgoingCancel, OutgoingGoal
 from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.pose import STALE_NS, RemotePose
+from thbridge.ros.remote.topic_states import NO_POSES, RemotePlan, RemoteScans, VelocityCommands
 from thbridge.ros.topics import RosMessage, Topic
 
 RemoteInput = SendGoal | CancelGoal | DriveManually | SetPoseEstimate
 """Inputs that real robots accept."""
 
-COMMAND_NS = 100_000_000
-"""Time between two commands to the base while the robot is driven by hand."""
-COMMAND_LASTS_NS = 500_000_000
-"""Time after which a command to the base no longer holds: drivers stop without new commands."""
-NEAR_GOAL = 1.0
-"""A plan that ends farther than this from the goal belongs to another goal, metres."""
-
-_NO_POSES: FloatArray = np.empty((0, 3))
 _NO_TIMES: FloatArray = np.empty(0)
 
 _transforms = lru_cache(maxsize=4)(unpack.transforms)
 """Decoded messages of /tf, cached because all robots read the same ones."""
-
-
-def tick_of(stamp_ns: int) -> int:
-    """The tick at a time."""
-    return (stamp_ns - START_NS) // TICK_NS
 
 
 class RemoteRobot:
@@ -80,33 +66,39 @@ class RemoteRobot:
         self._footprint = footprint
         self._pose = RemotePose(named, stale_ns)
         self._goals = MoveBaseClient(f"{caller}-{namespace_of(robot)}-", stale_ns)
+        self._scans = RemoteScans(named.base_frame)
+        self._plan = RemotePlan()
         self._set_goal = Topic(named.action("goal"), types.MOVE_BASE_GOAL)
         self._cancel = Topic(named.action("cancel"), types.GOAL_ID)
-        self._cmd_vel = Topic(named.cmd_vel, types.TWIST)
+        cmd_vel = Topic(named.cmd_vel, types.TWIST)
+        self._commands = VelocityCommands(lambda data, now_ns: self._publish(cmd_vel, data, now_ns))
         self._initialpose = Topic(named.initialpose, types.POSE_WITH_COVARIANCE)
-        self.publications = (self._set_goal, self._cancel, self._cmd_vel, self._initialpose)
+        self.publications = (self._set_goal, self._cancel, cmd_vel, self._initialpose)
+        pose, goals = self._pose, self._goals
         self._handlers: dict[str, tuple[str, Callable[[bytes, int], InvalidMessage | None]]] = {
-            names.TF: (types.TFMESSAGE, self._receive_tf),
-            names.TF_STATIC: (types.TFMESSAGE, self._receive_static),
-            named.odom: (types.ODOMETRY, self._receive_odometry),
-            named.amcl_pose: (types.POSE_WITH_COVARIANCE, self._receive_pose),
-            named.scan: (types.LASER_SCAN, self._receive_scan),
+            names.TF: (types.TFMESSAGE, lambda data, now: pose.receive_transforms(_transforms(data), now)),
+            names.TF_STATIC: (types.TFMESSAGE, self._scans.receive_static),
+            named.odom: (types.ODOMETRY, lambda data, now: pose.receive_odometry(unpack.odometry(data), now)),
+            named.amcl_pose: (
+                types.POSE_WITH_COVARIANCE,
+                lambda data, _: pose.receive_pose(unpack.pose_with_covariance(data)),
+            ),
+            named.scan: (types.LASER_SCAN, self._scans.receive),
             named.battery: (types.BATTERY_STATE, self._receive_battery),
-            named.cmd_vel: (types.TWIST, self._receive_command),
-            named.plan: (types.PATH, self._receive_plan),
+            named.cmd_vel: (types.TWIST, self._commands.receive),
+            named.plan: (types.PATH, self._plan.receive),
             named.action("goal"): (types.MOVE_BASE_GOAL, self._receive_goal),
-            named.action("status"): (types.GOAL_STATUS_ARRAY, self._receive_status),
-            named.action("result"): (types.MOVE_BASE_RESULT, self._receive_result),
+            named.action("status"): (
+                types.GOAL_STATUS_ARRAY,
+                lambda data, now: goals.receive_status(unpack.goal_status_array(data), now),
+            ),
+            named.action("result"): (
+                types.MOVE_BASE_RESULT,
+                lambda data, now: goals.receive_result(unpack.goal_result(data), now),
+            ),
         }
         self.subscriptions = {topic: kind for topic, (kind, _) in self._handlers.items()}
-        self._frames = FrameTree()
-        self._scan: tuple[unpack.LaserScan, int] | None = None
         self._battery = (math.nan, math.nan, 0)
-        self._command = (STANDSTILL, -COMMAND_LASTS_NS)
-        self._plan = _NO_POSES
-        self._plan_ns = 0
-        self._drive: tuple[Twist, int] | None = None
-        self._driven_ns = -COMMAND_NS
 
     def missing(self) -> list[str]:
         """The messages that it still needs before it can take part, each with its topic."""
@@ -154,15 +146,14 @@ class RemoteRobot:
         """Send an input to the robot."""
         match item:
             case SendGoal(_, goal):
-                self._stop_driving(now_ns)
+                self._commands.stop(now_ns)
                 self._goals.go(goal, now_ns)
             case CancelGoal():
-                self._stop_driving(now_ns)
+                self._commands.stop(now_ns)
                 self._goals.halt(now_ns)
             case DriveManually(_, command, ticks):
                 self._goals.halt(now_ns)
-                self._drive = (command, now_ns + ticks * TICK_NS)
-                self._driven_ns = now_ns - COMMAND_NS
+                self._commands.drive(command, now_ns, ticks * TICK_NS)
             case SetPoseEstimate(_, base_in_map, covariance):
                 data = pack.pose_with_covariance(tick_of(now_ns), self.names.map_frame, base_in_map, covariance)
                 self._publish(self._initialpose, data, now_ns)
@@ -171,7 +162,7 @@ class RemoteRobot:
 
     def stop(self, now_ns: int) -> None:
         """Stop the robot, because nothing will be sent to it any more."""
-        self._stop_driving(now_ns)
+        self._commands.stop(now_ns)
         self._goals.halt(now_ns)
         self._publish_goals(now_ns)
 
@@ -182,14 +173,14 @@ class RemoteRobot:
         if estimate is None or received_ns is None:
             return None
         self._goals.step(now_ns, lost=estimate.lost, stale=self._pose.is_silent(now_ns))
-        self._repeat_command(now_ns)
+        self._commands.step(now_ns)
         navigation = self._navigation(estimate.base_in_map, now_ns)
         self._publish_goals(now_ns)
         observations = Observations(
             tick_of(received_ns),
             Odometry(tick_of(received_ns), self._pose.base_in_odom, self._pose.twist),
             Imu(tick_of(received_ns), self._pose.twist.angular),
-            self._new_scan(),
+            self._scans.take(),
             Battery(tick_of(self._battery[2]), self._battery[0], self._battery[1]),
         )
         neighbour = Neighbour(
@@ -199,118 +190,36 @@ class RemoteRobot:
 
     # Received messages
 
-    def _receive_tf(self, data: bytes, now_ns: int) -> None:
-        self._pose.receive_transforms(_transforms(data), now_ns)
-
-    def _receive_static(self, data: bytes, now_ns: int) -> None:
-        for transform in unpack.spatial_transforms(data):
-            self._frames.add(transform)
-
-    def _receive_odometry(self, data: bytes, now_ns: int) -> InvalidMessage | None:
-        return self._pose.receive_odometry(unpack.odometry(data), now_ns)
-
-    def _receive_pose(self, data: bytes, now_ns: int) -> InvalidMessage | None:
-        return self._pose.receive_pose(unpack.pose_with_covariance(data))
-
-    def _receive_scan(self, data: bytes, now_ns: int) -> None:
-        self._scan = unpack.laser_scan(data), now_ns
-
     def _receive_battery(self, data: bytes, now_ns: int) -> None:
         message = unpack.battery_state(data)
         self._battery = message.charge, message.charge / message.percentage if message.percentage else math.nan, now_ns
-
-    def _receive_command(self, data: bytes, now_ns: int) -> InvalidMessage | None:
-        command = clients.velocity(data)
-        if isinstance(command, InvalidMessage):
-            return command
-        self._command = command, now_ns
-        return None
-
-    def _receive_plan(self, data: bytes, now_ns: int) -> InvalidMessage | None:
-        plan = unpack.path(data)
-        if not np.isfinite(plan).all():
-            return InvalidMessage("its poses are not finite")
-        self._plan, self._plan_ns = plan, now_ns
-        return None
 
     def _receive_goal(self, data: bytes, now_ns: int) -> None:
         message = unpack.move_base_goal(data)
         self._goals.receive_goal(message.goal_id, message.pose, now_ns)
 
-    def _receive_status(self, data: bytes, now_ns: int) -> None:
-        self._goals.receive_status(unpack.goal_status_array(data), now_ns)
-
-    def _receive_result(self, data: bytes, now_ns: int) -> None:
-        self._goals.receive_result(unpack.goal_result(data), now_ns)
-
     # Output
 
     def _navigation(self, here: Pose2, now_ns: int) -> Navigation:
         goal = self._goals.goal(now_ns, here)
-        plan = _NO_POSES if goal is None else self._plan_ahead(here, goal.base_in_map)
+        plan = NO_POSES if goal is None else self._plan.ahead(here, goal.base_in_map, self._goals.sent_ns)
         remaining = 0.0
         if len(plan):
             remaining = float(elementary_arrays.hypot(*np.diff(plan[:, :2], axis=0).T).sum())
         elif goal is not None:
             remaining = here.distance(goal.base_in_map)
-        commanded, commanded_ns = self._command
         return Navigation(
-            command=commanded if now_ns - commanded_ns <= COMMAND_LASTS_NS else STANDSTILL,
+            command=self._commands.current(now_ns),
             goal=goal,
             state="idle" if goal is None else "controlling" if self._goals.active else "planning",
             plan=plan,
             times=_NO_TIMES,
-            local_plan=_NO_POSES,
+            local_plan=NO_POSES,
             result=self._goals.results.pop(0) if self._goals.results else None,
             remaining=remaining,
         )
 
-    def _plan_ahead(self, here: Pose2, there: Pose2) -> FloatArray:
-        """The rest of the plan to the goal, beginning at the robot's own pose; empty without a plan."""
-        plan = self._plan
-        if not len(plan) or self._plan_ns < self._goals.sent_ns:
-            return _NO_POSES
-        if elementary.hypot(plan[-1, 0] - there.x, plan[-1, 1] - there.y) > NEAR_GOAL:
-            return _NO_POSES
-        nearest = int(np.argmin(elementary_arrays.hypot(plan[:, 0] - here.x, plan[:, 1] - here.y)))
-        return np.vstack([here.array(), plan[nearest + 1 :]])
-
-    def _new_scan(self) -> Scan | None:
-        """The newest scan, returned once; None while the laser's mounting is unknown."""
-        if self._scan is None:
-            return None
-        (read, received_ns), self._scan = self._scan, None
-        laser_in_base = self._frames.pose(frame_name(read.frame), self.names.base_frame)
-        if laser_in_base is None:
-            return None
-        mount = PlanarMount.of(laser_in_base)
-        sign = -1.0 if mount.upside_down else 1.0
-        beams = len(read.ranges)
-        increment = (read.angle_max - read.angle_min) / (beams - 1) if beams > 1 else 0.0
-        laser = LaserMount(
-            mount.laser_in_base, sign * read.angle_min, sign * increment, beams, read.range_min, read.range_max
-        )
-        nothing = (read.ranges >= read.range_max) | (read.ranges <= read.range_min)
-        return Scan(tick_of(received_ns), laser, np.where(nothing, np.float32(np.inf), read.ranges))
-
     # Sent messages
-
-    def _repeat_command(self, now_ns: int) -> None:
-        if self._drive is None:
-            return
-        command, until_ns = self._drive
-        if now_ns >= until_ns:
-            self._stop_driving(now_ns)
-        elif now_ns - self._driven_ns >= COMMAND_NS:
-            self._driven_ns = now_ns
-            self._publish(self._cmd_vel, pack.command(command), now_ns)
-            self._command = command, now_ns
-
-    def _stop_driving(self, now_ns: int) -> None:
-        if self._drive is not None:
-            self._drive = None
-            self._publish(self._cmd_vel, pack.command(STANDSTILL), now_ns)
-            self._command = STANDSTILL, now_ns
 
     def _publish_goals(self, now_ns: int) -> None:
         message, self._goals.outgoing = self._goals.outgoing, []

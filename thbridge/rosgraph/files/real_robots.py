@@ -12,10 +12,9 @@ from thbridge.ros.messages import pack
 from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.messages.records import Record
 from thbridge.ros.messages.session_records import InputRecord, SessionRecord
-from thbridge.ros.messages.stamps import stamp_ns
+from thbridge.ros.messages.stamps import stamp_ns, tick_of
 from thbridge.ros.names import MAP_FRAME
 from thbridge.ros.publisher import messages_of
-from thbridge.ros.remote.robot import tick_of
 from thbridge.ros.topics import INPUTS, ROOMS, SESSION, RosMessage
 from thbridge.rosgraph.wire import links
 

@@ -26,10 +26,11 @@ from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.messages.cursor import Cursor
+from thbridge.ros.messages.stamps import tick_of
 from thbridge.ros.reconfigure import DescribedParameter
 from thbridge.ros.remote.changes import RobotPart, SettledState, sentence_of_change
 from thbridge.ros.remote.clock import RosClock
-from thbridge.ros.remote.robot import RemoteRobot, missing_of, tick_of
+from thbridge.ros.remote.robot import RemoteRobot, missing_of
 from thbridge.ros.topics import RosMessage
 from thbridge.rosgraph.sockets.fleet_parameters import FleetParameters
 from thbridge.rosgraph.sockets.joining import GraphAddress

@@ -14,8 +14,8 @@ from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.pack import Transform
-from thbridge.ros.messages.stamps import stamp_ns
-from thbridge.ros.remote.robot import RemoteRobot, missing_of, tick_of
+from thbridge.ros.messages.stamps import stamp_ns, tick_of
+from thbridge.ros.remote.robot import RemoteRobot, missing_of
 from thbridge.study.real_robots import FleetNames
 
 NAMED = FleetNames().names(2)
