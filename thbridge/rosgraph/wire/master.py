@@ -12,7 +12,7 @@ rosmaster means to do. Caller ids are taken for global names.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -108,6 +108,79 @@ METHODS = frozenset(_VALUE_ON_ERROR)
 """Names of all methods."""
 
 
+class ParameterServer:
+    """Parameters of a ROS graph; the subscriptions to them are registrations.
+
+    Args:
+        registrations: of all nodes.
+        notify: takes the notifications of subscribers.
+    """
+
+    def __init__(self, registrations: Registrations, notify: Callable[[ParamUpdate], None]) -> None:
+        self._registrations = registrations
+        self._notify = notify
+        self._tree = ParameterTree()
+
+    def set(self, caller: str, key: str, value: XmlRpcValue) -> ApiReply:
+        """Set a parameter, and notify all subscribers but the caller."""
+        if value is None:
+            raise InvalidArgumentError("ERROR: parameter [value] must be specified")
+        try:
+            self._tree.set(key, value)
+        except ValueError as error:
+            return ApiReply(ERROR, f"Error: invalid arguments: {error}", 0)
+        self._tell_of_change(key, value, author=caller)
+        return ApiReply(SUCCESS, f"parameter {key} set", 0)
+
+    def get(self, key: str) -> ApiReply:
+        """Return a parameter, or a namespace."""
+        try:
+            return ApiReply(SUCCESS, f"Parameter [{key}]", self._tree.get(key))
+        except KeyError:
+            return ApiReply(ERROR, f"Parameter [{key}] is not set", 0)
+
+    def delete(self, key: str) -> ApiReply:
+        """Delete a parameter, and notify its subscribers."""
+        try:
+            self._tree.delete(key)
+        except KeyError:
+            return ApiReply(ERROR, f"parameter [{key}] is not set", 0)
+        self._tell_of_change(key, {}, author=None)
+        return ApiReply(SUCCESS, f"parameter {key} deleted", 0)
+
+    def search(self, caller: str, key: str) -> ApiReply:
+        """Look for a parameter in the caller's namespace and in those that enclose it."""
+        found = self._tree.search(caller, key)
+        if found is None:
+            return ApiReply(ERROR, f"Cannot find parameter [{key}] in an upwards search", "")
+        return ApiReply(SUCCESS, f"Found [{found}]", found)
+
+    def has(self, key: str) -> ApiReply:
+        """Return whether a parameter is set."""
+        return ApiReply(SUCCESS, key, key in self._tree)
+
+    def names(self) -> ApiReply:
+        """Return the names of all parameters."""
+        return ApiReply(SUCCESS, "Parameter names", [*self._tree.names()])
+
+    def subscribed(self, key: str) -> ApiReply:
+        """Return a parameter to its new subscriber; an empty dict when it is not set."""
+        value: XmlRpcValue = self._tree.get(key) if key in self._tree else {}
+        return ApiReply(SUCCESS, f"Subscribed to parameter [{key}]", value)
+
+    def unsubscribe(self, caller: str, api: str, key: str) -> ApiReply:
+        """Remove a subscription."""
+        self._registrations.unregister(ProviderKind.PARAMETER, _subscription(key), caller, api)
+        return ApiReply(SUCCESS, f"Unsubscribe to parameter [{key}]", 1)
+
+    def _tell_of_change(self, key: str, value: XmlRpcValue, author: str | None) -> None:
+        subscribed = self._registrations.keys(ProviderKind.PARAMETER)
+        for update in updates(subscribed, key, value):
+            for provider in self._registrations.providers(ProviderKind.PARAMETER, update.subscription):
+                if not (update.own and provider.node == author):
+                    self._notify(ParamUpdate(provider.api, update.key, update.value))
+
+
 class Master:
     """State of a ROS graph.
 
@@ -124,8 +197,8 @@ class Master:
         self._pid = pid
         self._registrations = Registrations()
         self._types: dict[str, str] = {}
-        self._parameters = ParameterTree()
         self._notifications: list[Notification] = []
+        self._parameters = ParameterServer(self._registrations, self._notifications.append)
         self.stopped = False
 
     def handle(self, call: MethodCall) -> tuple[ApiReply, list[Notification]]:
@@ -141,7 +214,7 @@ class Master:
             KeyError: there is no such method.
         """
         on_error = _VALUE_ON_ERROR[call.method]
-        self._notifications = []
+        self._notifications.clear()
         if not call.params:
             return ApiReply(ERROR, "missing required caller_id parameter", on_error), []
         caller, *given = call.params
@@ -153,7 +226,7 @@ class Master:
             reply = ApiReply(FAILURE, f"Internal failure: {error}", on_error)
         if reply.value is None:
             reply = ApiReply(ERROR, "Internal error (None value returned)", on_error)
-        return reply, self._notifications
+        return reply, [*self._notifications]
 
     def refuse_update(self, api: str, key: str) -> None:
         """Remove a node's subscription to a parameter (with a slash at its end), because it refused an update."""
@@ -199,22 +272,23 @@ class Master:
                 self.stopped = True
                 return ApiReply(SUCCESS, "shutdown", 0)
             case "setParam", [key, value]:
-                return self._set_param(caller, global_key(key, caller), value)
+                return self._parameters.set(caller, global_key(key, caller), value)
             case "getParam", [key]:
-                return self._get_param(global_key(key, caller))
+                return self._parameters.get(global_key(key, caller))
             case "deleteParam", [key]:
-                return self._delete_param(global_key(key, caller))
+                return self._parameters.delete(global_key(key, caller))
             case "hasParam", [key]:
-                name = global_key(key, caller)
-                return ApiReply(SUCCESS, name, name in self._parameters)
+                return self._parameters.has(global_key(key, caller))
             case "searchParam", [key]:
-                return self._search_param(caller, relative_key(key))
+                return self._parameters.search(caller, relative_key(key))
             case "subscribeParam", [api, key]:
-                return self._subscribe_param(caller, api_uri(api), global_key(key, caller))
+                uri, name = api_uri(api), global_key(key, caller)
+                self._register(ProviderKind.PARAMETER, _subscription(name), caller, uri)
+                return self._parameters.subscribed(name)
             case "unsubscribeParam", [api, key]:
-                return self._unsubscribe_param(caller, api_uri(api), global_key(key, caller))
+                return self._parameters.unsubscribe(caller, api_uri(api), global_key(key, caller))
             case "getParamNames", []:
-                return ApiReply(SUCCESS, "Parameter names", [*self._parameters.names()])
+                return self._parameters.names()
             case _:
                 raise InvalidArgumentError("Error: bad call arity")
 
@@ -292,54 +366,6 @@ class Master:
         inside = namespace and namespace.removesuffix(SEPARATOR) + SEPARATOR
         topics = [topic for topic in self._registrations.keys(ProviderKind.PUBLISHER) if topic.startswith(inside)]
         return ApiReply(SUCCESS, "current topics", [[topic, self._types[topic]] for topic in topics])
-
-    # -- parameters ----------------------------------------------------------------------------------------------------
-
-    def _tell_of_change(self, key: str, value: XmlRpcValue, author: str | None) -> None:
-        subscribed = self._registrations.keys(ProviderKind.PARAMETER)
-        for update in updates(subscribed, key, value):
-            for provider in self._registrations.providers(ProviderKind.PARAMETER, update.subscription):
-                if not (update.own and provider.node == author):
-                    self._notifications.append(ParamUpdate(provider.api, update.key, update.value))
-
-    def _set_param(self, caller: str, key: str, value: XmlRpcValue) -> ApiReply:
-        if value is None:
-            raise InvalidArgumentError("ERROR: parameter [value] must be specified")
-        try:
-            self._parameters.set(key, value)
-        except ValueError as error:
-            return ApiReply(ERROR, f"Error: invalid arguments: {error}", 0)
-        self._tell_of_change(key, value, author=caller)
-        return ApiReply(SUCCESS, f"parameter {key} set", 0)
-
-    def _get_param(self, key: str) -> ApiReply:
-        try:
-            return ApiReply(SUCCESS, f"Parameter [{key}]", self._parameters.get(key))
-        except KeyError:
-            return ApiReply(ERROR, f"Parameter [{key}] is not set", 0)
-
-    def _delete_param(self, key: str) -> ApiReply:
-        try:
-            self._parameters.delete(key)
-        except KeyError:
-            return ApiReply(ERROR, f"parameter [{key}] is not set", 0)
-        self._tell_of_change(key, {}, author=None)
-        return ApiReply(SUCCESS, f"parameter {key} deleted", 0)
-
-    def _search_param(self, caller: str, key: str) -> ApiReply:
-        found = self._parameters.search(caller, key)
-        if found is None:
-            return ApiReply(ERROR, f"Cannot find parameter [{key}] in an upwards search", "")
-        return ApiReply(SUCCESS, f"Found [{found}]", found)
-
-    def _subscribe_param(self, caller: str, api: str, key: str) -> ApiReply:
-        self._register(ProviderKind.PARAMETER, _subscription(key), caller, api)
-        value: XmlRpcValue = self._parameters.get(key) if key in self._parameters else {}
-        return ApiReply(SUCCESS, f"Subscribed to parameter [{key}]", value)
-
-    def _unsubscribe_param(self, caller: str, api: str, key: str) -> ApiReply:
-        self._registrations.unregister(ProviderKind.PARAMETER, _subscription(key), caller, api)
-        return ApiReply(SUCCESS, f"Unsubscribe to parameter [{key}]", 1)
 
 
 def _subscription(key: str) -> str:
