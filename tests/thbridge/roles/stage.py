@@ -101,7 +101,7 @@ class Stage:
         roles.append(build_hider(self.templates, seed))
         roles = [role for role in roles if role.name not in outside]
         self.session = Session(self.keeper, roles, log=self.log, outlets=outlets, run=run)
-        self.router = self.session._local
+        self.router = self.session._message_router
         self.tick_records: list[TickRecord] = []
 
     def run(self, ticks: int) -> None:

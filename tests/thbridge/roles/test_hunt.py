@@ -393,7 +393,7 @@ def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
     played = Stage(participant=TabUI(player))
     played.run(5)
     # From here on an outside program speaks, on a connection that is not extended.
-    played.router.detach(legacy.TABUI)
+    played.router.local.detach(legacy.TABUI)
     played.keeper._participants._members.clear()
     played.session._roles = tuple(role for role in played.session._roles if role is not played.tabui)
     connection = played.session.router.connect(0.0)

@@ -128,9 +128,9 @@ def test_the_keeper_and_its_neighbours(said):
     bot = build_bot(templates(), BotStrategy.SUGGESTION, 7)
     stage = Stage(participant=TabUI(bot, Forgetful()), briefing=briefing)
     stage.run(8)
-    stage.router.attach("Noise")
+    stage.router.local.attach("Noise")
     for message in said:
-        stage.router.submit("Noise", message)
+        stage.router.local.submit("Noise", message)
         stage.run(1)
     stage.run(10)
     started = max(i for i, event in enumerate(stage.log.events) if isinstance(event, GameStarted))

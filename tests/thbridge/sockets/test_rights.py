@@ -84,7 +84,7 @@ class House:
         self.session = Session()
         self.verifier = RingKeys(self.ring, server_context(certificate_of(self.ring.folder, NOW)))
         self.router = HearingRouter()
-        self.router.attach("Game")
+        self.router.local.attach("Game")
         self.text = TextServer(keys=self.verifier)
         self.watch = WatchServer(self.session, self.verifier)
         self.ports = (0, 0)

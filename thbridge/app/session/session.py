@@ -164,7 +164,7 @@ class Session:
         self.tick = 0
         self._outlets = outlets
         self._run = run
-        self._local = MessageRouter()
+        self._message_router = MessageRouter()
         self._keeper = keeper
         self._roles = tuple(roles)
         self._log = log
@@ -173,11 +173,11 @@ class Session:
         self._robots = next((role for role in roles if isinstance(role, RobotsRole)), None)
         self._inputs = InputQueue()
         self._vehicles = None if vehicles is None else vehicles(self._pass_on)
-        self.router = RecordedRouter(self._local, self._inputs)
+        self.router = RecordedRouter(self._message_router, self._inputs)
         self.links = RecordedLinks(self._vehicles, self._inputs)
         self.keys = KeyUses()
         for role in (keeper, *self._roles, *(() if participant is None else (participant,))):
-            taken = self._local.attach(role.name)
+            taken = self._message_router.local.attach(role.name)
             if taken is not None:
                 raise ValueError(f"two programs are called {taken.name}")
             role.connected()
@@ -290,7 +290,7 @@ class Session:
         """Return what was done by keys since the last tick; in the first of a game, who takes part by one."""
         joined = self.router.take_joined()
         if any(isinstance(entry, GameStarted) for entry in entries):
-            joined = self._local.keyed_programs()
+            joined = self._message_router.keyed_programs()
         return self.keys.take("" if self.game is None else self._named(self.game.started.game), joined)
 
     def _pass_on(self, request: Request, researcher: str | None = None) -> None:
@@ -303,7 +303,7 @@ class Session:
             self._robots.ask(request, researcher)
 
     def _step_role(self, role: Role) -> Sequence[TextMessage]:
-        messages = role.step(self.tick, self._local.take(role.name))
+        messages = role.step(self.tick, self._message_router.local.take(role.name))
         for message in messages:
-            self._local.submit(role.name, message)
+            self._message_router.local.submit(role.name, message)
         return messages

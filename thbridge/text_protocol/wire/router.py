@@ -42,7 +42,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
-from typing import NewType, TypeAlias
+from typing import ClassVar, NewType, TypeAlias
 
 from thbridge.credentials import LOCAL, Credentials, Right
 from thbridge.line_splitter import LINE_LIMIT, LineSplitter, OverlongLine
@@ -201,29 +201,116 @@ class _Connection:
     extended: bool = False
     token: str | None = None
 
+    def obstacle(self, message: TextMessage, is_extension: bool, backlog: int) -> str | None:
+        """Return the reason why a message cannot be handed over, or None."""
+        return "it would not be understood" if is_extension and not self.extended else None
+
+    def hand_over(self, message: TextMessage) -> list[RouterOutput]:
+        """Send a message."""
+        return [SendToClient(self.id, encode_line(message.line()))]
+
 
 @dataclass(slots=True)
 class _Endpoint:
     """Program of this process. `arriving` becomes `inbox` at the next exchange; `waiting` counts both."""
 
+    extended: ClassVar[bool] = True
     name: str
     arriving: list[TextMessage] = field(default_factory=list)
     inbox: list[TextMessage] = field(default_factory=list)
     waiting: int = 0
+
+    def obstacle(self, message: TextMessage, is_extension: bool, backlog: int) -> str | None:
+        """Return the reason why a message cannot be handed over, or None."""
+        return "too much waits there" if self.waiting + _size(message) > backlog else None
+
+    def hand_over(self, message: TextMessage) -> list[RouterOutput]:
+        """Keep a message for the next exchange."""
+        self.arriving.append(message)
+        self.waiting += _size(message)
+        return []
+
+
+class LocalEndpoints:
+    """Programs of this process at a router.
+
+    Args:
+        holders: of names, also those of connections.
+    """
+
+    def __init__(self, holders: dict[str, _Connection | _Endpoint]) -> None:
+        self._holders = holders
+        self._endpoints: dict[str, _Endpoint] = {}
+        self._submitted: list[tuple[_Endpoint, TextMessage]] = []
+
+    def attach(self, name: str) -> NameTaken | None:
+        """Hold a name for a program of this process; it counts as extended and is never pinged.
+
+        Raises:
+            ValueError: the name is not one token.
+        """
+        if tokens(name) != [name]:
+            raise ValueError(f"not one token: {name!r}")
+        if name in self._holders:
+            return NameTaken(name)
+        self._endpoints[name] = self._holders[name] = _Endpoint(name)
+        return None
+
+    def detach(self, name: str) -> None:
+        """Free the name of a local endpoint; messages it has submitted are still passed on.
+
+        Raises:
+            KeyError: no endpoint is attached under this name.
+        """
+        del self._endpoints[name]
+        del self._holders[name]
+
+    def submit(self, name: str, message: TextMessage) -> None:
+        """Send a message as a local endpoint; it is passed on at the next `exchange`.
+
+        Raises:
+            KeyError: no endpoint is attached under this name.
+        """
+        self._submitted.append((self._endpoints[name], message))
+
+    def take(self, name: str) -> list[TextMessage]:
+        """Take the messages to a local endpoint that came up to the last `exchange`, oldest first.
+
+        Raises:
+            KeyError: no endpoint is attached under this name.
+        """
+        endpoint = self._endpoints[name]
+        messages, endpoint.inbox = endpoint.inbox, []
+        endpoint.waiting = sum(_size(message) for message in endpoint.arriving)  # of integers
+        return messages
+
+    def take_submitted(self) -> list[tuple[_Endpoint, TextMessage]]:
+        """Return the messages that were submitted since the last call, in order."""
+        submitted, self._submitted = self._submitted, []
+        return submitted
+
+    def hand_out(self) -> None:
+        """Let the endpoints take what has arrived for them."""
+        for endpoint in self._endpoints.values():
+            endpoint.inbox += endpoint.arriving
+            endpoint.arriving.clear()
 
 
 class MessageRouter:
     """State of the text server; the module's description says what it does.
 
     Times are seconds on any clock that does not run backwards. Not safe for use by several threads at once.
+
+    Attributes:
+        limits: of the server.
+        local: programs of this process.
     """
 
     def __init__(self, limits: RouterLimits | None = None) -> None:
         self.limits = limits or RouterLimits()
         self._connections: dict[ConnectionId, _Connection] = {}
-        self._endpoints: dict[str, _Endpoint] = {}
         self._holders: dict[str, _Connection | _Endpoint] = {}
-        self._submitted: list[tuple[_Endpoint, TextMessage]] = []
+        self.local = LocalEndpoints(self._holders)
         self._connection_count = 0
         self._number = 0
         self._stopped = False
@@ -318,62 +405,16 @@ class MessageRouter:
             if client.name is not None and client.credentials.key
         ]
 
-    # Local endpoints
-
-    def attach(self, name: str) -> NameTaken | None:
-        """Hold a name for a program of this process; it counts as extended and is never pinged.
-
-        Raises:
-            ValueError: the name is not one token.
-        """
-        if tokens(name) != [name]:
-            raise ValueError(f"not one token: {name!r}")
-        if name in self._holders:
-            return NameTaken(name)
-        self._endpoints[name] = self._holders[name] = _Endpoint(name)
-        return None
-
-    def detach(self, name: str) -> None:
-        """Free the name of a local endpoint; messages it has submitted are still passed on.
-
-        Raises:
-            KeyError: no endpoint is attached under this name.
-        """
-        del self._endpoints[name]
-        del self._holders[name]
-
-    def submit(self, name: str, message: TextMessage) -> None:
-        """Send a message as a local endpoint; it is passed on at the next `exchange`.
-
-        Raises:
-            KeyError: no endpoint is attached under this name.
-        """
-        self._submitted.append((self._endpoints[name], message))
-
     def exchange(self) -> list[RouterOutput]:
         """Pass on all submitted messages, in order; local endpoints may `take` theirs from now on.
 
         One call a tick is what makes a run of several local programs deterministic.
         """
         outputs: list[RouterOutput] = []
-        submitted, self._submitted = self._submitted, []
-        for endpoint, message in submitted:
+        for endpoint, message in self.local.take_submitted():
             outputs += self._forward(endpoint, message)
-        for endpoint in self._endpoints.values():
-            endpoint.inbox += endpoint.arriving
-            endpoint.arriving.clear()
+        self.local.hand_out()
         return outputs
-
-    def take(self, name: str) -> list[TextMessage]:
-        """Take the messages to a local endpoint that came up to the last `exchange`, oldest first.
-
-        Raises:
-            KeyError: no endpoint is attached under this name.
-        """
-        endpoint = self._endpoints[name]
-        messages, endpoint.inbox = endpoint.inbox, []
-        endpoint.waiting = sum(_size(message) for message in endpoint.arriving)  # of integers
-        return messages
 
     # What a line does
 
@@ -422,42 +463,28 @@ class MessageRouter:
 
     def _forward(self, origin: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
         """Pass a message on; send an extended origin a notice when that cannot be done."""
-        extended = isinstance(origin, _Endpoint) or origin.extended
+        extended = origin.extended
         is_extension = extended and is_notice(message)
         withheld = _withheld(origin, message) if isinstance(origin, _Connection) else None
         if withheld is not None:
             # Not even taps hear of it: the keeper would take it for the word of whoever it names.
             told = extended and not is_extension
-            return self._hand_over(origin, _undelivered(origin.name or SERVER, message, withheld)) if told else []
+            return origin.hand_over(_undelivered(origin.name or SERVER, message, withheld)) if told else []
         holder = self._holders.get(message.receiver)
-        failure = self._obstacle(holder, message, is_extension)
-        to_ours = isinstance(holder, _Endpoint) or (holder is not None and holder.extended)
+        if holder is None:
+            failure: str | None = "nobody holds that name"
+        else:
+            failure = holder.obstacle(message, is_extension, self.limits.backlog)
+        to_ours = holder is not None and holder.extended
         if to_ours and isinstance(origin, _Connection) and message.sender != origin.name and is_notice(message):
             # Our own programs act on what notices say: nobody may say them in another's name.
             failure = "only that program itself may say so"
         outputs: list[RouterOutput] = [Forwarded(message, failure is None, extended)]
         if holder is not None and failure is None:
-            outputs += self._hand_over(holder, message)
+            outputs += holder.hand_over(message)
         elif failure is not None and extended and not is_extension:
-            outputs += self._hand_over(origin, _undelivered(origin.name or message.sender, message, failure))
+            outputs += origin.hand_over(_undelivered(origin.name or message.sender, message, failure))
         return outputs
-
-    def _obstacle(self, holder: _Connection | _Endpoint | None, message: TextMessage, is_extension: bool) -> str | None:
-        """Return the reason why a message cannot be handed over, or None."""
-        match holder:
-            case None:
-                return "nobody holds that name"
-            case _Connection():
-                return "it would not be understood" if is_extension and not holder.extended else None
-            case _Endpoint():
-                return "too much waits there" if holder.waiting + _size(message) > self.limits.backlog else None
-
-    def _hand_over(self, holder: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
-        if isinstance(holder, _Connection):
-            return [SendToClient(holder.id, encode_line(message.line()))]
-        holder.arriving.append(message)
-        holder.waiting += _size(message)
-        return []
 
     # Names
 

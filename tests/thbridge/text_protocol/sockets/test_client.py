@@ -94,10 +94,10 @@ async def test_it_waits_for_a_server_and_registers_again_with_the_next_one() -> 
 @run
 async def test_a_taken_name_is_told_once_and_had_as_soon_as_it_is_free() -> None:
     async with serving() as (router, address):
-        router.attach("A")
+        router.local.attach("A")
         async with running("A", address.port) as a:
             assert await soon(a.next_event()) == ConnectionLost(LossReason.REFUSED)
-            router.detach("A")
+            router.local.detach("A")
             assert await soon(a.next_event()) == NameRegistered()
 
 

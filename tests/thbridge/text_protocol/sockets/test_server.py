@@ -313,16 +313,16 @@ def test_a_bad_address_is_told_in_one_line(host: str, port: int) -> None:
 @run
 async def test_programs_of_this_process_talk_with_clients() -> None:
     router = MessageRouter()
-    router.attach("SimR")
+    router.local.attach("SimR")
     async with serving(router) as house:
         tabui = await house.enter("TabUI")
         await tabui.says(b"%%goto TabUI SimR 0 3 3 45\n%%snap TabUI Hider 3\n")
         assert [await tabui.hears(), await tabui.hears()] == [ACK, ACK]
         house.server.perform(router.exchange())
         goto = TextMessage("%%goto", "TabUI", "SimR", ("0", "3", "3", "45"))
-        assert router.take("SimR") == [goto]
+        assert router.local.take("SimR") == [goto]
         arrived = TextMessage("%%error", "SimR", "TabUI", ('"0;3"',))
-        router.submit("SimR", arrived)
+        router.local.submit("SimR", arrived)
         house.server.perform(router.exchange())
         assert await tabui.hears() == b'%%error SimR TabUI "0;3" \n'
 
@@ -330,7 +330,7 @@ async def test_programs_of_this_process_talk_with_clients() -> None:
 @run
 async def test_messages_in_the_request_of_a_page_in_a_browser_are_not_heard():
     router = MessageRouter()
-    router.attach("Game")
+    router.local.attach("Game")
     async with serving(router) as house:
         hider = await house.enter("hider")
         page = await house.enter()
@@ -341,4 +341,4 @@ async def test_messages_in_the_request_of_a_page_in_a_browser_are_not_heard():
         await hider.says(b"%%ping \n")
         assert (await hider.hears()).startswith(b"%%pong")
         router.exchange()
-        assert router.take("Game") == []
+        assert router.local.take("Game") == []

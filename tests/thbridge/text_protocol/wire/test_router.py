@@ -574,45 +574,45 @@ def test_a_program_replaces_its_own_lost_connection_at_once() -> None:
 
 def test_local_endpoints_hear_in_the_next_exchange_what_was_said_in_this_one() -> None:
     router = MessageRouter()
-    assert router.attach("SimR") is None
-    assert router.attach("TabUI") is None
+    assert router.local.attach("SimR") is None
+    assert router.local.attach("TabUI") is None
     question, answer = TextMessage("%%where", "TabUI", "SimR", ("0",)), TextMessage("%%pose", "SimR", "TabUI", ("0",))
-    router.submit("TabUI", question)
-    assert router.take("SimR") == []
+    router.local.submit("TabUI", question)
+    assert router.local.take("SimR") == []
     assert router.exchange() == [Forwarded(question, delivered=True, sender_extended=True)]
-    assert router.take("SimR") == [question]
-    assert router.take("SimR") == []
-    router.submit("SimR", answer)
-    assert router.take("TabUI") == []
+    assert router.local.take("SimR") == [question]
+    assert router.local.take("SimR") == []
+    router.local.submit("SimR", answer)
+    assert router.local.take("TabUI") == []
     router.exchange()
-    assert router.take("TabUI") == [answer]
+    assert router.local.take("TabUI") == [answer]
 
 
 def test_connections_and_local_endpoints_talk_under_the_same_rules() -> None:
     room = Room()
     router = room.router
     tabui = room.enter("TabUI")
-    router.attach("SimR")
+    router.local.attach("SimR")
     room.says(tabui, b"%%send TabUI SimR %%goto TabUI SimR 0  3 3 45\n")
     assert room.hears(tabui) == ACK
-    assert router.take("SimR") == []
+    assert router.local.take("SimR") == []
     room.take_in(router.exchange())
-    assert router.take("SimR") == [TextMessage("%%goto", "TabUI", "SimR", ("0", "3", "3", "45"))]
-    router.submit("SimR", TextMessage("%%error", "SimR", "TabUI", ('"0;3"',)))
+    assert router.local.take("SimR") == [TextMessage("%%goto", "TabUI", "SimR", ("0", "3", "3", "45"))]
+    router.local.submit("SimR", TextMessage("%%error", "SimR", "TabUI", ('"0;3"',)))
     room.take_in(router.exchange())
     assert room.hears(tabui) == b'%%error SimR TabUI "0;3" \n'
-    router.submit("SimR", notice("SimR", "TabUI", "pose"))
+    router.local.submit("SimR", notice("SimR", "TabUI", "pose"))
     room.take_in(router.exchange())
     assert room.hears(tabui) == b""
 
 
 def test_a_local_endpoint_is_told_of_a_failed_delivery() -> None:
     router = MessageRouter()
-    router.attach("SimR")
+    router.local.attach("SimR")
     message = TextMessage("%%error", "SimR", "TabUI", ('"0;3"',))
-    router.submit("SimR", message)
+    router.local.submit("SimR", message)
     assert router.exchange() == [Forwarded(message, delivered=False, sender_extended=True)]
-    (told,) = router.take("SimR")
+    (told,) = router.local.take("SimR")
     parsed = parse_notice(told)
     assert isinstance(parsed, Notice)
     assert (parsed.kind, parsed.fields["receiver"]) == ("undelivered", "TabUI")
@@ -621,33 +621,33 @@ def test_a_local_endpoint_is_told_of_a_failed_delivery() -> None:
 def test_a_name_is_held_once_by_connections_and_local_endpoints_together() -> None:
     room = Room()
     room.enter("TabUI")
-    assert room.router.attach("TabUI") == NameTaken("TabUI")
-    assert room.router.attach("SimR") is None
-    assert room.router.attach("SimR") == NameTaken("SimR")
+    assert room.router.local.attach("TabUI") == NameTaken("TabUI")
+    assert room.router.local.attach("SimR") is None
+    assert room.router.local.attach("SimR") == NameTaken("SimR")
     newcomer = room.enter()
     room.says(newcomer, b"%%setid SimR extended token\n")
     assert room.closed == {newcomer: CloseReason.NAME_TAKEN}
-    room.router.detach("SimR")
+    room.router.local.detach("SimR")
     room.enter("SimR")
 
 
 def test_a_local_endpoint_is_not_watched_for_life() -> None:
     room = Room()
-    room.router.attach("Game")
+    room.router.local.attach("Game")
     room.waits(1000)
-    room.router.submit("Game", TextMessage("%%error", "Game", "Game", ("alive",)))
+    room.router.local.submit("Game", TextMessage("%%error", "Game", "Game", ("alive",)))
     room.take_in(room.router.exchange())
-    assert room.router.take("Game") == [TextMessage("%%error", "Game", "Game", ("alive",))]
+    assert room.router.local.take("Game") == [TextMessage("%%error", "Game", "Game", ("alive",))]
 
 
 def test_what_waits_for_a_local_endpoint_is_bounded() -> None:
     room = Room(RouterLimits(backlog=100))
     client = room.enter("A")
-    room.router.attach("B")
+    room.router.local.attach("B")
     room.says(client, b"%%error A B hello\n" * 10)
     assert [forwarded.delivered for forwarded in room.forwarded] == [True] * 5 + [False] * 5
     room.router.exchange()
-    assert len(room.router.take("B")) == 5
+    assert len(room.router.local.take("B")) == 5
     room.says(client, b"%%error A B hello\n" * 6)
     assert [forwarded.delivered for forwarded in room.forwarded[10:]] == [True] * 5 + [False]
 
@@ -656,11 +656,11 @@ def test_the_order_in_which_local_endpoints_take_turns_is_the_order_of_what_they
     def run(order: list[str]) -> list[TextMessage]:
         router = MessageRouter()
         for name in ["a", "b", "z"]:
-            router.attach(name)
+            router.local.attach(name)
         for name in order:
-            router.submit(name, TextMessage("%%error", name, "z", ("hello",)))
+            router.local.submit(name, TextMessage("%%error", name, "z", ("hello",)))
         router.exchange()
-        return router.take("z")
+        return router.local.take("z")
 
     assert [message.sender for message in run(["a", "b", "a"])] == ["a", "b", "a"]
     assert [message.sender for message in run(["b", "a"])] == ["b", "a"]
@@ -668,6 +668,6 @@ def test_the_order_in_which_local_endpoints_take_turns_is_the_order_of_what_they
 
 def test_an_endpoint_needs_a_name_of_one_token() -> None:
     with pytest.raises(ValueError, match="not one token"):
-        MessageRouter().attach("two words")
+        MessageRouter().local.attach("two words")
     with pytest.raises(KeyError):
-        MessageRouter().submit("nobody", TextMessage("%%where", "nobody", "SimR"))
+        MessageRouter().local.submit("nobody", TextMessage("%%where", "nobody", "SimR"))
