@@ -14,7 +14,7 @@ play: setup ## Start a game on this machine; more options with ARGS="...", e.g. 
 
 test: setup peers ## All checks, and all tests that are quick; what each kind takes is added to durations.csv.
 	@began=$$(date +%s); checked=0; \
-	$(BIN)/python -m tests.compiling & \
+	$(BIN)/python -m tests.support.programs.compiling & \
 	make --no-print-directory check || checked=$$?; \
 	wait $$! && [ $$checked = 0 ] && \
 	CHECKED_SECONDS=$$(($$(date +%s) - began)) $(BIN)/pytest -n auto --dist loadfile --max-worker-restart=0

@@ -13,7 +13,8 @@ import pytest
 import typer.testing
 from hypothesis import settings
 
-from tests.compiling import ROOT, compile_kernels
+from tests.support.programs.compiling import compile_kernels
+from tests.support.project import ROOT
 
 # Windows are tested without a screen, unless somebody wants to look on.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")

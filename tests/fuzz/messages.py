@@ -16,7 +16,7 @@ from typing import cast
 import msgspec
 
 from sim.parameters import RobotParameters, WorldParameters
-from tests.compiling import ROOT
+from tests.support.project import ROOT
 from tests.thbridge.analysis.planting import clean, content
 from tests.thbridge.app.session.test_watch_requests import GRANTED
 from tests.thbridge.mavlink.hostile import orders

@@ -12,7 +12,7 @@ from PIL import Image
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from sim.parameters import RobotParameters
-from tests.compiling import ROOT
+from tests.support.project import ROOT
 from tests.thbridge.analysis import planting
 from tests.thbridge.analysis.planting import Entry, Form, Line, Planted, clean, content
 from tests.thbridge.files.ros.test_nav2 import AMCL, CONTROLLER

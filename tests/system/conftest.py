@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.system.forgetting_disk import ForgettingDisk, why_not
+from tests.support.disks.forgetting_disk import ForgettingDisk, why_not
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system import programs
+from tests.support.programs import processes
 from thbridge.hunt.rooms import Room
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import encode_line
@@ -35,7 +35,7 @@ class Terminal:
         self._keyboard, screen = pty.openpty()
         self.shown = ""
         self.process = subprocess.Popen(
-            [*programs.THBRIDGE, *arguments],
+            [*processes.THBRIDGE, *arguments],
             cwd=folder,
             stdin=screen,
             stdout=screen,
@@ -97,7 +97,7 @@ def left_in(folder: Path) -> set[str]:
 
 def replay(folder: Path, bag: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [*programs.THBRIDGE, "replay", bag], cwd=folder, capture_output=True, text=True, timeout=120, check=False
+        [*processes.THBRIDGE, "replay", bag], cwd=folder, capture_output=True, text=True, timeout=120, check=False
     )
 
 
@@ -136,12 +136,12 @@ def test_a_yes_at_the_terminal_is_the_first_thing_recorded(folder, terminal):
 @pytest.fixture
 def hunt(folder):
     """Server, SimR and Hider of a study with a consent text, and the address."""
-    running = [programs.Program(folder, "server", "study.yaml", "--port", "0")]
+    running = [processes.Program(folder, "server", "study.yaml", "--port", "0")]
     try:
-        at = f"127.0.0.1:{programs.port_of(running[0], running)}"
+        at = f"127.0.0.1:{processes.port_of(running[0], running)}"
         simr = ("simr", "--study", "study.yaml", "--server", at, "--rate", "8", "--bag", "robots.bag")
-        running.append(programs.Program(folder, *simr))
-        running.append(programs.Program(folder, "hider", "--server", at))
+        running.append(processes.Program(folder, *simr))
+        running.append(processes.Program(folder, "hider", "--server", at))
         yield running, at
     finally:
         for program in running:
@@ -156,7 +156,7 @@ def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, term
     first.type("no")
     assert first.finish() == 3
     assert "Thank you." in first.shown
-    programs.until("the no", lambda: "the participant does not take part" in running[0].text, running)
+    processes.until("the no", lambda: "the participant does not take part" in running[0].text, running)
     assert left_in(folder) == {"journal", CLAIM}
 
     second = terminal("tabui", "--server", at, "--participant", "person")
@@ -166,12 +166,12 @@ def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, term
     second.until("how things stand")
     second.type("end")
     assert second.finish() == 0, second.shown
-    assert "agreed" in programs.kinds(folder)
+    assert "agreed" in processes.kinds(folder)
     assert running[1].stop() == 0
     assert (folder / "robots.bag").exists()
     assert not (folder / CLAIM).exists()
     assert running[0].stop() == 0
-    assert programs.kinds(folder)[-1] == "ended"
+    assert processes.kinds(folder)[-1] == "ended"
     assert replay(folder, "robots.bag").returncode == 0
 
 
@@ -179,26 +179,26 @@ def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, term
 def test_a_participant_of_2016_is_not_asked_and_the_server_says_so(folder, hunt):
     running, at = hunt
     host, port = at.split(":")
-    programs.until("the robots", lambda: "nothing is recorded until" in running[0].text, running)
+    processes.until("the robots", lambda: "nothing is recorded until" in running[0].text, running)
     with socket.create_connection((host, int(port))) as old:
         old.sendall(b"%%setid TabUI\n")
 
         def recorded_at_last() -> bool:
             old.sendall(encode_line(legacy.GotoRoom(0, Room(3).wire).message().line()))
-            return "departed" in programs.kinds(folder)
+            return "departed" in processes.kinds(folder)
 
-        programs.until("the robot to set out", recorded_at_last, running)
+        processes.until("the robot to set out", recorded_at_last, running)
     assert "cannot ask for consent" in running[0].text
-    assert programs.kinds(folder)[0] == "started" and "agreed" not in programs.kinds(folder)
+    assert processes.kinds(folder)[0] == "started" and "agreed" not in processes.kinds(folder)
 
 
 @pytest.mark.slow
 def test_a_hunt_for_another_program_is_recorded_from_its_yes_on_and_can_be_replayed(folder, terminal):
-    game = programs.Program(
+    game = processes.Program(
         folder, "play", "study.yaml", "--headless", "--outside", "TabUI", "--bag", "hunt.bag", "--no-report"
     )
     try:
-        programs.until("the question", lambda: "nothing is recorded until" in game.text, [game])
+        processes.until("the question", lambda: "nothing is recorded until" in game.text, [game])
         at = game.text.split("join at ")[1].split()[0].rstrip(".")
         person = terminal("tabui", "--server", at, "--participant", "person")
         person.until("yes or no")
@@ -217,11 +217,11 @@ def test_a_hunt_for_another_program_is_recorded_from_its_yes_on_and_can_be_repla
 
 @pytest.mark.slow
 def test_a_hunt_for_another_program_ends_with_its_no(folder, terminal):
-    game = programs.Program(
+    game = processes.Program(
         folder, "play", "study.yaml", "--headless", "--outside", "TabUI", "--bag", "hunt.bag", "--no-report"
     )
     try:
-        programs.until("the question", lambda: "nothing is recorded until" in game.text, [game])
+        processes.until("the question", lambda: "nothing is recorded until" in game.text, [game])
         at = game.text.split("join at ")[1].split()[0].rstrip(".")
         person = terminal("tabui", "--server", at, "--participant", "person")
         person.until("yes or no")

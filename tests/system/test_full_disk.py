@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.system import programs
-from tests.system.ports import free_port
-from tests.system.small_disk import SmallDisk, why_not
+from tests.support.disks.small_disk import SmallDisk, why_not
+from tests.support.programs import processes
+from tests.support.programs.ports import free_port
 from thbridge.recording.bag.reading.reader import info
 from thbridge.recording.journal import journal_path, read_journal
 
@@ -21,7 +21,7 @@ def disk(tmp_path: Path) -> Iterator[SmallDisk]:
 
 
 def test_a_hunt_on_a_full_disk_ends_with_a_bag_that_is_whole(tmp_path: Path, disk: SmallDisk) -> None:
-    play = programs.Program(tmp_path, "play", "--port", "0", "--rate", "0", "--bag", "disk/a.bag", "--no-report")
+    play = processes.Program(tmp_path, "play", "--port", "0", "--rate", "0", "--bag", "disk/a.bag", "--no-report")
     try:
         assert play.process.wait(200) == 1, play.text
     finally:
@@ -38,14 +38,14 @@ def test_a_server_whose_journal_has_no_room_ends_and_goes_on_with_the_game_later
     tmp_path: Path, disk: SmallDisk
 ) -> None:
     with disk.read_only():
-        refused = programs.Program(tmp_path, "server", "--port", "0", "--journal", "disk/journal")
+        refused = processes.Program(tmp_path, "server", "--port", "0", "--journal", "disk/journal")
         assert refused.process.wait(200) == 2, refused.text
         refused.close()
     assert "there can be no journals here (Read-only file system)" in refused.text
     port = str(free_port())
-    running = [programs.Program(tmp_path, "server", "--port", port, "--journal", "disk/journal")]
+    running = [processes.Program(tmp_path, "server", "--port", port, "--journal", "disk/journal")]
     for role in (["simr", "--rate", "10"], ["hider"], ["tabui"]):
-        running.append(programs.Program(tmp_path, *role, "--server", f"127.0.0.1:{port}"))
+        running.append(processes.Program(tmp_path, *role, "--server", f"127.0.0.1:{port}"))
     path = journal_path(disk.folder / "journal", 1)
     try:
         with disk.full(4096):
@@ -55,7 +55,7 @@ def test_a_server_whose_journal_has_no_room_ends_and_goes_on_with_the_game_later
         told = read_journal(path)
         assert told.torn is None
         running.append(running[0].again())
-        programs.until("the game to go on", lambda: len(read_journal(path).events) > len(told.events) + 3, running)
+        processes.until("the game to go on", lambda: len(read_journal(path).events) > len(told.events) + 3, running)
         assert read_journal(path).events[: len(told.events)] == told.events
     finally:
         for program in running:

@@ -4,7 +4,8 @@ import json
 
 import pytest
 
-from tests.system.test_play import messages, play
+from tests.support.programs.processes import play_headless
+from tests.system.test_play import messages
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.recording.bag.reading.reader import messages as recorded
 
@@ -37,7 +38,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def told(folder):
-    return play(folder, "study.yaml", "--bag", "hunt.bag")
+    return play_headless(folder, "study.yaml", "--bag", "hunt.bag")
 
 
 def test_it_ends_by_itself_without_a_touch(told):
@@ -67,5 +68,5 @@ def test_the_bag_is_whole(told, folder):
 
 
 def test_the_same_seed_gives_the_same_bag(told, folder):
-    play(folder, "study.yaml", "--bag", "again.bag")
+    play_headless(folder, "study.yaml", "--bag", "again.bag")
     assert messages(folder / "hunt.bag") == messages(folder / "again.bag")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.programs import Program, until
+from tests.support.programs.processes import Program, until
 from thbridge.app.session.mavros import frame_in
 from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
 from thbridge.mavlink.wire.frames.frame import Frame

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.test_play import thbridge
+from tests.support.programs.processes import run_thbridge
 from thbridge.files.map_files import read_map
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros.messages import unpack
@@ -15,9 +15,11 @@ ARENA = Path(__file__).parents[2] / "maps" / "arena8"
 
 @pytest.mark.slow
 def test_a_recorded_robot_is_found_where_it_was(tmp_path: Path) -> None:
-    thbridge(tmp_path, "play", "--headless", "--port", "0", "--robots", "2", "--max-seconds", "30", "--bag", "hunt.bag")
+    run_thbridge(
+        tmp_path, "play", "--headless", "--port", "0", "--robots", "2", "--max-seconds", "30", "--bag", "hunt.bag"
+    )
     start = read_map(ARENA).starts[1]
-    done = thbridge(
+    done = run_thbridge(
         tmp_path, "localize", "hunt.bag", "--map", str(ARENA / "map.yaml"), "--json", "--out", "est.tum",
         "--scan-topic", "/robot2/scan", "--odom-topic", "/robot2/odom",
         "--initial-pose", str(start.x), str(start.y), str(start.theta),

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.ports import free_port
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_port
+from tests.support.programs.processes import Program, until
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.test_play import thbridge
+from tests.support.programs.processes import run_thbridge
 from thbridge.hunt.events import (
     CostsEstimated,
     DialogueOpened,
@@ -32,7 +32,7 @@ def hunt(folder: Path, study: str, seconds: int) -> list[tuple[GameState, object
     """Play so many seconds of a hunt; each event with the state before it."""
     (folder / "study.yaml").write_text(study)
     limits = ("--port", "0", "--max-seconds", str(seconds))
-    done = thbridge(folder, "play", "--headless", "--json", *limits, "study.yaml", "--bag", "hunt.bag")
+    done = run_thbridge(folder, "play", "--headless", "--json", *limits, "study.yaml", "--bag", "hunt.bag")
     assert json.loads(done.stdout)["sim_seconds"] <= seconds, done.stderr
     (journal,) = (folder / "hunt.journal").glob("*.jsonl")
     game = read_journal(journal)
@@ -76,7 +76,7 @@ def test_a_move_costs_what_was_told_last_and_a_robot_that_failed_is_priced_where
 
 @pytest.mark.slow
 def test_the_recording_is_played_again_bit_for_bit(told, folder):
-    done = thbridge(folder, "replay", "hunt.bag")
+    done = run_thbridge(folder, "replay", "hunt.bag")
     assert done.returncode == 0, done.stdout + done.stderr
 
 

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from typer.testing import CliRunner
 
-from tests.ui.commands.study.test_experiment import runner, thbridge
+from tests.support.programs.commands import output_of
 from tests.ui.test_first_study import RehearsedGames, WindowOfTwo
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import Tombstone
@@ -33,7 +34,7 @@ def study(old: Path) -> Path:
 
 
 def refused(*arguments: object) -> str:
-    done = runner.invoke(app, list(map(str, arguments)))
+    done = CliRunner().invoke(app, list(map(str, arguments)))
     assert done.exit_code == 2, done.output
     return " ".join(done.output.split())
 
@@ -45,16 +46,16 @@ def change(file: Path, was: str, now: str) -> None:
 
 
 def test_a_study_file_with_every_key_of_then_has_no_faults_and_is_played(old: Path, tmp_path: Path) -> None:
-    assert "no faults" in thbridge("study", "check", old / "study.yaml")
+    assert "no faults" in output_of("study", "check", old / "study.yaml")
     bag = tmp_path / "now.bag"
     short = ("--headless", "--rate", "0", "--max-seconds", "1", "--no-report", "--bag", bag)
-    runner.invoke(app, ["play", str(old / "study.yaml"), *map(str, short)])
+    CliRunner().invoke(app, ["play", str(old / "study.yaml"), *map(str, short)])
     assert bag.exists()
 
 
 def test_a_recorded_session_is_read_and_replayed(old: Path) -> None:
-    assert "/thbridge/session" in thbridge("bag", "info", old / "hunt.bag")
-    said = runner.invoke(app, ["replay", str(old / "hunt.bag")]).output
+    assert "/thbridge/session" in output_of("bag", "info", old / "hunt.bag")
+    said = CliRunner().invoke(app, ["replay", str(old / "hunt.bag")]).output
     # Another release may give something else for a seed; then it says where, and with what it was recorded.
     is_same = "are the same, bit for bit" in said
     assert is_same or ("The first difference:" in said and "Recorded with other versions" in said), said
@@ -62,8 +63,8 @@ def test_a_recorded_session_is_read_and_replayed(old: Path) -> None:
 
 @pytest.mark.slow
 def test_a_study_with_people_goes_on_where_it_was(study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "no faults" in thbridge("study", "check", study)
-    status = thbridge("study", "status", study)
+    assert "no faults" in output_of("study", "check", study)
+    status = output_of("study", "status", study)
     assert "2 of 2 runs that count" in status
     people = re.findall(r"P-\w{5}", status)
     for name, instead in (
@@ -73,12 +74,12 @@ def test_a_study_with_people_goes_on_where_it_was(study: Path, tmp_path: Path, m
     ):
         monkeypatch.setattr(f"ui.commands.study.run.{name}", instead)
     change(study / "experiment.yaml", "quota: 2", "quota: 3")
-    thbridge("study", "run", study)
-    thbridge("study", "export", study, "--to", tmp_path / "tables")
+    output_of("study", "run", study)
+    output_of("study", "export", study, "--to", tmp_path / "tables")
     table = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet")
     assert table.state.tolist() == ["complete"] * 3
     assert table.participant.tolist()[:2] == people
-    thbridge("study", "withdraw", study, people[0], "--yes")
+    output_of("study", "withdraw", study, people[0], "--yes")
     assert sum(isinstance(entry, Tombstone) for entry in read_log(study / "store" / "log")) > 100
     assert people[0] not in (tmp_path / "tables" / "manifest.json").read_text()
 
@@ -86,19 +87,19 @@ def test_a_study_with_people_goes_on_where_it_was(study: Path, tmp_path: Path, m
 @pytest.mark.slow
 def test_groups_go_on_where_they_were(old: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     study = old / "groups"
-    said = " ".join(thbridge("study", "check", study).split())
+    said = " ".join(output_of("study", "check", study).split())
     assert "goes on as it is, because people have taken part; 4 people in 2 groups" in said
     # No release ever showed this step.
     assert "A new study would be refused" in said and "feelings.calm is not a choice of one answer" in said
-    assert "P-K2YEQ" in thbridge("study", "status", study)
+    assert "P-K2YEQ" in output_of("study", "status", study)
     for name, instead in (
         ("WindowProcess", lambda *_: WindowOfTwo(people=3)),
         ("StudyGames", RehearsedGames),
         ("why_no_window", lambda: None),
     ):
         monkeypatch.setattr(f"ui.commands.study.run.{name}", instead)
-    thbridge("study", "run", study)
-    thbridge("study", "export", study, "--to", tmp_path / "tables")
+    output_of("study", "run", study)
+    output_of("study", "export", study, "--to", tmp_path / "tables")
     people = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet").set_index("participant")
     ended = {"P-6MXVT": "complete", "P-EV85H": "declined", "P-2YWEF": "excluded", "P-NTT2R": "left"}
     assert people.state[list(ended)].to_dict() == ended
@@ -121,7 +122,7 @@ def test_a_changed_file_that_does_not_fit_its_log_is_told(study: Path, was: str,
     file = study / "experiment.yaml"
     change(file, was, now)
     if told == "":
-        assert "experiment.yaml was changed" in thbridge("study", "status", study)
+        assert "experiment.yaml was changed" in output_of("study", "status", study)
         return
     for command in (("status", study), ("export", study, "--to", study / "tables"), ("withdraw", study, "P-6MXVT")):
         said = refused("study", *command)

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.system import programs
-from tests.system.memory import found_in_memory
+from tests.support.programs import processes
+from tests.support.programs.process_memory import found_in_memory
 
-Program, until, journal, kinds = programs.Program, programs.until, programs.journal, programs.kinds
+Program, until, journal, kinds = processes.Program, processes.until, processes.journal, processes.kinds
 
 ORIGINAL = Path(__file__).parents[2] / "templates" / "original-2016"
 COLOURS = [f"xqcolour{number}" for number in range(4)]
@@ -28,7 +28,7 @@ class Person(Program):
         self.output = folder / "person.txt"
         self._file = self.output.open("wb")
         self.process = subprocess.Popen(
-            [*programs.THBRIDGE, *self.arguments],
+            [*processes.THBRIDGE, *self.arguments],
             cwd=folder,
             stdin=subprocess.PIPE,
             stdout=self._file,
@@ -65,7 +65,7 @@ def secret(tmp_path: Path) -> Path:
 def test_the_participant_s_program_learns_of_treasures_by_the_game_alone(secret: Path) -> None:
     running: list[Program] = [Program(secret, "server", "study.yaml", "--port", "0")]
     try:
-        at = f"127.0.0.1:{programs.port_of(running[0], running)}"
+        at = f"127.0.0.1:{processes.port_of(running[0], running)}"
         running.append(Program(secret, "simr", "--study", "study.yaml", "--server", at))
         running.append(Program(secret, "hider", "--treasures", "./secret", "--server", at))
         elsewhere = secret / "elsewhere"

@@ -2,26 +2,13 @@
 
 import json
 import socket
-import subprocess
 from pathlib import Path
 
 import pytest
 from rosbags.rosbag1 import Reader
 
-from tests import commands
-from tests.system import programs
-
-
-def thbridge(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*programs.THBRIDGE, *arguments], cwd=folder, capture_output=True, text=True, timeout=280, check=False
-    )
-
-
-def play(folder: Path, *arguments: str) -> dict:
-    done = thbridge(folder, "play", "--headless", "--json", "--port", "0", *arguments)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+from tests.support.programs import commands
+from tests.support.programs.processes import play_headless
 
 
 def messages(bag: Path) -> list[tuple[str, int, bytes]]:
@@ -32,7 +19,7 @@ def messages(bag: Path) -> list[tuple[str, int, bytes]]:
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_hunt_and_the_same_bag(tmp_path):
     (tmp_path / "short.yaml").write_text("game: {energy: 40}\n")
-    first, second = (play(tmp_path, "short.yaml", "--robots", "2", "--seed", "7") for _ in range(2))
+    first, second = (play_headless(tmp_path, "short.yaml", "--robots", "2", "--seed", "7") for _ in range(2))
     del first["wall_seconds"], second["wall_seconds"]
     assert first == second
     assert first["score"] > 0
@@ -44,7 +31,7 @@ def test_the_same_seed_gives_the_same_hunt_and_the_same_bag(tmp_path):
     ("robots", "rooms"), [(3, 8), *(pytest.param(*team, marks=pytest.mark.slow) for team in ((1, 5), (6, 8)))]
 )
 def test_teams_of_any_size_hunt_without_touching(tmp_path, robots, rooms):
-    told = play(tmp_path, "--robots", str(robots), "--seed", "3", "--bag", "hunt.bag")
+    told = play_headless(tmp_path, "--robots", str(robots), "--seed", "3", "--bag", "hunt.bag")
     assert told["collisions"] == 0
     assert told["rooms_visited"] >= rooms
     assert len(told["energy"]) == robots
@@ -52,7 +39,7 @@ def test_teams_of_any_size_hunt_without_touching(tmp_path, robots, rooms):
 
 @pytest.mark.slow
 def test_another_map_is_only_another_file(tmp_path):
-    told = play(tmp_path, "--map", "warehouse12", "--robots", "3", "--seed", "2", "--participant", "nearest")
+    told = play_headless(tmp_path, "--map", "warehouse12", "--robots", "3", "--seed", "2", "--participant", "nearest")
     assert told["collisions"] == 0
     assert told["rooms_visited"] == 12
 

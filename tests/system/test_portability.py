@@ -17,8 +17,8 @@ from pathlib import Path
 import pytest
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
+from tests.support.programs.processes import THBRIDGE
 from tests.system.portable_studies import STUDIES, bag_of
-from tests.system.programs import THBRIDGE
 from thbridge.recording.bag.reading.reader import RawMessage, messages
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.digest import digest_of

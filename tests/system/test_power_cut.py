@@ -16,7 +16,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from tests.system.forgetting_disk import ForgettingDisk
+from tests.support.disks.forgetting_disk import ForgettingDisk
 from tests.thbridge.analysis.planting import clean, write
 from tests.thbridge.experiment.test_event_log import NOON, answer
 from tests.thbridge.recording.test_journal import EVENTS, STARTED

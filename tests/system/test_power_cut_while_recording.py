@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.forgetting_disk import ForgettingDisk
-from tests.system.programs import THBRIDGE
+from tests.support.disks.forgetting_disk import ForgettingDisk
+from tests.support.programs.processes import THBRIDGE
 from tests.system.test_kill_while_recording import (
     FIRST_NS,
     PATIENCE,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.programs import THBRIDGE
+from tests.support.programs.processes import THBRIDGE
 
 GAME = ("play", "--headless", "--rate", "0", "--max-seconds", "3", "--bag", "bags/a.bag", "--port", "0", "--report")
 

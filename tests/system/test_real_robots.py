@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.ports import free_port
-from tests.system.programs import Program, journal, kinds, port_of, until
+from tests.support.programs.ports import free_port
+from tests.support.programs.processes import Program, journal, kinds, port_of, until
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.programs import Program, until
-from tests.system.test_play import thbridge
+from tests.support.programs.processes import Program, run_thbridge, until
 from thbridge.recording.bag.reading.reader import messages
 
 ENOUGH = 2_000_000
@@ -21,7 +20,7 @@ def test_a_killed_hunt_replays_up_to_its_end(tmp_path: Path) -> None:
         until("some of a hunt", lambda: active.exists() and active.stat().st_size > ENOUGH, [hunt])
     finally:
         hunt.close()  # which kills it
-    assert thbridge(tmp_path, "bag", "reindex", str(active)).returncode == 0
-    done = thbridge(tmp_path, "replay", "hunt.bag")
+    assert run_thbridge(tmp_path, "bag", "reindex", str(active)).returncode == 0
+    done = run_thbridge(tmp_path, "replay", "hunt.bag")
     assert done.returncode == 0, done.stdout + done.stderr
     assert f"All {len(list(messages(tmp_path / 'hunt.bag'))) - 1} messages" in done.stdout

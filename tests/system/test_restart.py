@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.system import programs
-from tests.system.ports import free_port
+from tests.support.programs import processes
+from tests.support.programs.ports import free_port
 
-Program, until, kinds, journal = programs.Program, programs.until, programs.kinds, programs.journal
+Program, until, kinds, journal = processes.Program, processes.until, processes.kinds, processes.journal
 
 
 @pytest.fixture
@@ -17,7 +17,7 @@ def hunt(tmp_path):
     server = Program(tmp_path, "server", "--port", "0")
     running["server"] = server
     try:
-        port = programs.port_of(server, [server])
+        port = processes.port_of(server, [server])
         # Started again, the server must be found where it was.
         server.arguments = ("server", "--port", str(port))
         at = f"127.0.0.1:{port}"
@@ -73,7 +73,7 @@ def test_after_a_game_the_terminal_says_how_another_begins_and_so_it_does(tmp_pa
     )
     running = [Program(tmp_path, "server", "study.yaml")]
     try:
-        programs.port_of(running[0], running)
+        processes.port_of(running[0], running)
         # All find the server where the study has it.
         running.append(Program(tmp_path, "simr", "study.yaml", "--rate", "16"))
         running += [Program(tmp_path, name, "--study", "study.yaml") for name in ("hider", "tabui")]

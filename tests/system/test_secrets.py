@@ -17,9 +17,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.slow import slow
-from tests.system.ports import free_port
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_port
+from tests.support.programs.processes import Program, until
+from tests.support.slow import slow
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.to_mcap import to_mcap
 from thbridge.analysis.to_ros2 import to_ros2

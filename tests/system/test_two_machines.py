@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.programs import Program, journal, kinds, until
+from tests.support.programs.processes import Program, journal, kinds, until
 from tests.system.two_machines import two_machines
 
 _OLD_PROGRAM = """

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.small_disk import SmallDisk, why_not
+from tests.support.disks.small_disk import SmallDisk, why_not
 from tests.thbridge.analysis.planting import clean
 from tests.thbridge.analysis.planting import write as write_planted
 from tests.thbridge.app.replay.test_mavlink_replay import beating, record

@@ -11,10 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
-from tests.system.forgetting_disk import ForgettingDisk
+from tests.support.disks.forgetting_disk import ForgettingDisk
+from tests.support.programs.commands import output_of
 from tests.thbridge.experiment.test_event_log import NOON
-from tests.ui.commands.study.test_experiment import runner, thbridge
 from tests.ui.commands.study.test_restore import another_person
 from tests.ui.commands.study.test_withdrawal import people, traces
 from thbridge.experiment.folder import ExperimentFolder
@@ -36,7 +37,7 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("prepared")
     (root / "study").mkdir()
     first = another_person(root / "study", WORDS[0])
-    thbridge("study", "backup", root / "study", "--to", root / "earlier")
+    output_of("study", "backup", root / "study", "--to", root / "earlier")
     another_person(root / "study", WORDS[1])
     (root / "id").write_text(first)
     return root
@@ -86,8 +87,8 @@ def killed(
         for known in ("backups.json", "exports.json"):
             (study / "store" / known).unlink(missing_ok=True)
         if name == "withdraw":
-            thbridge("study", "backup", study, "--to", disk.folder / "backup")
-            thbridge("study", "export", study, "--to", disk.folder / "tables")
+            output_of("study", "backup", study, "--to", disk.folder / "backup")
+            output_of("study", "export", study, "--to", disk.folder / "tables")
         disk.settle()
         disk.cut_after(change)
         process = processes.Process(target=act, args=(name, disk.folder))
@@ -105,11 +106,11 @@ def check_withdrawal(folder: Path, gone: str, name: str) -> None:
     study = ExperimentFolder(folder / "study")
     begun = bool(study.pending_withdrawals.read())
     words = {"backup": ["--to", folder / "new"], "export": ["--to", folder / "out"], "withdraw": [gone, "--yes"]}
-    done = runner.invoke(app, ["study", name, str(study.root), *map(str, words.get(name, []))])
+    done = CliRunner().invoke(app, ["study", name, str(study.root), *map(str, words.get(name, []))])
     if not begun and name != "withdraw" and gone in people(study.root):
         # Nothing was deleted before the intention was on the disk.
         assert (study.recordings / gone / "step-9.bag").exists()
-        thbridge("study", "withdraw", study.root, gone, "--yes")
+        output_of("study", "withdraw", study.root, gone, "--yes")
     left = [trace for trace in traces(folder, [gone, WORDS[0]]) if "/earlier/" not in trace]
     assert left == [], (name, done.output)
     for log in (study.log, folder / "backup" / "store" / "log"):

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.commands import all_commands
-from tests.compiling import ROOT
+from tests.support.programs.commands import all_commands
+from tests.support.project import ROOT
 
 PEOPLE = ROOT / "tests" / "system" / "studies_of_0_1" / "with-people"
 NOBODY = """

@@ -19,7 +19,7 @@ import pytest
 
 from sim.common.observations import TICK
 from tests.bench.budget import Budgets
-from tests.system.ports import free_port
+from tests.support.programs.ports import free_port
 from thbridge.app import listeners, play
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.recording import build_publisher

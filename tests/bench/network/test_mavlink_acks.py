@@ -20,8 +20,8 @@ import pytest
 from sim.common.observations import TICK
 from tests.bench.budget import Budgets
 from tests.bench.network.hall_for_fifty import hall_for_fifty
-from tests.peers.mavlink.rovers import free_udp_port
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_udp_port
+from tests.support.programs.processes import Program, until
 from thbridge.mavlink.sockets.client import StationSocket, open_station
 from thbridge.mavlink.station.ground_station import CommandAcked, CommandUnanswered, StationCommand
 from thbridge.mavlink.wire.dialect import mav

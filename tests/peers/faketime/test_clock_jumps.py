@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.programs import Program, journal, kinds, port_of, until
+from tests.support.programs.processes import Program, journal, kinds, port_of, until
 
 LIBRARY = next(iter(sorted(Path("/usr/lib").glob("*/faketime/libfaketime.so.1"))), None)
 pytestmark = [

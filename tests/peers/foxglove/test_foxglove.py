@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from tests.peers.node import NEEDS_NODE, run_script
-from tests.system.ports import free_port
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_port
+from tests.support.programs.processes import Program, until
 from thbridge.files.map_files import read_map
 from thbridge.files.resources import shipped
 from thbridge.recording.bag.reading.reader import recorded

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from tests.peers.crashes import run_peer, skipping_if_crashed
-from tests.system import programs
+from tests.support.programs import processes
 from thbridge.recording.bag.reading.reader import messages
 
 SOURCES = sorted(Path(__file__).parent.glob("*.java"))
 
-Program, until, kinds, journal = programs.Program, programs.until, programs.kinds, programs.journal
+Program, until, kinds, journal = processes.Program, processes.until, processes.kinds, processes.journal
 
 pytestmark = pytest.mark.skipif(
     shutil.which("javac") is None or shutil.which("java") is None, reason="no JDK: javac and java are not installed"
@@ -35,7 +35,7 @@ def robots(tmp_path):
     """Our server and SimR; what joins them is up to the test."""
     running = [Program(tmp_path, "server", "--port", "0")]
     try:
-        port = programs.port_of(running[0], running)
+        port = processes.port_of(running[0], running)
         running.append(Program(tmp_path, "simr", "--server", f"127.0.0.1:{port}", "--rate", "20"))
         until("the robots to be ready", lambda: "started" in kinds(tmp_path), running)
         yield port, running

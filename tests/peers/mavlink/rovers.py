@@ -1,7 +1,6 @@
 """A session whose robots are MAVLink rovers, in a process of its own, for other people's ground stations to watch."""
 
 import math
-import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,8 +9,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
-from tests.system.ports import free_port
-from tests.system.programs import Program
+from tests.support.programs.processes import Program
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
@@ -38,10 +36,6 @@ def needs(client: str) -> pytest.MarkDecorator:
     return pytest.mark.skipif(
         not (PEERS / client / "installed").exists(), reason=f"not installed: {client} (see scripts/install_peers.sh)"
     )
-
-
-def free_udp_port() -> int:
-    return free_port(socket.SOCK_DGRAM)
 
 
 @contextmanager

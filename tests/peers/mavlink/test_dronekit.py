@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 from tests.peers.crashes import run_peer
-from tests.peers.mavlink.rovers import ORIGIN, PEERS, degrees, free_udp_port, metres, needs, rovers, truth
-from tests.system.programs import THBRIDGE, until
+from tests.peers.mavlink.rovers import ORIGIN, PEERS, degrees, metres, needs, rovers, truth
+from tests.support.programs.ports import free_udp_port
+from tests.support.programs.processes import THBRIDGE, until
 
 pytestmark = [needs("dronekit"), pytest.mark.slow]
 

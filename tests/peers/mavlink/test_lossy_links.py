@@ -10,9 +10,10 @@ from pymavlink.mavftp import MAVFTP
 
 from tests.peers.crashes import run_peer
 from tests.peers.mavlink.lossy import LossyLink, lossy_link
-from tests.peers.mavlink.rovers import PEERS, free_udp_port, needs, rovers
+from tests.peers.mavlink.rovers import PEERS, needs, rovers
 from tests.peers.mavlink.scripting import Script, mav
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_udp_port
+from tests.support.programs.processes import Program, until
 from thbridge.mavlink.vehicle.component_files.metadata_files import checksum
 
 LOSS = 0.3

@@ -11,9 +11,10 @@ from pymavlink.mavftp import MAVFTP, FtpError
 
 from tests.peers.crashes import run_peer
 from tests.peers.mavlink.mavproxy import MavProxy
-from tests.peers.mavlink.rovers import PEERS, free_udp_port, needs, rovers
+from tests.peers.mavlink.rovers import PEERS, needs, rovers
 from tests.peers.mavlink.scripting import Script
-from tests.system.programs import Program
+from tests.support.programs.ports import free_udp_port
+from tests.support.programs.processes import Program
 from thbridge.mavlink.role.parameters import PARAMETERS
 from thbridge.mavlink.vehicle.component_files.metadata_files import checksum
 

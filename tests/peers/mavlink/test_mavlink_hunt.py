@@ -13,12 +13,11 @@ import pytest
 
 from tests.peers.crashes import run_peer
 from tests.peers.mavlink.mavlink_hunter import OWN, Hunter
-from tests.peers.mavlink.rovers import free_udp_port
 from tests.peers.ros.beside import NEEDS_ROS, Ros, clean
 from tests.peers.windows.desktop import Seen, desktop, needs_desktop
 from tests.peers.windows.player import Player, Sight, on
-from tests.system.ports import free_port
-from tests.system.programs import THBRIDGE, Program, until
+from tests.support.programs.ports import free_port, free_udp_port
+from tests.support.programs.processes import THBRIDGE, Program, until
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting

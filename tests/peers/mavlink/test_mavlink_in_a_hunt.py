@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from tests.peers.crashes import run_peer
-from tests.peers.mavlink.rovers import PEERS, degrees, free_udp_port, needs, rovers
+from tests.peers.mavlink.rovers import PEERS, degrees, needs, rovers
 from tests.peers.mavlink.scripting import Script, mav
-from tests.system.programs import THBRIDGE, until
+from tests.support.programs.ports import free_udp_port
+from tests.support.programs.processes import THBRIDGE, until
 
 
 @pytest.mark.slow

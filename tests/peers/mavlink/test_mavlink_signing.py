@@ -9,9 +9,10 @@ from typing import Any
 import pytest
 
 from tests.peers.mavlink.mavproxy import MavProxy
-from tests.peers.mavlink.rovers import free_udp_port, needs, rovers
+from tests.peers.mavlink.rovers import needs, rovers
 from tests.peers.mavlink.scripting import Script, mav
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_udp_port
+from tests.support.programs.processes import Program, until
 
 WORD = "open-sesame"
 KEY = hashlib.sha256(WORD.encode()).digest()

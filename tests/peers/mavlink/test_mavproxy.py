@@ -8,8 +8,9 @@ from collections.abc import Iterator
 import pytest
 
 from tests.peers.mavlink.mavproxy import MavProxy
-from tests.peers.mavlink.rovers import degrees, free_udp_port, needs, rovers
-from tests.system.programs import until
+from tests.peers.mavlink.rovers import degrees, needs, rovers
+from tests.support.programs.ports import free_udp_port
+from tests.support.programs.processes import until
 
 pytestmark = [needs("mavproxy"), pytest.mark.slow]
 

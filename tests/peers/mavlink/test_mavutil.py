@@ -6,10 +6,10 @@ from collections.abc import Iterator
 import pytest
 from pymavlink import mavwp
 
-from tests.peers.mavlink.rovers import degrees, free_udp_port, metres, rovers
+from tests.peers.mavlink.rovers import degrees, metres, rovers
 from tests.peers.mavlink.scripting import PATIENCE, Script, mav
-from tests.system.ports import free_port
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_port, free_udp_port
+from tests.support.programs.processes import Program, until
 
 PARAMETER = "SIM_ODOM_ALPHA1"
 

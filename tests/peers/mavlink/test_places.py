@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.mavlink.rovers import degrees, free_udp_port, rovers
+from tests.peers.mavlink.rovers import degrees, rovers
 from tests.peers.mavlink.scripting import PATIENCE, Script, mav
-from tests.system.programs import until
+from tests.support.programs.ports import free_udp_port
+from tests.support.programs.processes import until
 from thbridge.app.compose.setting import read_setting
 from thbridge.study.study_file import Study
 

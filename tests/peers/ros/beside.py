@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.peers.crashes import run_peer, skipping_if_crashed
-from tests.system.ports import free_port
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_port
+from tests.support.programs.processes import Program, until
 
 PYTHON = "/usr/bin/python3"
 NEEDED = ("rosbag", "rostopic", "rosnode", "rosparam", "rosservice")

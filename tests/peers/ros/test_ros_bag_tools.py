@@ -18,7 +18,7 @@ import rosbag
 from rosbags.rosbag1 import Reader
 
 from tests.peers.crashes import run_peer, skipping_if_crashed
-from tests.system.ports import free_port
+from tests.support.programs.ports import free_port
 from tests.thbridge.recording.bag.writing.inline_queue import InlineQueue
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from tests.thbridge.ros.messages.type_lists import STANDARD_TYPES

@@ -11,7 +11,7 @@ import pytest
 
 from tests.peers.ros import live
 from tests.peers.ros.beside import NEEDS_ROS, PATIENCE, Ros, session
-from tests.system.programs import until
+from tests.support.programs.processes import until
 from thbridge.recording.bag.reading.reader import RawMessage, messages
 
 pytestmark = NEEDS_ROS

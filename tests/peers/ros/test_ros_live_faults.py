@@ -16,8 +16,8 @@ import pytest
 
 from tests.peers.ros import live
 from tests.peers.ros.beside import NEEDS_ROS, PATIENCE, PYTHON, Ros
-from tests.system.ports import free_port
-from tests.system.programs import THBRIDGE, Program, until
+from tests.support.programs.ports import free_port
+from tests.support.programs.processes import THBRIDGE, Program, until
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.rosgraph.wire.tcpros import encode_header
 

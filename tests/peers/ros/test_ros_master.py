@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.crashes import run_peer, skipping_if_crashed
-from tests.system import programs
+from tests.support.programs import processes
 
 PYTHON = "/usr/bin/python3"
 TOOLS = ("rostopic", "rosnode", "rosparam", "rosservice", "rosbag", "roslaunch", "roswtf")
@@ -116,9 +116,9 @@ def eventually(condition: Callable[[], object], what: str) -> None:
 @pytest.fixture(scope="module")
 def graph(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graph]:
     folder = tmp_path_factory.mktemp("ros")
-    master = programs.Program(folder, "ros", "master", "--port", "0")
+    master = processes.Program(folder, "ros", "master", "--port", "0")
     try:
-        port = programs.port_of(master, [master])
+        port = processes.port_of(master, [master])
         yield Graph(f"http://localhost:{port}", folder)
         assert master.stop() == 0
         assert "Traceback" not in master.text

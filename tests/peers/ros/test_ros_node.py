@@ -15,7 +15,7 @@ from contextlib import asynccontextmanager
 import pytest
 
 from tests.peers.crashes import skip_if_crashed
-from tests.system.ports import free_port
+from tests.support.programs.ports import free_port
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
 from thbridge.rosgraph.sockets.node import NodeStarted, RosNode

@@ -8,7 +8,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from tests.peers.ros.beside import NEEDS_ROS, PYTHON, Ros, session
-from tests.system.programs import Program, until
+from tests.support.programs.processes import Program, until
 
 DYNPARAM = Path("/usr/lib/dynamic_reconfigure/dynparam")
 

@@ -15,8 +15,8 @@ from sim.numerics.float_array import FloatArray
 from tests.peers.crashes import RestartedPeer
 from tests.peers.ros.beside import Ros
 from tests.peers.windows.desktop import x_server
-from tests.system.ports import free_port
-from tests.system.programs import THBRIDGE, Program, until
+from tests.support.programs.ports import free_port
+from tests.support.programs.processes import THBRIDGE, Program, until
 from thbridge.ros.rviz import COLOURS
 
 NEEDED = ("rviz", "Xvfb", "import")

@@ -6,10 +6,9 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from tests.peers.mavlink.rovers import free_udp_port
 from tests.peers.ros.beside import NEEDS_ROS, Ros
-from tests.system.ports import free_port
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_port, free_udp_port
+from tests.support.programs.processes import Program, until
 from tests.thbridge.app.replay.test_mavlink_replay import Tour, record
 from tests.thbridge.app.replay.test_replay import again
 from thbridge.recording.bag.reading.reader import messages

@@ -10,7 +10,7 @@ from tests.peers.crashes import run_peer
 from tests.peers.node import NEEDS_NODE, run_script
 from tests.peers.ros.beside import NEEDS_ROS, session
 from tests.peers.ros.rosbridge import NEEDS_ROSBRIDGE, ROSLIBPY, rosbridge
-from tests.system.ports import free_port
+from tests.support.programs.ports import free_port
 
 pytestmark = [NEEDS_ROS, NEEDS_ROSBRIDGE]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.peers.windows.desktop import PATIENCE, Desktop, Seen
-from tests.system.programs import Program
+from tests.support.programs.processes import Program
 
 TREASURES = {
     ("Orange", "Round and Large"): "Orange Bottle",

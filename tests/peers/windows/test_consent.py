@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
-from tests.system import programs
+from tests.support.programs import processes
 
 pytestmark = needs_desktop
 
@@ -26,9 +26,9 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def played(screen: Desktop, folder: Path) -> Iterator[programs.Program]:
+def played(screen: Desktop, folder: Path) -> Iterator[processes.Program]:
     """`thbridge play` on the desktop."""
-    program = programs.Program(
+    program = processes.Program(
         folder, "play", "study.yaml", "--bag", "hunt.bag", "--no-report", environment=screen.environment
     )
     yield program
@@ -42,7 +42,7 @@ def files_of(folder: Path) -> list[str]:
 
 @pytest.mark.slow
 def test_a_no_in_the_window_is_thanked_and_leaves_no_file(
-    played: programs.Program, screen: Desktop, folder: Path
+    played: processes.Program, screen: Desktop, folder: Path
 ) -> None:
     screen.focus_window("Treasure hunt")
     screen.click(screen.rested("I do not take part"))
@@ -54,7 +54,7 @@ def test_a_no_in_the_window_is_thanked_and_leaves_no_file(
 
 @pytest.mark.slow
 def test_a_yes_in_the_window_is_the_first_thing_recorded(
-    played: programs.Program, screen: Desktop, folder: Path
+    played: processes.Program, screen: Desktop, folder: Path
 ) -> None:
     screen.focus_window("Treasure hunt")
     screen.click(screen.rested("I agree"))
@@ -72,14 +72,14 @@ def test_a_yes_in_the_window_is_the_first_thing_recorded(
 
 @pytest.mark.slow
 def test_a_no_in_a_window_at_a_server_is_told_to_it(screen: Desktop, folder: Path) -> None:
-    running = [programs.Program(folder, "server", "study.yaml", "--port", "0")]
+    running = [processes.Program(folder, "server", "study.yaml", "--port", "0")]
     try:
-        at = f"127.0.0.1:{programs.port_of(running[0], running)}"
-        running.append(programs.Program(folder, "simr", "--study", "study.yaml", "--server", at))
-        running.append(programs.Program(folder, "tabui", "--server", at, environment=screen.environment))
+        at = f"127.0.0.1:{processes.port_of(running[0], running)}"
+        running.append(processes.Program(folder, "simr", "--study", "study.yaml", "--server", at))
+        running.append(processes.Program(folder, "tabui", "--server", at, environment=screen.environment))
         screen.focus_window("Treasure hunt")
         screen.click(screen.rested("I do not take part"))
-        programs.until("the no", lambda: "the participant does not take part" in running[0].text, running)
+        processes.until("the no", lambda: "the participant does not take part" in running[0].text, running)
         screen.click(screen.rested("Close"))
         assert running[-1].process.wait(60) == 3, running[-1].text
         assert list((folder / "journal").iterdir()) == []

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.windows.desktop import PATIENCE, Desktop, desktop, needs_desktop
-from tests.system.programs import THBRIDGE
+from tests.support.programs.processes import THBRIDGE
 from tests.ui.model.rehearsed import clocks, rehearse
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.store.event_log import ExperimentLog

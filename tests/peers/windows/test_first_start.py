@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.windows.desktop import desktop, needs_desktop
-from tests.system.programs import THBRIDGE, Program
+from tests.support.programs.processes import THBRIDGE, Program
 from ui.first_start.bar import STOPPED
 
 

@@ -17,8 +17,8 @@ from pathlib import Path
 import pytest
 
 from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
-from tests.system.memory import found_in_memory
-from tests.system.programs import THBRIDGE, Program, port_of
+from tests.support.programs.process_memory import found_in_memory
+from tests.support.programs.processes import THBRIDGE, Program, port_of
 
 ROOT = Path(__file__).parents[3]
 

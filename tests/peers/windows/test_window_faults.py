@@ -7,7 +7,7 @@ import pytest
 
 from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
 from tests.peers.windows.player import Player, Sight, on
-from tests.system.programs import Program, port_of
+from tests.support.programs.processes import Program, port_of
 
 pytestmark = [needs_desktop, pytest.mark.slow]
 

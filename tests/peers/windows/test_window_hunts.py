@@ -13,7 +13,7 @@ import pytest
 
 from tests.peers.windows.desktop import Desktop, Seen, desktop, needs_desktop
 from tests.peers.windows.player import Keys, Mouse, Player, Sight, on
-from tests.system.programs import THBRIDGE
+from tests.support.programs.processes import THBRIDGE
 from thbridge.analysis.measured.game import TimelineEntry
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.files.resources import shipped

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.mavlink.rovers import STUDY, degrees, free_udp_port
+from tests.peers.mavlink.rovers import STUDY, degrees
 from tests.peers.mavlink.scripting import Script, mav
 from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
 from tests.peers.windows.player import Keys, on
-from tests.system.programs import THBRIDGE, Program
+from tests.support.programs.ports import free_udp_port
+from tests.support.programs.processes import THBRIDGE, Program
 
 pytestmark = [needs_desktop, pytest.mark.slow]
 

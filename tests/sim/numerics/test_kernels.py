@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from sim.numerics.compiled_files import write
-from tests.compiling import ROOT
 from tests.sim.numerics.test_compiled_files import damaged
+from tests.support.project import ROOT
 
 CALLER = """\
 from sim.callee import doubled

@@ -3,7 +3,7 @@ import json
 import pytest
 
 from sim.numerics.signatures import RECORDED, _read, as_line, missing
-from tests.compiling import compile_kernels
+from tests.support.programs.compiling import compile_kernels
 
 CALLS = RECORDED.read_text().splitlines()
 

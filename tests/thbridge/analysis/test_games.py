@@ -9,7 +9,7 @@ import pyarrow.parquet
 import pytest
 
 from sim.common.observations import TICK
-from tests.commands import thbridge
+from tests.support.programs.commands import thbridge
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.measured.game import Report
 from thbridge.analysis.measured.gathering import read_games

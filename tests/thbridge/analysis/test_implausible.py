@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.slow import slow
+from tests.support.slow import slow
 from tests.thbridge.analysis.planting import START, STEP, Entry, Line, Planted, clean, write
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.measured.gathering import read_report

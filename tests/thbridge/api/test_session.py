@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.commands import thbridge
+from tests.support.programs.commands import thbridge
 from thbridge import api
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros.names import SESSION

@@ -13,7 +13,7 @@ from sim.inputs import GlobalLocalization, SendGoal, SetPoseEstimate
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
 from sim.team import START_COVARIANCE, Team, TeamSnapshot
-from tests.plugins import install_plugins
+from tests.support.programs.installed_plugins import install_plugins
 from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.app.compose.setting import read_setting
 from thbridge.files.errors import BadFile

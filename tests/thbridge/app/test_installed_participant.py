@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.plugins import install_plugins
+from tests.support.programs.installed_plugins import install_plugins
 from tests.thbridge.roles.participant.test_bots import view_of
 from tests.thbridge.roles.stage import Stage, templates
 from thbridge.api import HuntError, HuntSession, HuntStudy

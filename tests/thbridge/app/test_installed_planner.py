@@ -14,7 +14,7 @@ from sim.parameters import ParameterRejection, RobotParameters, WorldParameters,
 from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.navigator.goals import Goal
 from sim.team import Team, TeamSnapshot
-from tests.plugins import install_plugins
+from tests.support.programs.installed_plugins import install_plugins
 from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.trials.planner_check import try_planner

@@ -17,7 +17,7 @@ from sim.parameters import MoveBaseParameters, RecoveryBehavior, RobotParameters
 from sim.robot.installed_parts import InstalledParts
 from sim.robot.navigator.goals import Goal
 from sim.team import Team, TeamSnapshot
-from tests.plugins import install_plugins
+from tests.support.programs.installed_plugins import install_plugins
 from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.trials.plugin_trial import NOT_DETERMINED

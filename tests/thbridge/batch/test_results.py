@@ -7,7 +7,7 @@ import pyarrow as pa
 import pytest
 from pyarrow import parquet
 
-from tests.damaging import SOME_BITS, cuts, flips
+from tests.support.disks.damaged_files import SOME_BITS, cuts, flips
 from thbridge.batch.results import MOST_GAMES, VERSIONS, Verification, read_table, write_verified
 from thbridge.files.errors import BadFile
 

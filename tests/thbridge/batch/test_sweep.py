@@ -13,7 +13,7 @@ from threading import Thread
 
 import pytest
 
-from tests.commands import thbridge
+from tests.support.programs.commands import thbridge
 from tests.thbridge.batch.rig import DESIGN, InlineEngine, games, run
 from thbridge.batch import tasks
 from thbridge.batch.chunks import Shard, chunks_of

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.compiling import ROOT
-from tests.damaging import EACH_BIT, cuts, flips
+from tests.support.disks.damaged_files import EACH_BIT, cuts, flips
+from tests.support.project import ROOT
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.rehearsal.people import SimulatedPeople

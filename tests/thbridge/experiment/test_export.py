@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.damaging import SOME_BITS, cuts, flips
+from tests.support.disks.damaged_files import SOME_BITS, cuts, flips
 from tests.thbridge.experiment.test_design import write
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor

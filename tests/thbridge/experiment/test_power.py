@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from tests.slow import slow
+from tests.support.slow import slow
 from tests.thbridge.experiment.test_design import write
 from thbridge.batch.engines.engine import EngineFailed, FinishedTask
 from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople

@@ -11,7 +11,7 @@ from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from sim.common.traversability import TraversabilityMap, crosses_itself, inside
 from sim.robot.costmap.footprint import radii
-from tests.slow import slow
+from tests.support.slow import slow
 from thbridge.files.map_files import FOOTPRINT, Map, read_map
 from thbridge.files.resources import shipped
 from thbridge.offline.arena import arena_of, outline_of, simplified

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.damaging import EACH_BIT, SOME_BITS, cuts, flips
+from tests.support.disks.damaged_files import EACH_BIT, SOME_BITS, cuts, flips
 from thbridge import api
 from thbridge.files.errors import BadFile
 from thbridge.hunt.events import JournalEntry

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from tests.system.ports import free_port
+from tests.support.programs.ports import free_port
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.ros.messages import types, unpack
 from thbridge.study.study_file import read_study_text

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.commands import thbridge
+from tests.support.programs.commands import thbridge
 from ui.command_line import outputs
 from ui.command_line.outputs import keep_to_owner
 

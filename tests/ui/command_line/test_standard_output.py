@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.commands import thbridge
-from tests.slow import slow
+from tests.support.programs.commands import thbridge
+from tests.support.slow import slow
 from thbridge.recording.bag.reading.reader import info
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.topics import RosMessage, Topic

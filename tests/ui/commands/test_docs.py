@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from tests.commands import all_commands
+from tests.support.programs.commands import all_commands
 from ui.cli import app
 from ui.commands.docs import pages
 

@@ -8,7 +8,7 @@ from typer.testing import CliRunner, Result
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from tests.slow import slow
+from tests.support.slow import slow
 from tests.thbridge.offline.plans import plan
 from thbridge.files.grid_files import read_grid, write_grid
 from thbridge.hunt.rooms import Room

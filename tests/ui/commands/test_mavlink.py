@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from tests.system.ports import free_port
-from tests.system.programs import Program, until
+from tests.support.programs.ports import free_port
+from tests.support.programs.processes import Program, until
 from tests.thbridge.app.replay.test_mavlink_replay import Station, record
 from tests.thbridge.mavlink.rig import OPTIONS, Game
 from thbridge.app.session.session import Session

@@ -13,7 +13,7 @@ import pytest
 
 from sim.numerics.compiled_files import read
 from sim.numerics.signatures import RECORDED
-from tests.compiling import ROOT
+from tests.support.project import ROOT
 from ui.first_start.bar import FIRST_START, STOPPED
 
 PROGRAM = """\

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.ui.commands.study.test_experiment import thbridge
+from tests.support.programs.commands import output_of
 from tests.ui.model.rehearsed import Study, clocks, rehearse
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.progress import Progress
@@ -155,7 +155,7 @@ say("DeskClosed")
 def test_somebody_withdraws_while_the_study_is_run(study: Study) -> None:
     place = study.folder
     export = place.export("first")
-    thbridge("study", "export", place.root, "--to", export)
+    output_of("study", "export", place.root, "--to", export)
     before = {run.participant for run in Progress(study.design).after(read_log(place.log)).runs.values()}
     with ExperimentLog(place.log) as log:
         running = RunningStudy(study, log)

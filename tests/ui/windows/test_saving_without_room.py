@@ -10,7 +10,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication, QMessageBox
 from pytestqt.qtbot import QtBot
 
-from tests.system.small_disk import SmallDisk, why_not
+from tests.support.disks.small_disk import SmallDisk, why_not
 from tests.ui.windows.study.test_study_window import answering, leave, opened, retype
 from tests.ui.windows.templates.test_template_window import SHIPPED, append
 from tests.ui.windows.templates.test_template_window import opened as opened_templates

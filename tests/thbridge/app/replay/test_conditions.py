@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.slow import slow
+from tests.support.slow import slow
 from tests.thbridge.app.replay.test_replay import STUDY, equal, record
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.compiling import ROOT
+from tests.support.project import ROOT
 from tests.thbridge.dialogue.games.judge import Fact
 from thbridge.dialogue.argumentation.arguments import Belief
 from thbridge.dialogue.argumentation.beliefs import Beliefs, Source

@@ -15,7 +15,7 @@ from rosbags.rosbag1.reader import RecordType
 from rosbags.typesys import Stores, get_typestore
 from typer.testing import CliRunner
 
-from tests.slow import slow
+from tests.support.slow import slow
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression

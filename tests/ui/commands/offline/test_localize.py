@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from sim.common.geometry import Pose2
-from tests.slow import slow
+from tests.support.slow import slow
 from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, write, write_map
 from ui.cli import app
 

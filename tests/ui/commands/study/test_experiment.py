@@ -7,69 +7,62 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from tests.support.programs.commands import output_of
 from thbridge.experiment.store.event_log import ExperimentLog
 from ui.cli import app
-
-runner = CliRunner()
-
-
-def thbridge(*arguments: object) -> str:
-    done = runner.invoke(app, list(map(str, arguments)))
-    assert done.exit_code == 0, done.output
-    return done.output
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    thbridge("study", "new", tmp_path / "arguing")
+    output_of("study", "new", tmp_path / "arguing")
     file = tmp_path / "arguing" / "experiment.yaml"
     file.write_text(file.read_text().replace("quota: 24", "quota: 4"))
     return tmp_path / "arguing"
 
 
 def test_from_a_new_study_to_its_tables(folder: Path, tmp_path: Path) -> None:
-    assert "no faults; 4 people, 2 conditions for each" in thbridge("study", "check", folder)
-    digest = thbridge("study", "freeze", folder).splitlines()[0]
+    assert "no faults; 4 people, 2 conditions for each" in output_of("study", "check", folder)
+    digest = output_of("study", "freeze", folder).splitlines()[0]
     assert len(digest) == 64
-    said = thbridge("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
+    said = output_of("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
     assert "4 of 4 runs that count" in said
     assert "Frozen, and as it was." in said
-    thbridge("study", "export", tmp_path / "rehearsal", "--to", tmp_path / "tables")
+    output_of("study", "export", tmp_path / "rehearsal", "--to", tmp_path / "tables")
     people = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet")
     assert (people.state == "complete").sum() == 4
     assert "is the one that was frozen" in (tmp_path / "tables" / "CHANGES.md").read_text()
 
 
 def test_a_new_study_may_be_in_german(tmp_path: Path) -> None:
-    thbridge("study", "new", tmp_path / "streit", "--language", "de")
-    said = thbridge("study", "check", tmp_path / "streit")
+    output_of("study", "new", tmp_path / "streit", "--language", "de")
+    said = output_of("study", "check", tmp_path / "streit")
     assert "no faults; 24 people" in said and "language" not in said and "translation" not in said
     assert (tmp_path / "streit" / "texts" / "welcome.txt").read_text().startswith("Willkommen.")
-    done = runner.invoke(app, ["study", "new", str(tmp_path / "nl"), "--language", "nl"])
+    done = CliRunner().invoke(app, ["study", "new", str(tmp_path / "nl"), "--language", "nl"])
     assert (done.exit_code, (tmp_path / "nl").exists()) == (2, False)
     assert "--language: there is no example in nl. Choose one of en, de;" in done.stderr
 
 
 def test_a_quota_that_leaves_orders_uneven_is_told(folder: Path) -> None:
     file = folder / "experiment.yaml"
-    assert "some come more often" not in thbridge("study", "check", folder)
+    assert "some come more often" not in output_of("study", "check", folder)
     file.write_text(file.read_text().replace("quota: 4", "quota: 3"))
-    assert "some come more often" in thbridge("study", "check", folder)
+    assert "some come more often" in output_of("study", "check", folder)
 
 
 def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path) -> None:
-    thbridge("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
-    status = thbridge("study", "status", tmp_path / "rehearsal")
+    output_of("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
+    status = output_of("study", "status", tmp_path / "rehearsal")
     gone = next(word for word in status.split() if word.startswith("P-"))
     recording = tmp_path / "rehearsal" / "recordings" / gone / "step-5.bag"
     recording.parent.mkdir(parents=True)
     recording.write_bytes(b"a game")
-    thbridge("study", "withdraw", tmp_path / "rehearsal", gone, "--yes")
-    assert gone not in thbridge("study", "status", tmp_path / "rehearsal")
+    output_of("study", "withdraw", tmp_path / "rehearsal", gone, "--yes")
+    assert gone not in output_of("study", "status", tmp_path / "rehearsal")
     for file in (tmp_path / "rehearsal").rglob("*"):
         assert gone not in file.name
         assert not file.is_file() or gone.encode() not in file.read_bytes()
-    told = json.loads(thbridge("study", "status", tmp_path / "rehearsal", "--json"))
+    told = json.loads(output_of("study", "status", tmp_path / "rehearsal", "--json"))
     assert told["planned"] == 4
 
 
@@ -86,7 +79,7 @@ def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path)
 )
 def test_a_folder_that_is_no_experiment(tmp_path: Path, arguments: tuple[str, ...], problem: str) -> None:
     command, *options = arguments
-    done = runner.invoke(app, ["study", command, str(tmp_path), *options])
+    done = CliRunner().invoke(app, ["study", command, str(tmp_path), *options])
     assert done.exit_code == 2
     assert problem in done.output
 
@@ -96,28 +89,28 @@ def test_files_that_a_game_lacks_are_told_before_anybody_comes(folder: Path, opt
     file = folder / "experiment.yaml"
     file.write_text(file.read_text().replace("  robots: 2\n", "  robots: 2\n  map: nowhere\n"))
     command, *rest = options
-    done = runner.invoke(app, ["study", command, str(folder), *rest])
+    done = CliRunner().invoke(app, ["study", command, str(folder), *rest])
     assert done.exit_code == 2
     # Line 4 begins the section `base`.
     assert f"{file}, line 4, map: there is no map of this name" in " ".join(done.output.split())
 
 
 def test_somebody_who_never_took_part_cannot_withdraw(folder: Path, tmp_path: Path) -> None:
-    thbridge("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
-    done = runner.invoke(app, ["study", "withdraw", str(tmp_path / "rehearsal"), "P-NOBODY", "--yes"])
+    output_of("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
+    done = CliRunner().invoke(app, ["study", "withdraw", str(tmp_path / "rehearsal"), "P-NOBODY", "--yes"])
     assert done.exit_code == 2
     assert "nothing of anybody of this id" in " ".join(done.output.split())
 
 
 def test_a_study_is_not_run_without_a_display_or_twice(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
-    done = runner.invoke(app, ["study", "run", str(folder)])
+    done = CliRunner().invoke(app, ["study", "run", str(folder)])
     assert done.exit_code == 2
     assert "keeps windows from being shown" in done.output
     monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
     (folder / "store").mkdir()
     with ExperimentLog(folder / "store" / "log"):
-        done = runner.invoke(app, ["study", "run", str(folder)])
+        done = CliRunner().invoke(app, ["study", "run", str(folder)])
     assert done.exit_code == 2
     assert "another program runs this study" in done.output
 
@@ -127,7 +120,7 @@ def test_a_study_is_not_run_without_a_display_or_twice(folder: Path, monkeypatch
 def test_a_text_in_another_encoding_is_refused_by_the_check(folder: Path, name: str, encoding: str, told: str) -> None:
     file = folder / name
     file.write_bytes(file.read_text().replace("\n", " “quoted”\n", 1).encode(encoding))
-    checked = runner.invoke(app, ["study", "check", str(folder)])
+    checked = CliRunner().invoke(app, ["study", "check", str(folder)])
     assert checked.exit_code == 2
     assert isinstance(checked.exception, SystemExit)
     assert f"{file.name}, line 1: " in checked.output

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from tests.compiling import ROOT
+from tests.support.project import ROOT
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.export.tables import records_of
 from thbridge.experiment.folder import ExperimentFolder

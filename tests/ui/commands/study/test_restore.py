@@ -4,10 +4,11 @@ import shutil
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from tests.support.programs.commands import output_of, refusal_of
 from tests.thbridge.experiment.test_event_log import answer
-from tests.ui.commands.study.test_experiment import runner, thbridge
-from tests.ui.commands.study.test_withdrawal import people, told_by, traces
+from tests.ui.commands.study.test_withdrawal import people, traces
 from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent, Tombstone
@@ -45,7 +46,7 @@ def study(tmp_path: Path) -> Path:
     root.mkdir()
     for why in ("I like okapis", "I saw a zebra"):
         another_person(root, why)
-    thbridge("study", "backup", root, "--to", tmp_path / "backup")
+    output_of("study", "backup", root, "--to", tmp_path / "backup")
     return root
 
 
@@ -62,8 +63,8 @@ def test_a_killed_study_is_restored_and_what_it_had_is_kept(study: Path, tmp_pat
     third = another_person(study, "an ibis")
     kill(study, tmp_path)
     shutil.copy(tmp_path / "backup" / "store" / "log", study / "store" / "log")
-    assert "do not belong together" in told_by("study", "status", study)
-    said = thbridge("study", "restore", tmp_path / "backup")
+    assert "do not belong together" in refusal_of("study", "status", study)
+    said = output_of("study", "restore", tmp_path / "backup")
     assert read_log(study / "store" / "log") == read_log(tmp_path / "backup" / "store" / "log")
     assert len(people(study)) == 2
     kept = study / "store" / "replaced-1"
@@ -79,11 +80,11 @@ def test_a_whole_newer_study_is_replaced_only_if_somebody_says_so(study: Path, t
     third = another_person(study, "an ibis")
     (study / "consent.txt").write_text("Another text.\n")
     before = read_log(study / "store" / "log")
-    said = told_by("study", "restore", tmp_path / "backup", "--to", study)
+    said = refusal_of("study", "restore", tmp_path / "backup", "--to", study)
     assert "is whole, and has" in said
     assert "Nothing was restored" in said
     assert read_log(study / "store" / "log") == before
-    thbridge("study", "restore", tmp_path / "backup", "--to", study, "--yes")
+    output_of("study", "restore", tmp_path / "backup", "--to", study, "--yes")
     assert len(people(study)) == 2
     kept = study / "store" / "replaced-1"
     assert read_log(kept / "store" / "log") == before
@@ -91,7 +92,7 @@ def test_a_whole_newer_study_is_replaced_only_if_somebody_says_so(study: Path, t
     assert (study / "consent.txt").read_text() != "Another text.\n"
     assert third in people(kept)
     # Who is known there alone can withdraw.
-    thbridge("study", "withdraw", study, third, "--yes")
+    output_of("study", "withdraw", study, third, "--yes")
     assert traces(tmp_path, [third, "an ibis"]) == []
 
 
@@ -100,11 +101,11 @@ def test_who_withdrew_after_the_backup_stays_withdrawn(study: Path, tmp_path: Pa
     gone, other = people(study)
     # A copy that the study does not know of.
     shutil.copytree(tmp_path / "backup", tmp_path / "tape")
-    thbridge("study", "withdraw", study, gone, "--yes")
+    output_of("study", "withdraw", study, gone, "--yes")
     if damaged:
         (study / "store" / "log").write_bytes(b"nothing")
     assert traces(tmp_path / "tape", [gone, "I like okapis"])
-    thbridge("study", "restore", tmp_path / "tape", "--to", study, "--yes")
+    output_of("study", "restore", tmp_path / "tape", "--to", study, "--yes")
     assert people(study) == [other]
     # The copy is known now.
     assert traces(tmp_path, [gone, "I like okapis"]) == []
@@ -114,11 +115,11 @@ def test_who_withdrew_after_the_backup_stays_withdrawn(study: Path, tmp_path: Pa
 def test_a_lost_study_comes_back_and_knows_its_backup(study: Path, tmp_path: Path) -> None:
     first, second = people(study)
     shutil.rmtree(study)
-    thbridge("study", "restore", tmp_path / "backup")
+    output_of("study", "restore", tmp_path / "backup")
     assert people(study) == [first, second]
     assert (study / "recordings" / first / "step-9.bag").read_bytes() == f"a game of {first}".encode()
     assert not list(study.glob("store/replaced-*"))
-    thbridge("study", "withdraw", study, first, "--yes")
+    output_of("study", "withdraw", study, first, "--yes")
     assert traces(tmp_path, [first, "I like okapis"]) == []
 
 
@@ -126,12 +127,12 @@ def test_a_restore_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path
     backup = tmp_path / "backup"
     (tmp_path / "photos").mkdir()
     (tmp_path / "photos" / "one.jpg").write_bytes(b"x")
-    assert "is no study" in told_by("study", "restore", backup, "--to", tmp_path / "photos")
-    assert "in each other" in told_by("study", "restore", backup, "--to", backup / "study")
-    assert "no backup of a study" in told_by("study", "restore", tmp_path / "photos", "--to", study)
+    assert "is no study" in refusal_of("study", "restore", backup, "--to", tmp_path / "photos")
+    assert "in each other" in refusal_of("study", "restore", backup, "--to", backup / "study")
+    assert "no backup of a study" in refusal_of("study", "restore", tmp_path / "photos", "--to", study)
     with ExperimentLog(study / "store" / "log"):
-        assert "another program runs this study" in told_by("study", "restore", backup, "--to", study)
+        assert "another program runs this study" in refusal_of("study", "restore", backup, "--to", study)
     (backup / "store" / "log").write_bytes(b"nothing")
-    assert "is damaged" in told_by("study", "restore", backup, "--to", study)
+    assert "is damaged" in refusal_of("study", "restore", backup, "--to", study)
     assert len(people(study)) == 2
-    assert runner.invoke(app, ["study", "restore", str(tmp_path / "nothing")]).exit_code == 2
+    assert CliRunner().invoke(app, ["study", "restore", str(tmp_path / "nothing")]).exit_code == 2

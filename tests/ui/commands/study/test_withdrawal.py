@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from typer.testing import CliRunner
 
+from tests.support.programs.commands import output_of, refusal_of
 from tests.thbridge.experiment.test_event_log import NOON
-from tests.ui.commands.study.test_experiment import runner, thbridge
 from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
 from thbridge.experiment.conductor import Conductor, sequences_of
 from thbridge.experiment.export.manifest import manifest_text
@@ -53,14 +54,7 @@ def study(finished: Path, tmp_path: Path) -> Path:
 
 
 def people(study: Path) -> list[str]:
-    return re.findall(r"^  (P-\w+)  ", thbridge("study", "status", study), re.MULTILINE)
-
-
-def told_by(*arguments: object) -> str:
-    """Everything that a command that fails says, on one line."""
-    done = runner.invoke(app, list(map(str, arguments)))
-    assert done.exit_code != 0
-    return " ".join(done.output.split())
+    return re.findall(r"^  (P-\w+)  ", output_of("study", "status", study), re.MULTILINE)
 
 
 def traces(root: Path, words: list[str]) -> list[str]:
@@ -84,9 +78,9 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
     _, gone, _ = people(study)
     with ExperimentLog(study / "store" / "log"):
         # It is in use.
-        thbridge("study", "backup", study, "--to", backup)
+        output_of("study", "backup", study, "--to", backup)
     for export in (inside, outside):
-        thbridge("study", "export", study, "--to", export)
+        output_of("study", "export", study, "--to", export)
     (outside / "analysis.py").write_text("# mine\n")
     (outside / "results").mkdir()
     (outside / "results" / "cells.csv").write_text(f"{gone},1\n")
@@ -101,7 +95,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
     # Left by a withdrawal that was killed while it wrote this list.
     (study / "store" / ".withdrawal.json.0badcafe.part").write_text(gone)
 
-    said = " ".join(thbridge("study", "withdraw", study, gone, "--yes").split())
+    said = " ".join(output_of("study", "withdraw", study, gone, "--yes").split())
 
     assert f"{outside / 'notes' / 'people.txt'} is none of the export's files, and names {gone}. Delete that." in said
     (outside / "notes" / "people.txt").unlink()
@@ -119,7 +113,7 @@ def test_nothing_is_left_of_who_withdraws_and_all_that_is_of_others(study: Path,
         entries = read_log(place / "store" / "log")
         assert any(isinstance(entry, Tombstone) for entry in entries)
         assert len(people(place)) == 2
-    assert "has nothing of anybody" in told_by("study", "withdraw", study, gone, "--yes")
+    assert "has nothing of anybody" in refusal_of("study", "withdraw", study, gone, "--yes")
 
 
 def test_an_older_copy_of_a_study_leaves_exports_alone_that_know_more(finished: Path, tmp_path: Path) -> None:
@@ -127,14 +121,14 @@ def test_an_older_copy_of_a_study_leaves_exports_alone_that_know_more(finished: 
     log = tmp_path / "older" / "store" / "log"
     shutil.copytree(finished, tmp_path / "newer")
     newer, outside = tmp_path / "newer", tmp_path / "out"
-    thbridge("study", "export", newer, "--to", outside)
+    output_of("study", "export", newer, "--to", outside)
     manifest = outside / "manifest.json"
     told = json.loads(manifest.read_text())
     manifest.write_text(manifest_text(told["title"], told["participants"], told["events"] + 3))
     shutil.copy(newer / "store" / "exports.json", log.parent / "exports.json")
     before = {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()}
     _, gone, _ = people(tmp_path / "older")
-    said = told_by("study", "withdraw", tmp_path / "older", gone, "--yes")
+    said = refusal_of("study", "withdraw", tmp_path / "older", gone, "--yes")
     assert f"this is an older copy of that study. The export still has data of {gone}" in said
     assert {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()} == before
 
@@ -148,41 +142,41 @@ def test_somebody_who_knows_their_completion_code_alone_can_withdraw(study: Path
         if not isinstance(entry, Tombstone) and entry.event.kind == "run-ended" and entry.event.participant == first
     )
     # As the last page shows it, and a shell takes it apart.
-    thbridge("study", "withdraw", study, code[:4], code[4:].lower(), "--yes")
+    output_of("study", "withdraw", study, code[:4], code[4:].lower(), "--yes")
     assert people(study) == others
-    thbridge("study", "withdraw", study, others[0].lower(), "--yes")
+    output_of("study", "withdraw", study, others[0].lower(), "--yes")
     assert people(study) == others[1:]
 
 
 def test_what_is_not_there_is_done_by_the_next_command_once_it_is(study: Path, tmp_path: Path) -> None:
     export, backup, away = tmp_path / "export", tmp_path / "backup", tmp_path / "away"
     first, *_ = people(study)
-    thbridge("study", "export", study, "--to", export)
-    thbridge("study", "backup", study, "--to", backup)
+    output_of("study", "export", study, "--to", export)
+    output_of("study", "backup", study, "--to", backup)
     away.mkdir()
     for each in (export, backup):
         each.rename(away / each.name)
     for command in ("withdraw", "withdraw"):
-        said = told_by("study", command, study, first, "--yes")
+        said = refusal_of("study", command, study, first, "--yes")
         assert f"{export}: an export was written here, but it no longer exists" in said
         assert f"{backup}: a backup was written here, but it no longer exists" in said
         assert f"The withdrawal of {first} is not finished" in said
     for each in (export, backup):
         (away / each.name).rename(each)
-    assert f"The withdrawal of {first}, which was interrupted, is finished" in thbridge("study", "status", study)
+    assert f"The withdrawal of {first}, which was interrupted, is finished" in output_of("study", "status", study)
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
-    assert "interrupted" not in thbridge("study", "status", study)
+    assert "interrupted" not in output_of("study", "status", study)
 
 
 def test_an_export_that_no_longer_exists_is_forgotten_if_somebody_says_so(study: Path, tmp_path: Path) -> None:
     first, *_ = people(study)
     export = tmp_path / "export"
-    thbridge("study", "export", study, "--to", export)
-    assert "there is such a folder" in told_by("study", "withdraw", study, "--gone", export)
-    assert "was written there" in told_by("study", "withdraw", study, "--gone", tmp_path / "other")
+    output_of("study", "export", study, "--to", export)
+    assert "there is such a folder" in refusal_of("study", "withdraw", study, "--gone", export)
+    assert "was written there" in refusal_of("study", "withdraw", study, "--gone", tmp_path / "other")
     shutil.rmtree(export)
-    told_by("study", "withdraw", study, first, "--yes")
-    assert f"of {first}, which was interrupted, is finished" in thbridge("study", "withdraw", study, "--gone", export)
+    refusal_of("study", "withdraw", study, first, "--yes")
+    assert f"of {first}, which was interrupted, is finished" in output_of("study", "withdraw", study, "--gone", export)
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 
@@ -190,23 +184,23 @@ def test_an_export_that_no_longer_exists_is_forgotten_if_somebody_says_so(study:
 def test_what_a_killed_export_has_left_is_deleted(study: Path, tmp_path: Path, inside: bool) -> None:
     first, *_ = people(study)
     export = study / "exports" / "one" if inside else tmp_path / "export"
-    thbridge("study", "export", study, "--to", export)
+    output_of("study", "export", study, "--to", export)
     part = export / ".all.0a1b2c3d.part"
     part.mkdir()
     for path in [path for path in export.iterdir() if path != part]:
         path.rename(part / path.name)
     assert traces(export, [first])
-    thbridge("study", "withdraw", study, first, "--yes")
+    output_of("study", "withdraw", study, first, "--yes")
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 
 def test_a_backup_in_use_is_done_by_the_next_command(study: Path, tmp_path: Path) -> None:
     backup, (first, *_) = tmp_path / "backup", people(study)
-    thbridge("study", "backup", study, "--to", backup)
+    output_of("study", "backup", study, "--to", backup)
     with ExperimentLog(backup / "store" / "log"):
-        assert "another program runs this study" in told_by("study", "withdraw", study, first, "--yes")
+        assert "another program runs this study" in refusal_of("study", "withdraw", study, first, "--yes")
     assert traces(backup, [first])
-    thbridge("study", "withdraw", study, first, "--yes")
+    output_of("study", "withdraw", study, first, "--yes")
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 
@@ -221,7 +215,7 @@ def test_nothing_but_an_id_or_a_code_withdraws_anybody(study: Path) -> None:
     before = contents(study)
     inside = (f"recordings/{first}", f"../recordings/{first}", f"{first}/", f"./{first}", f"{first}/.", str(study))
     for named in ("..", ".", "", " ", "\t", "/", "/etc", "recordings", "P-", "P-\0", "*", "log", *inside):
-        done = runner.invoke(app, ["study", "withdraw", str(study), named, "--yes"])
+        done = CliRunner().invoke(app, ["study", "withdraw", str(study), named, "--yes"])
         assert done.exit_code == 2, (named, done.output)
         assert "lists the ids" in done.output
         assert contents(study) == before, named
@@ -236,13 +230,13 @@ def test_what_is_deleted_is_shown_and_confirmed_first(
     study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     export, backup, (first, *_) = tmp_path / "export", tmp_path / "backup", people(study)
-    thbridge("study", "export", study, "--to", export)
-    thbridge("study", "backup", study, "--to", backup)
+    output_of("study", "export", study, "--to", export)
+    output_of("study", "backup", study, "--to", backup)
     before = contents(tmp_path)
     events = [entry.event for entry in read_log(study / "store" / "log") if not isinstance(entry, Tombstone)]
     files = len([path for path in (study / "recordings" / first).rglob("*") if path.is_file()])
 
-    done = runner.invoke(app, ["study", "withdraw", str(study), first])
+    done = CliRunner().invoke(app, ["study", "withdraw", str(study), first])
 
     assert done.exit_code == 2
     assert "add --yes" in done.output
@@ -252,11 +246,11 @@ def test_what_is_deleted_is_shown_and_confirmed_first(
     assert f"{export}: this export will be written again without {first}" in said
     assert f"{backup}: this backup will be brought up to date" in said
     monkeypatch.setattr("typer.testing._NamedTextIOWrapper.isatty", lambda _: True, raising=False)
-    refused = runner.invoke(app, ["study", "withdraw", str(study), first], input="n\n")
+    refused = CliRunner().invoke(app, ["study", "withdraw", str(study), first], input="n\n")
     assert refused.exit_code == 1
     assert "Nothing was deleted." in refused.output
     assert contents(tmp_path) == before
-    assert runner.invoke(app, ["study", "withdraw", str(study), first], input="y\n").exit_code == 0
+    assert CliRunner().invoke(app, ["study", "withdraw", str(study), first], input="y\n").exit_code == 0
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 
@@ -296,21 +290,21 @@ def test_each_command_of_a_study_finishes_a_withdrawal_first(
     with ExperimentLog(folder.log) as log:
         log.delete(sequences_of(log.read(), first), NOON)
     words = [{"OUT": tmp_path / "out", "CODE": plan.withdrawal.code}.get(word, word) for word in COMMANDS[name]]
-    done = runner.invoke(app, ["study", name, str(study), *map(str, words)])
+    done = CliRunner().invoke(app, ["study", name, str(study), *map(str, words)])
     assert f"The withdrawal of {first}, which was interrupted, is finished" in " ".join(done.output.split())
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 
 def test_a_backup_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path) -> None:
-    assert "in the study's own folder" in told_by("study", "backup", study, "--to", study / "backup")
+    assert "in the study's own folder" in refusal_of("study", "backup", study, "--to", study / "backup")
     (tmp_path / "photos").mkdir()
     (tmp_path / "photos" / "one.jpg").write_bytes(b"x")
-    assert "no backup" in told_by("study", "backup", study, "--to", tmp_path / "photos")
+    assert "no backup" in refusal_of("study", "backup", study, "--to", tmp_path / "photos")
     backup = tmp_path / "backup"
-    thbridge("study", "backup", study, "--to", backup)
-    thbridge("study", "withdraw", backup, people(study)[0], "--yes")
-    assert "somebody ran the study there" in told_by("study", "backup", study, "--to", backup)
+    output_of("study", "backup", study, "--to", backup)
+    output_of("study", "withdraw", backup, people(study)[0], "--yes")
+    assert "somebody ran the study there" in refusal_of("study", "backup", study, "--to", backup)
     new = tmp_path / "new"
     (recording,) = sorted((study / "recordings").rglob("*.bag"))[:1]
     recording.unlink()
-    assert "is missing" in told_by("study", "backup", study, "--to", new)
+    assert "is missing" in refusal_of("study", "backup", study, "--to", new)

@@ -7,7 +7,7 @@ import pytest
 from pyarrow import csv, parquet
 from typer.testing import CliRunner, Result
 
-from tests.slow import slow
+from tests.support.slow import slow
 from tests.thbridge.batch.rig import InlineEngine
 from thbridge.batch import tasks
 from ui.cli import app

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.small_disk import SmallDisk, why_not
+from tests.support.disks.small_disk import SmallDisk, why_not
 from tests.ui.hosting.kiosk.laboratory import STUDY, TEXTS, InstantGames, KilledError, Laboratory, Person, headings
 from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.design.steps import PracticeTerm

@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
-from tests.system.programs import Program, until
+from tests.support.programs.processes import Program, until
 from tests.ui.model.playing.views import view
 from tests.ui.windows.participant.test_leaving import ArrivedLink
 from tests.ui.windows.preferred import preferred

@@ -14,7 +14,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
-from tests.slow import slow
+from tests.support.slow import slow
 from tests.ui.windows import samples
 from tests.ui.windows.fitting import settle
 from tests.ui.windows.participant.conftest import Opened

@@ -25,3 +25,7 @@ def free_port(kind: socket.SocketKind = socket.SOCK_STREAM) -> int:
                 continue
         return port
     raise AssertionError("numbers have no end")
+
+
+def free_udp_port() -> int:
+    return free_port(socket.SOCK_DGRAM)

@@ -17,6 +17,20 @@ def thbridge(folder: Path, *words: object) -> Result:
         return CliRunner().invoke(app, [*map(str, words)])
 
 
+def output_of(*words: object) -> str:
+    """Everything that a command says, which succeeds."""
+    done = CliRunner().invoke(app, [*map(str, words)])
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+def refusal_of(*words: object) -> str:
+    """Everything that a command says, which fails, on one line."""
+    done = CliRunner().invoke(app, [*map(str, words)])
+    assert done.exit_code != 0
+    return " ".join(done.output.split())
+
+
 def all_commands() -> dict[tuple[str, ...], TyperCommand | TyperGroup]:
     """Return all commands, and the groups that they are in, by their names."""
     found = {(): typer.main.get_command(app)}

@@ -1,4 +1,6 @@
-"""Compiles what tests compute with, once for this machine and these sources: `python -m tests.compiling`.
+"""Compiles what tests compute with, once for this machine and these sources.
+
+    python -m tests.support.programs.compiling
 
 Else each process that shares the tests would compile it for itself, and whoever waits for a program would wait for that
 as well.
@@ -12,8 +14,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from sim.numerics.kernels import folder_of
+from tests.support.project import ROOT
 
-ROOT = Path(__file__).parents[1]
 STUDIES = (
     "robots: 2\n",
     """\

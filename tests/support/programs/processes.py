@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+from tests.support.programs import processes
+
 THBRIDGE = [sys.executable, "-c", "from ui.cli import main; main()"]
 
 
@@ -91,3 +93,15 @@ def journal(folder: Path, game: int = 1) -> list[dict]:
 
 def kinds(folder: Path) -> list[str]:
     return [event["event"] for event in journal(folder)]
+
+
+def run_thbridge(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*processes.THBRIDGE, *arguments], cwd=folder, capture_output=True, text=True, timeout=280, check=False
+    )
+
+
+def play_headless(folder: Path, *arguments: str) -> dict:
+    done = run_thbridge(folder, "play", "--headless", "--json", "--port", "0", *arguments)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
