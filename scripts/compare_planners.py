@@ -9,7 +9,7 @@ import argparse
 import time
 from collections.abc import Sequence
 
-from tests.thbridge.hunt.random_hunts import random_hunt
+from tests.support.hunts.random_hunts import random_hunt
 from thbridge.hunt.planners import PLANNERS, PlanTours
 from thbridge.hunt.rooms import all_rooms
 from thbridge.hunt.team_planner import TeamPlanner

@@ -20,8 +20,8 @@ from scipy.ndimage import find_objects, label
 
 from sim.parameters import LaserParameters, RobotParameters, WorldParameters
 from sim.team import Team
-from tests.bench.errands import drive
 from tests.bench.robots.test_session import hall
+from tests.bench.robots_under_way import drive
 
 SECONDS = 20
 RUNS = 3

@@ -12,9 +12,9 @@ from PIL import Image
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from sim.parameters import RobotParameters
+from tests.support.bags import bags_with_faults
+from tests.support.bags.bags_with_faults import Entry, Form, Line, Planted, clean, content
 from tests.support.project import ROOT
-from tests.thbridge.analysis import planting
-from tests.thbridge.analysis.planting import Entry, Form, Line, Planted, clean, content
 from tests.thbridge.files.ros.test_nav2 import AMCL, CONTROLLER
 from tests.thbridge.recording.bag.test_ros2_storage import written
 from tests.ui.model.test_arena_draft import GRID
@@ -95,11 +95,11 @@ def _recording() -> Planted:
     planted = clean()
     session = SessionRecord("seed: 1\n", 1, {"thbridge": "0.1"}, "play", ("simr",), "person")
     planted.entries.insert(
-        0, Entry(Line("/thbridge/session", SESSION, "1"), planting.START, data=pack.session(0, session))
+        0, Entry(Line("/thbridge/session", SESSION, "1"), bags_with_faults.START, data=pack.session(0, session))
     )
     for number, event in enumerate((STARTED, *EVENTS)):
         record = GameEvent(type(event).__name__.lower(), 0, 1, to_json(event))
-        stamp = planting.START + number * planting.STEP
+        stamp = bags_with_faults.START + number * bags_with_faults.STEP
         planted.entries.append(Entry(Line("/hunt/events", GAME_EVENT), stamp, data=pack.game_event(number, record)))
     return planted
 

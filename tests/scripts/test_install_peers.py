@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.ros.messages.type_lists import STANDARD_TYPES
+from tests.support.ros.type_lists import STANDARD_TYPES
 
 SCRIPT = (Path(__file__).parents[2] / "scripts/install_peers.sh").read_text()
 

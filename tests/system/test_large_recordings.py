@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import TeamPublisher

@@ -16,8 +16,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from tests.support.bags.bags_with_faults import clean, write
 from tests.support.disks.forgetting_disk import ForgettingDisk
-from tests.thbridge.analysis.planting import clean, write
 from tests.thbridge.experiment.test_event_log import NOON, answer
 from tests.thbridge.recording.test_journal import EVENTS, STARTED
 from tests.ui.commands.study.test_restore import another_person

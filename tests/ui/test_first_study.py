@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from tests.ui.hosting.kiosk.laboratory import Person, ShownWindow
+from tests.support.studies.kiosk_without_screen import Person, ShownWindow
 from thbridge.app.compose.recording import build_writer
 from thbridge.batch.hunt import play_hunt
 from thbridge.batch.settings import SettingCache

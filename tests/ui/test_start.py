@@ -11,7 +11,7 @@ import pytest
 
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import pad, radii
-from tests.thbridge.offline.foreign import Robot, write, write_map
+from tests.support.bags.foreign_bags import Robot, write, write_map
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.topics import RosMessage, Topic
 from ui.commands.offline.plan import INFLATION, RADIUS

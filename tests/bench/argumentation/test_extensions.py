@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.bench.budget import Budgets, best, cpu_seconds
-from tests.thbridge.dialogue.argumentation.frameworks import chain
+from tests.support.dialogue.random_frameworks import chain
 from thbridge.dialogue.argumentation.framework import ArgumentationFramework
 from thbridge.dialogue.argumentation.semantics import Extension, Semantics, extensions, grounded
 

@@ -8,7 +8,7 @@ import pytest
 from rosbags.rosbag1 import Reader
 
 from tests.bench.budget import Budgets, cpu_seconds
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.analysis.export.folder import export_bag
 from thbridge.files.ros.definitions import Definitions
 from thbridge.files.tables.table_files import TableFormat

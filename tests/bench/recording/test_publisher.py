@@ -8,7 +8,7 @@ import pytest
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
 from tests.bench.budget import Budgets, best
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, records, snapshots
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, records, snapshots
 from thbridge.ros.publisher import TeamPublisher
 
 pytestmark = pytest.mark.bench

@@ -23,7 +23,7 @@ from sim.team import Team, TeamSnapshot
 from sim.world.physics import World
 from sim.world.sensors import Sensors
 from tests.bench.budget import Budgets
-from tests.bench.errands import best_ticks, drive
+from tests.bench.robots_under_way import best_ticks, drive
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import StudySetting, read_setting

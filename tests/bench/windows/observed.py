@@ -51,7 +51,7 @@ def observe_window(path: Path) -> None:
     """Each painting of the map, when it is done."""
     from PySide6.QtCore import QTimer  # noqa: PLC0415 - Qt, only in the window
 
-    from tests.bench.windows.film import key_for  # noqa: PLC0415
+    from tests.bench.windows.filmed_hunt import key_for  # noqa: PLC0415
     from ui.model.playing.keys import act_for  # noqa: PLC0415
     from ui.windows.map import MapView  # noqa: PLC0415
     from ui.windows.participant.pages.start import StartPage  # noqa: PLC0415

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.bench.budget import Budgets, best
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.ros.messages import types

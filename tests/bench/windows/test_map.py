@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 from pytestqt.qtbot import QtBot
 
 from tests.bench.budget import Budgets
-from tests.ui.windows.map.houses import busy_robots, house_of, rooms_of
+from tests.support.maps.sample_maps import busy_robots, house_of, rooms_of
 from thbridge.files.map_files import Map
 from thbridge.roles.shared.notices import PlannedPaths, PoseTelemetry
 from ui.model.playing.motion import MotionPlayback

@@ -9,7 +9,7 @@ from PySide6.QtCore import QTimer
 from pytestqt.qtbot import QtBot
 
 from tests.bench.budget import Budgets
-from tests.ui.windows.researcher.hunts import record
+from tests.support.hunts.watched_hunts import record
 from ui.model.shared.theme import LIGHT
 from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 from ui.windows.researcher.window import ResearcherWindow

@@ -20,9 +20,9 @@ from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.bench.budget import Budgets
-from tests.bench.windows.film import Film, Shown, shoot
+from tests.bench.windows.filmed_hunt import Film, Shown, shoot
 from tests.peers.windows.desktop import desktop, needs_desktop
-from tests.ui.windows.researcher.hunts import watched_hunt
+from tests.support.hunts.watched_hunts import watched_hunt
 from thbridge.watching.sockets.client import WatchClient
 from ui.model.playing.screen import Screen
 from ui.model.shared.theme import LIGHT

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Self
 
 from tests.peers.crashes import skip_if_crashed, skipping_if_crashed
-from tests.peers.mavlink.rovers import PEERS
+from tests.peers.mavlink.rover_session import PEERS
 
 MODULES = "link,param,wp,mode,cmdlong,arm,log,signing,misc"
 PATIENCE = 120.0

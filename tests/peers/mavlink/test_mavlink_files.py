@@ -11,8 +11,8 @@ from pymavlink.mavftp import MAVFTP, FtpError
 
 from tests.peers.crashes import run_peer
 from tests.peers.mavlink.mavproxy import MavProxy
-from tests.peers.mavlink.rovers import PEERS, needs, rovers
-from tests.peers.mavlink.scripting import Script
+from tests.peers.mavlink.mavutil_script import Script
+from tests.peers.mavlink.rover_session import PEERS, needs, rovers
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import Program
 from thbridge.mavlink.role.parameters import PARAMETERS

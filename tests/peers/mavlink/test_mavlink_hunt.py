@@ -13,7 +13,7 @@ import pytest
 
 from tests.peers.crashes import run_peer
 from tests.peers.mavlink.mavlink_hunter import OWN, Hunter
-from tests.peers.ros.beside import NEEDS_ROS, Ros, clean
+from tests.peers.ros.ros_programs import NEEDS_ROS, Ros, clean
 from tests.peers.windows.desktop import Seen, desktop, needs_desktop
 from tests.peers.windows.player import Player, Sight, on
 from tests.support.programs.ports import free_port, free_udp_port

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.peers.crashes import run_peer
-from tests.peers.mavlink.rovers import PEERS, degrees, needs, rovers
-from tests.peers.mavlink.scripting import Script, mav
+from tests.peers.mavlink.mavutil_script import Script, mav
+from tests.peers.mavlink.rover_session import PEERS, degrees, needs, rovers
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import THBRIDGE, until
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from tests.peers.crashes import run_peer
-from tests.peers.mavlink.rovers import ORIGIN, PEERS, ROBOTS, metres, needs, rovers, truth
+from tests.peers.mavlink.rover_session import ORIGIN, PEERS, ROBOTS, metres, needs, rovers, truth
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import THBRIDGE
 

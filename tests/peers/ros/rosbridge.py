@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.crashes import run_peer
-from tests.peers.ros.beside import PYTHON, Ros, knows
+from tests.peers.ros.ros_programs import PYTHON, Ros, knows
 
 SOURCES = Path(os.environ.get("ROSBRIDGE_SRC", ""))
 ROSLIBPY = Path(__file__).parents[3] / ".peers" / "roslibpy" / "bin" / "python"

@@ -10,7 +10,7 @@ import pytest
 
 from sim.common.geometry import IDENTITY
 from tests.peers.crashes import run_peer
-from tests.thbridge.analysis.planting import (
+from tests.support.bags.bags_with_faults import (
     SCAN_LINE,
     START,
     STATIC_LINE,
@@ -22,7 +22,7 @@ from tests.thbridge.analysis.planting import (
     tf,
     write,
 )
-from tests.thbridge.offline.foreign import transform
+from tests.support.bags.foreign_bags import transform
 from thbridge.analysis.check import FindingSeverity, Judgement, judge
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.recording.bag.options import Compression

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.ros import live
-from tests.peers.ros.beside import NEEDS_ROS, session
+from tests.peers.ros import rospy_scripts
+from tests.peers.ros.ros_programs import NEEDS_ROS, session
 from tests.thbridge.app.replay.test_replay import again
 from thbridge.app.replay.replay import ticks_of
 from thbridge.app.session.inputs import ClientRequest
@@ -16,7 +16,7 @@ pytestmark = NEEDS_ROS
 @pytest.mark.slow
 def test_robots_do_again_what_they_did_for_ros_clients(tmp_path: Path) -> None:
     with session(tmp_path, "--bag", "live.bag") as (ros, robots):
-        assert ros.script(live.ASKING)
+        assert ros.script(rospy_scripts.ASKING)
         assert robots.stop() == 0
     inputs = [item for tick in ticks_of(tmp_path / "live.bag") for item in tick.inputs]
     asked = {type(item.request).__name__ for item in inputs if isinstance(item, ClientRequest)}

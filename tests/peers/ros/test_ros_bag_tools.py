@@ -18,10 +18,10 @@ import rosbag
 from rosbags.rosbag1 import Reader
 
 from tests.peers.crashes import run_peer, skipping_if_crashed
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.inline_queue import InlineQueue
 from tests.support.programs.ports import free_port
-from tests.thbridge.recording.bag.writing.inline_queue import InlineQueue
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from tests.thbridge.ros.messages.type_lists import STANDARD_TYPES
+from tests.support.ros.type_lists import STANDARD_TYPES
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits
@@ -305,7 +305,7 @@ def test_each_part_of_a_split_recording_is_a_bag_to_rosbag(tmp_path: Path) -> No
 WRITE = """
 import sys
 from pathlib import Path
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.ros.publisher import TeamPublisher

@@ -19,7 +19,7 @@ from sim.inputs import CancelGoal, DriveManually, SendGoal
 from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from tests.peers.crashes import run_peer, skipping_if_crashed
-from tests.peers.ros.beside import knows
+from tests.peers.ros.ros_programs import knows
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import SessionRecord

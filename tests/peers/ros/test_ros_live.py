@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.ros import live
-from tests.peers.ros.beside import NEEDS_ROS, PATIENCE, Ros, session
+from tests.peers.ros import rospy_scripts
+from tests.peers.ros.ros_programs import NEEDS_ROS, PATIENCE, Ros, session
 from tests.support.programs.processes import until
 from thbridge.recording.bag.reading.reader import RawMessage, messages
 
@@ -91,7 +91,7 @@ def test_rosparam_dumps_and_loads_all_parameters_and_nothing_changes(beside: Ros
 
 
 def test_a_clients_view_of_every_parameter_is_one_that_a_real_node_can_start_from(beside: Ros) -> None:
-    told = beside.script(live.PARAMETERS, "/robot1")
+    told = beside.script(rospy_scripts.PARAMETERS, "/robot1")
     assert isinstance(told, dict)
     assert told["/robot1/move_base/global_costmap/robot_base_frame"] == "robot1/base_footprint"
     assert len(told["/robot1/move_base/local_costmap/footprint"]) >= 3
@@ -102,8 +102,8 @@ def test_a_clients_view_of_every_parameter_is_one_that_a_real_node_can_start_fro
 
 
 def test_amcls_set_map_takes_the_pose_and_refuses_another_map(beside: Ros) -> None:
-    assert beside.script(live.SET_MAP, "0") == {"success": True}
-    assert beside.script(live.SET_MAP, "1") == {"success": False}
+    assert beside.script(rospy_scripts.SET_MAP, "0") == {"success": True}
+    assert beside.script(rospy_scripts.SET_MAP, "1") == {"success": False}
 
 
 @pytest.mark.slow
@@ -142,14 +142,14 @@ def test_services_answer(beside: Ros) -> None:
 
 def test_tf2_finds_every_robots_laser_in_the_map(beside: Ros) -> None:
     pairs = ["map,robot1/base_laser", "map,robot2/base_laser", "robot1/base_link,robot2/base_link"]
-    found = beside.script(live.TF_LISTENER, *pairs)
+    found = beside.script(rospy_scripts.TF_LISTENER, *pairs)
     assert isinstance(found, dict)
     assert set(found) == set(pairs)
     assert all(abs(value) < 10.0 for place in found.values() for value in place)
 
 
 def test_somebody_tells_a_robot_where_it_is(beside: Ros) -> None:
-    x, y = beside.script(live.LOCALIZED, "[1.0, 0.5]")
+    x, y = beside.script(rospy_scripts.LOCALIZED, "[1.0, 0.5]")
     assert abs(x - 1.0) < 0.5
     assert abs(y - 0.5) < 0.5
 
@@ -167,7 +167,7 @@ def test_somebody_drives_by_hand_and_the_robot_stops_by_itself(beside: Ros) -> N
 @pytest.mark.slow
 def test_an_action_client_drives_cancels_and_is_replaced(tmp_path: Path) -> None:
     with session(tmp_path, "--robots", "1") as (ros, _):
-        said = ros.script(live.ACTION_CLIENT, "/robot1", json.dumps(CORRIDOR))
+        said = ros.script(rospy_scripts.ACTION_CLIENT, "/robot1", json.dumps(CORRIDOR))
     preempted, succeeded, aborted = 2, 3, 4
     assert isinstance(said, dict)
     assert said["found"]

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.ros import live
-from tests.peers.ros.beside import NEEDS_ROS, PATIENCE, PYTHON, Ros
+from tests.peers.ros import rospy_scripts
+from tests.peers.ros.ros_programs import NEEDS_ROS, PATIENCE, PYTHON, Ros
 from tests.support.programs.ports import free_port
 from tests.support.programs.processes import THBRIDGE, Program, until
 from thbridge.recording.bag.reading.reader import messages
@@ -185,7 +185,7 @@ def test_a_node_of_the_same_name_ends_the_sitting_and_keeps_the_name(core: Core,
     with hunt(tmp_path, f"http://127.0.0.1:{core.port}") as program:
         under_way(program)
         until("everything at the master", core.whole, [program])
-        with core.ros.running(PYTHON, "-c", live.NAMESAKE, "thbridge") as namesake:
+        with core.ros.running(PYTHON, "-c", rospy_scripts.NAMESAKE, "thbridge") as namesake:
             assert namesake.stdout is not None
             assert namesake.stdout.readline() == "here\n"
             until("the session to leave", lambda: "goes on without it" in program.text, [program])
@@ -260,11 +260,11 @@ def test_subscribers_that_never_read_or_have_the_wrong_type_cost_others_nothing(
     team = ("--robots", "10", "--map", "warehouse12", "--rate", "8", "--outside", "TabUI")
     with hunt(tmp_path, f"http://127.0.0.1:{core.port}", *team) as program:
         until("everything at the master", core.whole, [program])
-        where = core.ros.script(live.WHERE, "/thbridge", "/tf")
+        where = core.ros.script(rospy_scripts.WHERE, "/thbridge", "/tf")
         assert isinstance(where, list)
         silent = stalled((where[0], where[1]), ["/tf", "/robot1/odom"])
-        with core.ros.running(PYTHON, "-c", live.OF_ANOTHER_TYPE):
-            numbers = core.ros.script(live.UNBROKEN, "1500")
+        with core.ros.running(PYTHON, "-c", rospy_scripts.OF_ANOTHER_TYPE):
+            numbers = core.ros.script(rospy_scripts.UNBROKEN, "1500")
             until(
                 "the stalled one to lose messages", lambda: "/stalled reads /tf too slowly" in program.text, [program]
             )

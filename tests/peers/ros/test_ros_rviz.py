@@ -13,7 +13,7 @@ from PIL import Image
 
 from sim.numerics.float_array import FloatArray
 from tests.peers.crashes import RestartedPeer
-from tests.peers.ros.beside import Ros
+from tests.peers.ros.ros_programs import Ros
 from tests.peers.windows.desktop import x_server
 from tests.support.programs.ports import free_port
 from tests.support.programs.processes import THBRIDGE, Program, until

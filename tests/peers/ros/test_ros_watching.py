@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.crashes import run_peer
-from tests.peers.ros.beside import NEEDS_ROS, PYTHON, clean
+from tests.peers.ros.ros_programs import NEEDS_ROS, PYTHON, clean
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from tests.peers.ros.beside import NEEDS_ROS, Ros
+from tests.peers.ros.ros_programs import NEEDS_ROS, Ros
 from tests.support.programs.ports import free_port, free_udp_port
 from tests.support.programs.processes import Program, until
 from tests.thbridge.app.replay.test_mavlink_replay import Tour, record

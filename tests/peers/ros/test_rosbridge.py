@@ -8,7 +8,7 @@ import pytest
 
 from tests.peers.crashes import run_peer
 from tests.peers.node import NEEDS_NODE, run_script
-from tests.peers.ros.beside import NEEDS_ROS, session
+from tests.peers.ros.ros_programs import NEEDS_ROS, session
 from tests.peers.ros.rosbridge import NEEDS_ROSBRIDGE, ROSLIBPY, rosbridge
 from tests.support.programs.ports import free_port
 

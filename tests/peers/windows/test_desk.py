@@ -11,7 +11,7 @@ import pytest
 
 from tests.peers.windows.desktop import PATIENCE, Desktop, desktop, needs_desktop
 from tests.support.programs.processes import THBRIDGE
-from tests.ui.model.rehearsed import clocks, rehearse
+from tests.support.studies.rehearsed_study import clocks, rehearse
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import RunState

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.mavlink.rovers import STUDY, degrees
-from tests.peers.mavlink.scripting import Script, mav
+from tests.peers.mavlink.mavutil_script import Script, mav
+from tests.peers.mavlink.rover_session import STUDY, degrees
 from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
 from tests.peers.windows.player import Keys, on
 from tests.support.programs.ports import free_udp_port

@@ -3,8 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.analysis.planting import ODOM_LINE, START, STEP, Entry, Planted, clean, odom_message, write
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
+from tests.support.bags.bags_with_faults import ODOM_LINE, START, STEP, Entry, Planted, clean, odom_message, write
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
 from thbridge.analysis.bag_summary import RecordingSummary, TopicSummary, summarise
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.recording.bag.writing.writer import BagWriter

@@ -3,8 +3,18 @@ from pathlib import Path
 import pytest
 
 from sim.common.geometry import IDENTITY
-from tests.thbridge.analysis.planting import SCAN_LINE, START, STATIC_LINE, STEP, Entry, clean, scan_message, tf, write
-from tests.thbridge.offline.foreign import transform
+from tests.support.bags.bags_with_faults import (
+    SCAN_LINE,
+    START,
+    STATIC_LINE,
+    STEP,
+    Entry,
+    clean,
+    scan_message,
+    tf,
+    write,
+)
+from tests.support.bags.foreign_bags import transform
 from thbridge.analysis.check import judge
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.files.errors import BadFile

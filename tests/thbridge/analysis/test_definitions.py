@@ -6,7 +6,7 @@ import pytest
 from mcap.reader import make_reader
 from typer.testing import CliRunner
 
-from tests.thbridge.analysis.planting import Planted, clean, found, judged, rules, write
+from tests.support.bags.bags_with_faults import Planted, clean, found, judged, rules, write
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.measured.gathering import read_report

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
+from tests.support.dialogue import recorded_dialogues
 from tests.thbridge.analysis.test_report import Recorded, recorded
-from tests.thbridge.app.session import argued
 from thbridge.analysis.measured.dialogues import RecordedGame, count_ends
 from thbridge.analysis.measured.game import Report
 from thbridge.analysis.measured.gathering import read_report
@@ -28,7 +28,7 @@ def of(ticks: Iterable[Iterable[Record]]) -> Report:
 
 @pytest.fixture(scope="module")
 def stubborn() -> Report:
-    return of(argued.recorded(*argued.utterances()))
+    return of(recorded_dialogues.recorded(*recorded_dialogues.utterances()))
 
 
 def test_games_are_told_with_their_ends_and_with_who_gave_in(stubborn: Report) -> None:
@@ -42,34 +42,38 @@ def test_games_are_told_with_their_ends_and_with_who_gave_in(stubborn: Report) -
 
 
 def test_moves_are_counted_by_speaker_and_locution(stubborn: Report) -> None:
-    said = [each for tick in argued.utterances() for each in tick]
+    said = [each for tick in recorded_dialogues.utterances() for each in tick]
     assert sum(stubborn.dialogues.moves.values()) == sum(bool(each.formal) for each in said)
     assert stubborn.dialogues.moves["human", "reject"] == 1
     assert stubborn.dialogues.moves["robot", "accept"] >= 1
 
 
 def test_a_game_that_is_left_is_withdrawn_and_one_that_goes_on_unfinished() -> None:
-    left = of(argued.recorded(*argued.utterances(argued.LEAVES)))
+    left = of(recorded_dialogues.recorded(*recorded_dialogues.utterances(recorded_dialogues.LEAVES)))
     assert [game.end for game in left.dialogues.games] == ["withdrawn"]
-    goes_on = of(argued.recorded(*argued.utterances(argued.LEAVES[:1])))
+    goes_on = of(recorded_dialogues.recorded(*recorded_dialogues.utterances(recorded_dialogues.LEAVES[:1])))
     assert [game.end for game in goes_on.dialogues.games] == ["unfinished"]
 
 
 def test_questions_overrides_and_what_is_misheard_are_counted() -> None:
     adviser = Manner(DialogueCondition.ADVISER, persistence=1)
-    dialogues = of(argued.recorded(*argued.utterances(("Override()",), adviser))).dialogues
+    dialogues = of(recorded_dialogues.recorded(*recorded_dialogues.utterances(("Override()",), adviser))).dialogues
     assert (dialogues.questions, dialogues.overrides, dialogues.misheard) == (0, 1, 0)
-    asked = of(argued.recorded(*argued.utterances(("OpenQuestions()", "Enquire("), adviser)))
+    asked = of(recorded_dialogues.recorded(*recorded_dialogues.utterances(("OpenQuestions()", "Enquire("), adviser)))
     assert asked.dialogues.questions == 1
-    misheard = of(argued.recorded(*argued.utterances(argued.STUBBORN[:1], Manner(misheard=1.0))))
+    misheard = of(
+        recorded_dialogues.recorded(
+            *recorded_dialogues.utterances(recorded_dialogues.STUBBORN[:1], Manner(misheard=1.0))
+        )
+    )
     assert misheard.dialogues.misheard == 1
     (entry,) = [entry for entry in misheard.timeline if entry.kind == "misheard"]
     assert entry.who == "robot 1" and entry.text
 
 
 def test_a_strategy_that_failed_is_told_and_counted(stubborn: Report) -> None:
-    ticks = [[replace(said, fault="a str is no move") for said in tick] for tick in argued.utterances()[:1]]
-    failed = of(argued.recorded(*map(tuple, ticks)))
+    ticks = [[replace(said, fault="a str is no move") for said in tick] for tick in recorded_dialogues.utterances()[:1]]
+    failed = of(recorded_dialogues.recorded(*map(tuple, ticks)))
     entries = [entry for entry in failed.timeline if entry.kind == "strategy failed"]
     assert failed.dialogues.strategy_faults == len(entries) > 0 == stubborn.dialogues.strategy_faults
     assert entries[0].text == "a str is no move"

@@ -17,8 +17,8 @@ from pyarrow import parquet
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from tests.thbridge.offline import foreign
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags import foreign_bags
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.analysis.export import exporting
 from thbridge.analysis.export.folder import export_bag
 from thbridge.files.errors import BadFile
@@ -208,7 +208,7 @@ def test_a_choice_of_tables_with_what_belongs_to_them(bag: Path, tmp_path: Path)
 
 @pytest.mark.parametrize("compression", [None, Writer.CompressionFormat.LZ4, Writer.CompressionFormat.BZ2])
 def test_bags_of_other_robots(tmp_path: Path, compression: Writer.CompressionFormat | None) -> None:
-    foreign.write(tmp_path / "a.bag", foreign.Robot(compression=compression), seconds=1.0)
+    foreign_bags.write(tmp_path / "a.bag", foreign_bags.Robot(compression=compression), seconds=1.0)
     exported = export_bag(tmp_path / "a.bag", tmp_path / "out", BOTH)
     assert set(exported.tables) == {"scan", "odom", "tf", "tf_static", "poses"}
     assert table(tmp_path / "out", "scan").num_rows == 11

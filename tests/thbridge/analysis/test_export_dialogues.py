@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.thbridge.app.session import argued
+from tests.support.dialogue import recorded_dialogues
 from thbridge.analysis.export.exporting import ExportSummary, export
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.recording.bag.records import BagConnection
@@ -19,7 +19,7 @@ def tables(*ticks: tuple[DialogueUtterance, ...], broken: bool = False) -> dict[
     """The rows of all tables of what is said, a tick a second."""
     messages = [
         (made.topic, second, made.data)
-        for second, records in enumerate(argued.recorded(*ticks))
+        for second, records in enumerate(recorded_dialogues.recorded(*ticks))
         for record in records
         for made in messages_of(0, 0, record)
     ]
@@ -48,7 +48,7 @@ def changed(rows: Sequence[Row], change: str, holder: str, second: float) -> lis
 
 @pytest.fixture(scope="module")
 def stubborn() -> dict[str, list[Row]]:
-    return tables(*argued.utterances())
+    return tables(*recorded_dialogues.utterances())
 
 
 def test_each_game_is_a_row_with_its_course_and_who_gave_in(stubborn: dict[str, list[Row]]) -> None:
@@ -79,7 +79,7 @@ def test_recordings_without_such_dialogues_have_no_such_tables() -> None:
 
 
 def test_states_of_another_release_leave_the_rest_as_it_is() -> None:
-    found = tables(*argued.utterances(), broken=True)
+    found = tables(*recorded_dialogues.utterances(), broken=True)
     assert found["dialogue_states"]
     assert len(found["dialogue_games"]) > 1
     assert not found.get("dialogue_beliefs")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.analysis.planting import START, STEP, Entry, Line, Planted, found, judged, write
+from tests.support.bags.bags_with_faults import START, STEP, Entry, Line, Planted, found, judged, write
 from tests.thbridge.ros.messages.test_foreign_types import nested
 from thbridge.analysis.export.exporting import table_name
 from thbridge.analysis.export.folder import export_bag
@@ -30,7 +30,7 @@ def of(msgtype: str, definition: str, topic: str = "/x") -> Planted:
 def _no_plain_definitions(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let bags be planted with types that nobody knows."""
     known = type("Known", (), {"md5": "", "text": ""})
-    monkeypatch.setattr("tests.thbridge.analysis.planting.plain_definition", lambda name: known)
+    monkeypatch.setattr("tests.support.bags.bags_with_faults.plain_definition", lambda name: known)
 
 
 @pytest.mark.parametrize(("msgtype", "definition"), TYPES)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.bags.bags_with_faults import START, STEP, Entry, Line, Planted, clean, write
 from tests.support.slow import slow
-from tests.thbridge.analysis.planting import START, STEP, Entry, Line, Planted, clean, write
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.analysis.plot.figures import draw

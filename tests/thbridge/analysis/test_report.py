@@ -6,7 +6,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery
-from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.drawn_team import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.analysis.measured.game import Report
 from thbridge.analysis.measured.gathering import read_games, read_report
 from thbridge.analysis.measured.paths import pieces

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
-from tests.thbridge.analysis.planting import ODOM_LINE, Entry, Planted, tf, write
-from tests.thbridge.analysis.planting import TF_LINE as TF
-from tests.thbridge.offline.foreign import TYPES, Header, odometry, stamp, transform
+from tests.support.bags.bags_with_faults import ODOM_LINE, Entry, Planted, tf, write
+from tests.support.bags.bags_with_faults import TF_LINE as TF
+from tests.support.bags.foreign_bags import TYPES, Header, odometry, stamp, transform
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.measured.game import Track
 from thbridge.analysis.measured.gathering import read_report

@@ -3,8 +3,8 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from tests.thbridge.analysis.planting import STATIC_LINE, clean, write
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
+from tests.support.bags.bags_with_faults import STATIC_LINE, clean, write
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
 from thbridge.analysis.to_mcap import COMPRESSIONS, to_mcap
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.errors import BadFile

@@ -15,9 +15,9 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from ruamel.yaml import YAML
 from typer.testing import CliRunner
 
-from tests.thbridge.analysis.planting import clean, write
-from tests.thbridge.offline import foreign
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
+from tests.support.bags import foreign_bags
+from tests.support.bags.bags_with_faults import clean, write
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
 from thbridge.analysis.to_mcap import to_mcap
 from thbridge.analysis.to_ros2 import to_ros2
 from thbridge.app.session.broadcast import Broadcast
@@ -178,8 +178,8 @@ def test_types_of_ros_2_become_those_of_noetic_and_others_are_kept(tmp_path: Pat
 def test_a_robot_is_localised_in_it_as_in_the_bag_that_it_was(tmp_path: Path, name: str) -> None:
     from rosbags.convert.converter import convert  # noqa: PLC0415 - rosbags' own conversion, as the judge
 
-    foreign.write(tmp_path / "a.bag", foreign.Robot(), seconds=3.0)
-    foreign.write_map(tmp_path, foreign.IDENTITY)
+    foreign_bags.write(tmp_path / "a.bag", foreign_bags.Robot(), seconds=3.0)
+    foreign_bags.write_map(tmp_path, foreign_bags.IDENTITY)
     storage = {"mcap": "mcap", "sqlite": "sqlite3"}[name]
     convert(
         [tmp_path / "a.bag"], tmp_path / "a", storage, STORAGES[name].version, None, "none", None, None, [], [], [], []

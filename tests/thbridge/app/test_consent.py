@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-from tests.thbridge.roles.stage import Stage
+from tests.support.hunts.hunt_without_simulator import Stage
 from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.consent import ConsentDesk, introduction

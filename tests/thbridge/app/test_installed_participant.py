@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.hunts.hunt_without_simulator import Stage, templates
 from tests.support.programs.installed_plugins import install_plugins
 from tests.thbridge.roles.participant.test_bots import view_of
-from tests.thbridge.roles.stage import Stage, templates
 from thbridge.api import HuntError, HuntSession, HuntStudy
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.recording import build_record

@@ -13,7 +13,7 @@ from threading import Thread
 
 import pytest
 
-from tests.thbridge.batch.rig import HoldingTask, InlineEngine, games, run
+from tests.thbridge.batch.sweep_in_process import HoldingTask, InlineEngine, games, run
 
 pytest.importorskip("distributed")
 pytest.importorskip("submitit")

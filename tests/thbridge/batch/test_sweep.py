@@ -14,7 +14,7 @@ from threading import Thread
 import pytest
 
 from tests.support.programs.commands import thbridge
-from tests.thbridge.batch.rig import DESIGN, InlineEngine, games, run
+from tests.thbridge.batch.sweep_in_process import DESIGN, InlineEngine, games, run
 from thbridge.batch import tasks
 from thbridge.batch.chunks import Shard, chunks_of
 from thbridge.batch.design import read_design

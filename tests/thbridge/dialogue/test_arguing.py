@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.facts import what_facts, where_facts
+from tests.support.dialogue.random_facts import what_facts, where_facts
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.arguing_moves import MOST_CHOICES
 from thbridge.dialogue.argumentation.cases import Side

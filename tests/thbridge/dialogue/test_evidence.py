@@ -2,7 +2,7 @@
 
 from hypothesis import given
 
-from tests.thbridge.dialogue.facts import where_facts
+from tests.support.dialogue.random_facts import where_facts
 from thbridge.dialogue.argumentation.beliefs import Beliefs, Source
 from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, comparison, what, where

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from tests.thbridge.dialogue.argumentation.frameworks import frameworks
+from tests.support.dialogue.random_frameworks import frameworks
 from thbridge.dialogue.argumentation.framework import ArgumentationFramework
 from thbridge.files.argument_files import read_framework
 from thbridge.files.errors import BadFile

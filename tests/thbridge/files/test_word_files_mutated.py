@@ -5,7 +5,7 @@ from random import Random
 
 import pytest
 
-from tests.thbridge.dialogue.wording.propositions import FORMS
+from tests.support.dialogue.random_propositions import FORMS
 from thbridge.dialogue.argumentation.arguments import Argument
 from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.argumentation.propositions import Literal, Rule

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.hunt.random_hunts import random_hunt
+from tests.support.hunts.random_hunts import random_hunt
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.planners import PLANNERS
 from thbridge.hunt.rooms import CORRIDOR, all_rooms

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.hunt.random_hunts import random_hunt
+from tests.support.hunts.random_hunts import random_hunt
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.rooms import all_rooms
 from thbridge.hunt.team_tour import TourStart, best_team_tours
@@ -21,7 +21,7 @@ from thbridge.hunt.tour import Tour
 
 ROOT = Path(__file__).parents[3]
 PROGRAM = """
-from tests.thbridge.hunt.random_hunts import random_hunt
+from tests.support.hunts.random_hunts import random_hunt
 from thbridge.hunt.rooms import all_rooms
 from thbridge.hunt.team_tour_search import search_team_tours
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.thbridge.mavlink.rig import Rig
+from tests.support.mavlink.vehicle_with_stations import Rig
 
 
 @pytest.fixture

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
-from tests.thbridge.mavlink.hostile import Foe
-from tests.thbridge.mavlink.speech import frames
+from tests.support.mavlink.hostile_frames import Foe
+from tests.support.mavlink.random_frames import frames
 from thbridge.mavlink.hub import Hub
 from thbridge.mavlink.values.options import AutopilotIdentity, Failsafe, GeoOrigin, VehicleOptions
 from thbridge.mavlink.values.vehicle_interface import (

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid, interpret_image
+from tests.support.maps.floor_plans import SCALE, pixels, plan
 from tests.support.slow import slow
-from tests.thbridge.offline.plans import SCALE, pixels, plan
 from thbridge.offline.drawings import blocked_paths, squared, turned, without_thin_lines
 
 INSCRIBED = 0.2

@@ -14,7 +14,7 @@ from rosbags.rosbag1 import Writer
 from sim.common.geometry import IDENTITY, Pose2
 from sim.parameters import AmclParameters, RobotParameters
 from sim.robot.localization.amcl import Amcl
-from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, room, write
+from tests.support.bags.foreign_bags import FIRST, PERIOD_NS, START_NS, Robot, room, write
 from thbridge.files.errors import BadFile
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, SkipReason, localize

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits

@@ -3,7 +3,7 @@
 import msgspec
 import pytest
 
-from tests.thbridge.roles.stage import Stage
+from tests.support.hunts.hunt_without_simulator import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import (
     Commander,

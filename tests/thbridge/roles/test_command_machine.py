@@ -3,7 +3,7 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.roles.stage import Stage
+from tests.support.hunts.hunt_without_simulator import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import Commander, CommanderChanged, GameStarted, HandbackRequested, RobotDeparted
 from thbridge.hunt.game import CommandHolder, apply, begin

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.roles.stage import Log, Puppets
+from tests.support.hunts.hunt_without_simulator import Log, Puppets
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from tests.support.hunts import hunt_without_simulator
 from tests.thbridge.hunt.folding import fold
-from tests.thbridge.roles import stage
 from thbridge.dialogue.moves import Continue, Speaker
 from thbridge.hunt import rules
 from thbridge.hunt.events import (
@@ -44,7 +44,7 @@ from thbridge.roles.shared.view import (
 )
 from thbridge.text_protocol.wire import legacy
 
-Stage = stage.Stage
+Stage = hunt_without_simulator.Stage
 
 
 class Script:
@@ -183,7 +183,7 @@ def test_a_room_is_visited_once_and_spoken_of_with_one_robot(scripted):
 
 def test_a_robot_without_the_energy_is_refused_before_it_moves():
     player = Script()
-    played = Stage(participant=TabUI(player), rules=replace(stage.RULES, energy=15.0))
+    played = Stage(participant=TabUI(player), rules=replace(hunt_without_simulator.RULES, energy=15.0))
     played.run(5)
     player.wish = (SelectRoom(0, 3),)
     played.tabui.poll_player()
@@ -325,7 +325,11 @@ def test_a_line_of_2016_moves_no_robot_that_does_not_answer(scripted):
 
 def test_how_robots_are_outlives_every_program(scripted):
     report(scripted, 0, Condition.SILENT)
-    keeper = Keeper(stage.RULES, lambda game: stage.engine(scripted.templates), tuple(scripted.log.events))
+    keeper = Keeper(
+        hunt_without_simulator.RULES,
+        lambda game: hunt_without_simulator.engine(scripted.templates),
+        tuple(scripted.log.events),
+    )
     assert [robot.condition for robot in keeper.state.robots] == [Condition.SILENT, Condition.WELL]
     # A SimR that comes back has robots that answer.
     scripted.puppets.connected()
@@ -341,7 +345,7 @@ def test_a_hunt_whose_last_robot_falls_silent_is_over():
 
 
 def test_a_hunt_with_a_room_that_nobody_reaches_is_given_up_after_all_others():
-    played = Stage(robots=2, strategy=BotStrategy.NEAREST, rules=replace(stage.RULES, energy=1000.0))
+    played = Stage(robots=2, strategy=BotStrategy.NEAREST, rules=replace(hunt_without_simulator.RULES, energy=1000.0))
     played.puppets.stuck = {0, 1}
     played.finish()
     assert played.session.game.ended.reason is EndReason.GIVEN_UP

@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from msgspec import structs
 
+from tests.support.hunts.hunt_without_simulator import Stage, templates
 from tests.thbridge.hunt.folding import fold
-from tests.thbridge.roles.stage import Stage, templates
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting

@@ -17,7 +17,7 @@ from sim.robot.software import PropagatedOutput, RobotOutput
 from sim.team import Team, TeamSnapshot
 from sim.world.thing import Thing
 from sim.world.things import ThingState, polygons_of
-from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.drawn_team import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.files.map_files import read_map
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode

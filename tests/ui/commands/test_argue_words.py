@@ -5,7 +5,7 @@ import re
 import pytest
 from hypothesis import given
 
-from tests.thbridge.dialogue.argumentation.frameworks import chain, frameworks
+from tests.support.dialogue.random_frameworks import chain, frameworks
 from thbridge.dialogue.argumentation.discussion import discuss
 from thbridge.dialogue.argumentation.framework import ArgumentationFramework
 from thbridge.dialogue.argumentation.semantics import Semantics, extensions

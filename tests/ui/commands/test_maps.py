@@ -8,8 +8,8 @@ from typer.testing import CliRunner, Result
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from tests.support.maps.floor_plans import plan
 from tests.support.slow import slow
-from tests.thbridge.offline.plans import plan
 from thbridge.files.grid_files import read_grid, write_grid
 from thbridge.hunt.rooms import Room
 from thbridge.offline.kept_trips import KeptTrips

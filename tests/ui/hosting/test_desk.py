@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.programs.commands import output_of
-from tests.ui.model.rehearsed import Study, clocks, rehearse
+from tests.support.studies.rehearsed_study import Study, clocks, rehearse
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import ExperimentLog, read_log

@@ -4,8 +4,8 @@ import re
 
 import pytest
 
+from tests.support.hunts.hunt_without_simulator import Stage, templates
 from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
-from tests.thbridge.roles.stage import Stage, templates
 from thbridge.app.compose.game import known_treasures
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.engine import DialogueEngine

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
+from tests.support.studies.rehearsed_study import Study, clocks, rehearse
 from tests.thbridge.experiment.test_design import write
-from tests.ui.model.rehearsed import Study, clocks, rehearse
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress

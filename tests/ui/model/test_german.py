@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
+from tests.support.hunts.hunt_without_simulator import RULES
+from tests.support.hunts.participant_views import arguing, view, with_robot, with_room
+from tests.support.hunts.screen_player import Seat
 from tests.thbridge.app.test_languages import english_in
-from tests.thbridge.roles.stage import RULES
 from tests.thbridge.roles.test_command import NAME, TAKE
 from tests.ui.model.language import ENGLISH_ONLY, english_on, said_by_others, shown
-from tests.ui.model.playing.seat import Seat
 from tests.ui.model.playing.test_arguing import ANSWERS, argued, ended
 from tests.ui.model.playing.test_participant import play
-from tests.ui.model.playing.views import arguing, view, with_robot, with_room
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting
 from thbridge.dialogue.scripted.protocols import TemplateProtocol

@@ -8,7 +8,7 @@ import pytest
 from rosbags.rosbag1 import Writer
 
 from sim.common.grid import OccupancyGrid
-from tests.thbridge.offline.foreign import Robot, write
+from tests.support.bags.foreign_bags import Robot, write
 from tests.ui.sources.conftest import TICKS
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.files.errors import BadFile

@@ -5,10 +5,10 @@ researcher's window and the study's form, whose own tests ask for it by the same
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows import samples
+from tests.support.windows import sample_screens
+from tests.support.windows.screen_reader import against_the_eye, nameless, stops
 from tests.ui.windows.participant.conftest import Opened, opened
 from tests.ui.windows.participant.test_window import STATES, Open
-from tests.ui.windows.walking import against_the_eye, nameless, stops
 from thbridge.files.language_texts import shipped_texts
 from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant.widgets.focus import reachable
@@ -17,7 +17,7 @@ __all__ = ["opened"]
 
 
 def each_state(opened: Open) -> list[tuple[str, Opened]]:
-    shown = {rooms: opened(samples.playing(rooms=rooms), 1200, 800) for rooms in (8, 12)}
+    shown = {rooms: opened(sample_screens.playing(rooms=rooms), 1200, 800) for rooms in (8, 12)}
     return [(state, shown[len(screen.tiles)]) for state, screen in STATES.items()]
 
 

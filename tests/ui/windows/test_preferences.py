@@ -9,7 +9,7 @@ from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton, QVBoxLayout, QWidget
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.preferred import preferred
+from tests.support.windows.preferences import preferred
 from thbridge.files.language_texts import shipped_texts
 from ui.model.shared.theme import DARK, LIGHT
 from ui.windows import look

@@ -11,8 +11,8 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QPushButton, QToolTip, QWidget
 from pytestqt.qtbot import QtBot
 
+from tests.support.windows import sample_screens
 from tests.ui.model.test_arena_draft import FOUND, GRID
-from tests.ui.windows import samples
 from tests.ui.windows.desk.test_desk_window import desk, state, study
 from tests.ui.windows.participant.conftest import Opened, opened
 from tests.ui.windows.participant.test_window import Open
@@ -78,8 +78,8 @@ def hostile(value: object, field: str = "") -> object:
 
 @pytest.mark.parametrize("name", ["playing", "arguing", "treasure", "question", "refused", "over"])
 def test_the_participants_window(opened: Open, name: str) -> None:
-    shown_: Opened = opened(samples.playing())
-    shown_.show(hostile(samples.states()[name]))  # type: ignore[arg-type]
+    shown_: Opened = opened(sample_screens.playing())
+    shown_.show(hostile(sample_screens.states()[name]))  # type: ignore[arg-type]
     assert rich(shown_.window) == []
 
 

@@ -17,8 +17,8 @@ from sim.robot.global_planning.potential_planner import PotentialPlanner
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.navigator.states import Controlling, Planning
 from sim.team import Team
-from tests.large_office import large_office
 from tests.sim.robot.navigator.test_move_base import ROOMS, Rig, everybody_arrived
+from tests.support.maps.large_office import large_office
 
 OFFICE = large_office()
 HUNT = RobotParameters(localization="truth")

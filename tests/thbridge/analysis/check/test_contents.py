@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.thbridge.analysis.planting import (
+from tests.support.bags.bags_with_faults import (
     START,
     STEP,
     Entry,

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sim.common.geometry import IDENTITY, Pose2
-from tests.thbridge.analysis.planting import (
+from tests.support.bags.bags_with_faults import (
     START,
     STATIC_LINE,
     STEP,
@@ -22,7 +22,7 @@ from tests.thbridge.analysis.planting import (
     tf,
     write,
 )
-from tests.thbridge.offline.foreign import transform
+from tests.support.bags.foreign_bags import transform
 from thbridge.analysis.check import BagTool, FindingSeverity, judge
 from thbridge.recording.bag.reading.scan import scan
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.analysis.planting import START, Form, clean, content, judged
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.bags_with_faults import START, Form, clean, content, judged
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.analysis.check import BagTool, FindingSeverity, judge
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.recording.bag.reading.scan import scan

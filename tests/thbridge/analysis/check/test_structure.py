@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.analysis.planting import Planted, clean, content, fields, found, judged, record, uint32, uint64
+from tests.support.bags.bags_with_faults import Planted, clean, content, fields, found, judged, record, uint32, uint64
 from thbridge.analysis.check import BagTool, FindingSeverity, judge
 from thbridge.recording.bag.reading.scan import scan
 

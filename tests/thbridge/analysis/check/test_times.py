@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sim.common.geometry import IDENTITY
-from tests.thbridge.analysis.planting import (
+from tests.support.bags.bags_with_faults import (
     SCAN_LINE,
     START,
     STEP,
@@ -20,7 +20,7 @@ from tests.thbridge.analysis.planting import (
     scan_message,
     tf,
 )
-from tests.thbridge.offline.foreign import stamp, transform
+from tests.support.bags.foreign_bags import stamp, transform
 from thbridge.analysis.check import BagTool, FindingSeverity
 
 

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from sim.robot.navigator.goals import GoalReached
-from tests.thbridge.app.live_graph.knocking import Visited, cancel, goal
+from tests.thbridge.app.live_graph.visited_session import Visited, cancel, goal
 from tests.thbridge.app.replay.test_replay import equal
 from tests.thbridge.ros.test_clients import STORE, header, packed, pose, stamped
 from thbridge.app.compose.setting import StudySetting, read_setting

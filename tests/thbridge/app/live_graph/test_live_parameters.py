@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from sim.parameters import RobotParameters
-from tests.thbridge.rosgraph.sockets.service_client import call_service
+from tests.support.ros.service_client import call_service
 from thbridge.app.live_graph.live_parameters import LiveParameters
 from thbridge.app.live_graph.rate_limiter import REQUESTS_PER_TICK, RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.mavlink.hostile_frames import Foe
 from tests.thbridge.app.replay.test_replay import again, equal
-from tests.thbridge.mavlink.hostile import Foe
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr, vehicle_factory

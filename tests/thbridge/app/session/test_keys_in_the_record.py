@@ -1,6 +1,6 @@
 """Who took part by which key, and what was asked by it, is in the journal of the game."""
 
-from tests.thbridge.roles.stage import Stage
+from tests.support.hunts.hunt_without_simulator import Stage
 from thbridge.app.session.input_records import to_record
 from thbridge.app.session.inputs import ConnectionOpened
 from thbridge.credentials import Credentials, Right

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
-from tests.thbridge.mavlink.hostile import Foe
+from tests.support.mavlink.hostile_frames import Foe
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import read_setting

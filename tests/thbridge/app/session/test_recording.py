@@ -4,8 +4,8 @@ from dataclasses import replace
 from sim.common.geometry import Pose2
 from sim.world.thing import Thing
 from sim.world.things import ThingState
-from tests.thbridge.app.session.argued import LEAVES, STUBBORN, TOPIC, recorded, utterances
-from tests.thbridge.ros.drive import snapshots
+from tests.support.bags.drawn_team import snapshots
+from tests.support.dialogue.recorded_dialogues import LEAVES, STUBBORN, TOPIC, recorded, utterances
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.conditions import Manner

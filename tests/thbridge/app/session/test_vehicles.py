@@ -9,8 +9,8 @@ import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import KillRobot
+from tests.support.bags.drawn_team import snapshots
 from tests.thbridge.app.session.test_recording import Tape
-from tests.thbridge.ros.drive import snapshots
 from thbridge.app.compose.recording import build_publisher, build_record
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.session import Programs, SessionRecording, open_session

@@ -5,7 +5,7 @@ import random
 import pytest
 from hypothesis import given
 
-from tests.thbridge.dialogue.argumentation.frameworks import chain, frameworks, pairs, random_framework
+from tests.support.dialogue.random_frameworks import chain, frameworks, pairs, random_framework
 from thbridge.dialogue.argumentation.framework import ArgumentationFramework
 from thbridge.dialogue.argumentation.semantics import Semantics, extensions
 

@@ -4,7 +4,7 @@ import random
 
 from hypothesis import given
 
-from tests.thbridge.dialogue.argumentation.frameworks import chain, frameworks, random_framework
+from tests.support.dialogue.random_frameworks import chain, frameworks, random_framework
 from thbridge.dialogue.argumentation.discussion import (
     Discussion,
     DiscussionLocution,

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.roles.stage import Stage, engine
+from tests.support.hunts.hunt_without_simulator import Stage, engine
 from thbridge.dialogue.moves import Ask, Dialogue, DialogueTopic, Scenario
 from thbridge.dialogue.scripted.reserved_words import WORDS, word_fault, words_of
 from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template, TemplatePhrasing

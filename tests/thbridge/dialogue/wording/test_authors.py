@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.wording.propositions import MOVES, WORDINGS
+from tests.support.dialogue.random_propositions import MOVES, WORDINGS
 from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.argumentation.propositions import Conjunction, Literal
 from thbridge.dialogue.conditions import DialogueCondition

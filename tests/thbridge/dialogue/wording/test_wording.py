@@ -7,14 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.wording.propositions import (
-    MOVES,
-    PLAIN,
-    PROPOSITIONS,
-    ROOMS,
-    WORDINGS,
-    values_in,
-)
+from tests.support.dialogue.random_propositions import MOVES, PLAIN, PROPOSITIONS, ROOMS, WORDINGS, values_in
 from thbridge.dialogue import propositions
 from thbridge.dialogue.argumentation.arguments import Argument
 from thbridge.dialogue.argumentation.cases import Side

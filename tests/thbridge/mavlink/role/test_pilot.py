@@ -14,7 +14,7 @@ from sim.inputs import KillRobot, SendGoal
 from sim.parameters import NavfnParameters, RobotParameters
 from sim.robot.navigator.goals import Goal
 from sim.team import TeamSnapshot
-from tests.thbridge.roles.stage import Log
+from tests.support.hunts.hunt_without_simulator import Log
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.app.compose.game import build_briefing, build_hider, build_keeper
 from thbridge.app.compose.robots import build_game_setup, build_simr

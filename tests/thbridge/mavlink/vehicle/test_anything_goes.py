@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from sim.common.observations import STANDSTILL
-from tests.thbridge.mavlink.model_station import waypoint
-from tests.thbridge.mavlink.rig import ACCEPTED, HEARTBEAT, SECOND, THEM, US, Rig, messages
+from tests.support.mavlink.model_station import waypoint
+from tests.support.mavlink.vehicle_with_stations import ACCEPTED, HEARTBEAT, SECOND, THEM, US, Rig, messages
 from thbridge.mavlink.values.options import Failsafe
 from thbridge.mavlink.values.vehicle_interface import LegState
 from thbridge.mavlink.wire.dialect import mav

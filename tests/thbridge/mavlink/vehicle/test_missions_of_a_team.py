@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.mavlink.model_station import Air, ModelStation, waypoint
-from tests.thbridge.mavlink.rig import HEARTBEAT, OPTIONS, Game
+from tests.support.mavlink.model_station import Air, ModelStation, waypoint
+from tests.support.mavlink.vehicle_with_stations import HEARTBEAT, OPTIONS, Game
 from thbridge.mavlink.hub import Hub
 from thbridge.mavlink.vehicle.vehicle import Vehicle
 from thbridge.mavlink.wire.dialect import crc_extra, decoded, mav, payload_of

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.thbridge.mavlink.rig import HERE, SECOND, THERE, US, Rig, messages
+from tests.support.mavlink.vehicle_with_stations import HERE, SECOND, THERE, US, Rig, messages
 from thbridge.mavlink.wire.dialect import mav
 
 

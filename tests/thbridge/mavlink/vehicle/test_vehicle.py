@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.thbridge.mavlink.rig import HERE, SECOND, Rig, messages
+from tests.support.mavlink.vehicle_with_stations import HERE, SECOND, Rig, messages
 from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.mavlink.vehicle.parts import TextSeverity
 from thbridge.mavlink.wire.dialect import decoded, mav, payload_of

@@ -6,7 +6,7 @@ import lz4.frame
 import pytest
 import zstandard
 
-from tests.thbridge.analysis import planting
+from tests.support.bags import bags_with_faults
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag import unpacking
 from thbridge.recording.bag.damage import TooLargeChunk
@@ -38,7 +38,7 @@ def test_many_chunks_do_not_unpack_to_more_than_their_file_can_hold() -> None:
 
 
 def test_a_bag_with_such_a_chunk_is_refused_and_its_check_tells_it(tmp_path: Path) -> None:
-    bag = planting.write(tmp_path / "bomb.bag", planting.clean(), lz4_flags={})
+    bag = bags_with_faults.write(tmp_path / "bomb.bag", bags_with_faults.clean(), lz4_flags={})
     data = bag.read_bytes()
     at = data.index(b"size=") + 5
     bag.write_bytes(data[:at] + (4_000_000_000).to_bytes(4, "little") + data[at + 4 :])

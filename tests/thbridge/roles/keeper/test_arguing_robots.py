@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from tests.thbridge.roles.stage import Stage
+from tests.support.hunts.hunt_without_simulator import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner

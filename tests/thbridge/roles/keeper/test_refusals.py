@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.thbridge.roles.stage import Stage
+from tests.support.hunts.hunt_without_simulator import Stage
 from thbridge.app.session.session import SessionOutlets
 from thbridge.app.trouble_log import TroubleLog
 from thbridge.dialogue.moves import Author, DialogueTopic, DialogueUtterance, Leave, Scenario, Speaker

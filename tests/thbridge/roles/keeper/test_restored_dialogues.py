@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import pytest
 from msgspec import structs
 
+from tests.support.hunts.hunt_without_simulator import RULES, Stage, engine, templates
 from tests.thbridge.roles.keeper.test_arguing_robots import LANGUAGE, RULEBOOK, Table
-from tests.thbridge.roles.stage import RULES, Stage, engine, templates
 from thbridge.app.compose.game import build_bot
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner

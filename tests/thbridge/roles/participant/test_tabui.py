@@ -2,7 +2,7 @@
 
 from msgspec import structs
 
-from tests.thbridge.roles.stage import Stage
+from tests.support.hunts.hunt_without_simulator import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.roles.participant.tabui import NUMBER_PERIOD, REJOIN_PERIOD, RETRY_PERIOD, TabUI
 from thbridge.roles.shared.notices import KEEPER

@@ -7,7 +7,7 @@ from random import Random
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.roles.stage import RULES, Stage
+from tests.support.hunts.hunt_without_simulator import RULES, Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import Condition
 from thbridge.hunt.refusals import RequestRefused

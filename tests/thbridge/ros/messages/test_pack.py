@@ -12,7 +12,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import Battery, Scan, Twist
 from sim.numerics import elementary
 from sim.robot.costmap.view import CostmapView
-from tests.thbridge.ros.drive import MOUNT, SESSION, arena
+from tests.support.bags.drawn_team import MOUNT, SESSION, arena
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus, RoomLabel, Transform

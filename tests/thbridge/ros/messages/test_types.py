@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.ros.messages.type_lists import FURTHER_TYPES, SERVICES, STANDARD_TYPES
+from tests.support.ros.type_lists import FURTHER_TYPES, SERVICES, STANDARD_TYPES
 from thbridge.files.ros.definitions import Definitions
 from thbridge.ros.messages.types import OWN_TYPES, TEXTS, full_text, md5_of, plain_definition, service_type
 

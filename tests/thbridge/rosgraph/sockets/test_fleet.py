@@ -18,7 +18,7 @@ from sim.inputs import KidnapRobot, PlaceRobot, SendGoal, SetCharge
 from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.team import TeamSnapshot
-from tests.thbridge.rosgraph.sockets.service_client import call_service
+from tests.support.ros.service_client import call_service
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros import names

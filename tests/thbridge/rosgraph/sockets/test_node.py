@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from tests.thbridge.rosgraph.sockets.service_client import call_service
+from tests.support.ros.service_client import call_service
 from thbridge.rosgraph.sockets import publications, registrar, subscriptions, tcpros_server
 from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
 from thbridge.rosgraph.sockets.http_server import XmlRpcServer

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.rosgraph.wire.streams import cut, places
+from tests.thbridge.rosgraph.wire.cut_streams import cut, places
 from thbridge.rosgraph.wire.tcpros import (
     FrameBuffer,
     MalformedHeader,

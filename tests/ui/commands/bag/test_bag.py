@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from tests.thbridge.analysis.planting import clean, content, write
+from tests.support.bags.bags_with_faults import clean, content, write
 from ui.cli import app
 
 RUN = CliRunner()

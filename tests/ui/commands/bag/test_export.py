@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from tests.thbridge.offline.foreign import Robot, write
+from tests.support.bags.foreign_bags import Robot, write
 from ui.cli import app
 
 

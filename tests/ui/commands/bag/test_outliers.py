@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from tests.thbridge.offline.foreign import Robot, write
+from tests.support.bags.foreign_bags import Robot, write
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.analysis.plot.figures import draw
 from thbridge.analysis.plot.kinds import FigureKind

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from tests.thbridge.offline.foreign import Robot, write, write_map
+from tests.support.bags.foreign_bags import Robot, write, write_map
 from ui.cli import app
 
 

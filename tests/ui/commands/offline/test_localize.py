@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from sim.common.geometry import Pose2
+from tests.support.bags.foreign_bags import FIRST, PERIOD_NS, START_NS, Robot, write, write_map
 from tests.support.slow import slow
-from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, write, write_map
 from ui.cli import app
 
 ORIGIN = Pose2(-3.0, 4.0, 0.5)

@@ -7,9 +7,9 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.programs.commands import output_of, refusal_of
+from tests.support.studies.kiosk_without_screen import Laboratory, Person
 from tests.thbridge.experiment.test_event_log import answer
 from tests.ui.commands.study.test_withdrawal import people, traces
-from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent, Tombstone
 from ui.cli import app

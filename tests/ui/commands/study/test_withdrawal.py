@@ -11,8 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.programs.commands import output_of, refusal_of
+from tests.support.studies.kiosk_without_screen import Laboratory, Person
 from tests.thbridge.experiment.test_event_log import NOON
-from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
 from thbridge.experiment.conductor import Conductor, sequences_of
 from thbridge.experiment.export.manifest import manifest_text
 from thbridge.experiment.folder import ExperimentFolder

@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from tests.ui.hosting.kiosk.laboratory import KilledError, Laboratory, Person, headings
+from tests.support.studies.kiosk_without_screen import KilledError, Laboratory, Person, headings
 from tests.ui.languages import english_in, strings_in
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.folder import write_example

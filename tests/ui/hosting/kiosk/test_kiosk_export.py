@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tests.ui.hosting.kiosk.laboratory import Laboratory, Person
+from tests.support.studies.kiosk_without_screen import Laboratory, Person
 from thbridge.experiment.export.tables import game_tables, log_tables, records_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress

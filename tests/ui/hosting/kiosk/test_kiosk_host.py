@@ -10,7 +10,15 @@ from pathlib import Path
 import pytest
 
 from tests.support.disks.small_disk import SmallDisk, why_not
-from tests.ui.hosting.kiosk.laboratory import STUDY, TEXTS, InstantGames, KilledError, Laboratory, Person, headings
+from tests.support.studies.kiosk_without_screen import (
+    STUDY,
+    TEXTS,
+    InstantGames,
+    KilledError,
+    Laboratory,
+    Person,
+    headings,
+)
 from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.export.tables import tables_of

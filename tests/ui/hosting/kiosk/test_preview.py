@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.ui.hosting.kiosk.laboratory import STUDY, InstantGames, Laboratory, Person, ShownWindow
+from tests.support.studies.kiosk_without_screen import STUDY, InstantGames, Laboratory, Person, ShownWindow
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.preview import PARTICIPANT, NoSuchStep, arrive, place_of
 from thbridge.experiment.store.event_log import ExperimentLog

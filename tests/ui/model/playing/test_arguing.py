@@ -3,7 +3,7 @@
 import pytest
 from msgspec import structs
 
-from tests.ui.model.playing.views import arguing, asking, view, with_robot, with_room
+from tests.support.hunts.participant_views import arguing, asking, view, with_robot, with_room
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.shared.view import (
     AnswerDialogue,

@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.ui.model.playing.seat import Seat
+from tests.support.hunts.screen_player import Seat
 from thbridge.files.language_texts import shipped_texts
 from ui.model.playing.keys import (
     CONSENT,

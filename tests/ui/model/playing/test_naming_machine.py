@@ -4,8 +4,8 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
+from tests.support.hunts.screen_player import Seat
 from tests.thbridge.roles.test_command import TAKE
-from tests.ui.model.playing.seat import Seat
 from thbridge.hunt.events import Condition, TreasureIdentified
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from tests.thbridge.roles.stage import RULES
-from tests.ui.model.playing.seat import Seat
+from tests.support.hunts.hunt_without_simulator import RULES
+from tests.support.hunts.screen_player import Seat
 from thbridge.hunt.events import (
     Condition,
     MoveFailed,

@@ -2,11 +2,11 @@
 
 import pytest
 
+from tests.support.hunts.participant_views import asking, view, with_robot, with_room
+from tests.support.hunts.screen_player import Seat
 from tests.thbridge.roles.test_command import NAME, SENTENCE, TAKE
-from tests.ui.model.playing.seat import Seat
 from tests.ui.model.playing.test_participant import agree, events, go
 from tests.ui.model.playing.test_participant_views import model_of, texts
-from tests.ui.model.playing.views import asking, view, with_robot, with_room
 from thbridge.hunt.events import Commander, RobotDeparted, TreasureIdentified
 from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from thbridge.roles.shared.view import IdentificationVerdict, RequestHandback, RequestSuggestion, SelectRoom, StopRobot

@@ -6,9 +6,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from tests.thbridge.roles.stage import RULES
+from tests.support.hunts.hunt_without_simulator import RULES
+from tests.support.hunts.screen_player import Seat
 from tests.ui.model.language import english_on
-from tests.ui.model.playing.seat import Seat
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt import rules
 from thbridge.hunt.events import Condition

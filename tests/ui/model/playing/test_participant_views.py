@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from tests.ui.model.playing.views import asking, refusal, view, with_robot, with_room
+from tests.support.hunts.participant_views import asking, refusal, view, with_robot, with_room
 from thbridge.hunt.events import Condition
 from thbridge.roles.shared.notices import (
     Ellipse,

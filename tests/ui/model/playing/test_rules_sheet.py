@@ -3,7 +3,7 @@
 import msgspec.structs as structs
 import pytest
 
-from tests.ui.model.playing.views import view
+from tests.support.hunts.participant_views import view
 from thbridge.files.language_texts import shipped_texts
 from ui.model.playing.rules_sheet import rules_lines, rules_of
 

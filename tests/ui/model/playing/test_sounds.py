@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import pytest
 from msgspec import structs
 
-from tests.ui.model.playing.views import asking, view, with_robot, with_room
+from tests.support.hunts.participant_views import asking, view, with_robot, with_room
 from thbridge.roles.shared.view import IdentificationVerdict, View
 from ui.model.playing.keys import act_for
 from ui.model.playing.participant import Participant

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from tests.thbridge.app.session import argued
-from tests.ui.model.watching.messages import SECOND, StampedMessage
+from tests.support.dialogue import recorded_dialogues
+from tests.support.ros.watched_messages import SECOND, StampedMessage
 from tests.ui.model.watching.test_session_log import event
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
@@ -14,7 +14,7 @@ from ui.model.watching.dialogue_log import MAX_KEPT, DialogueCourse, DialogueLog
 from ui.model.watching.dialogue_rows import DialogueList, describe_attacks, heading, move_row, rows
 from ui.model.watching.session_log import SessionLog
 
-TICKS = argued.recorded(*argued.utterances())
+TICKS = recorded_dialogues.recorded(*recorded_dialogues.utterances())
 
 
 def messages(second: int, *records: Record) -> list[StampedMessage]:
@@ -95,7 +95,9 @@ def test_all_is_told_in_words() -> None:
 
 
 def test_what_is_misheard_stands_beside_the_sentence() -> None:
-    ticks = argued.recorded(*argued.utterances(argued.STUBBORN[:1], Manner(misheard=1.0)))
+    ticks = recorded_dialogues.recorded(
+        *recorded_dialogues.utterances(recorded_dialogues.STUBBORN[:1], Manner(misheard=1.0))
+    )
     (move,) = (record for tick in ticks for record in tick if getattr(record, "heard", ""))
     assert isinstance(move, DialogueMoveRecord)
     assert move_row(move)[2] == f"{move.text} Heard: {move.heard}"

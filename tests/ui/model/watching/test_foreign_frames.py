@@ -7,7 +7,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from tests.ui.model.watching.messages import StampedMessage, odometry, tf
+from tests.support.ros.watched_messages import StampedMessage, odometry, tf
 from thbridge.ros.messages import pack, types
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import RobotScene, ShownLayers

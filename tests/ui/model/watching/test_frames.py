@@ -3,7 +3,7 @@ import math
 import pytest
 
 from sim.common.geometry import Pose2
-from tests.ui.model.watching.messages import tf
+from tests.support.ros.watched_messages import tf
 from ui.model.watching.frames import Frames, children_of
 
 

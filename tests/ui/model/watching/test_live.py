@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from tests.ui.model.watching.messages import SECOND, StampedMessage, odometry, tf
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.ros.watched_messages import SECOND, StampedMessage, odometry, tf
 from thbridge.ros.publisher import RosMessage, TeamPublisher
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import ShownLayers

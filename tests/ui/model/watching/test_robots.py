@@ -1,5 +1,5 @@
 from sim.common.geometry import Pose2
-from tests.ui.model.watching.messages import StampedMessage, odometry, tf
+from tests.support.ros.watched_messages import StampedMessage, odometry, tf
 from thbridge.ros.messages import types
 from thbridge.ros.names import RobotNames
 from thbridge.ros.topics import Planners, RobotTopics

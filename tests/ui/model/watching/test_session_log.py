@@ -1,7 +1,7 @@
 import json
 from typing import get_args
 
-from tests.ui.model.watching.messages import StampedMessage
+from tests.support.ros.watched_messages import StampedMessage
 from thbridge.analysis.measured.game import WayMade
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import GameEnded, HandbackRequested, TreasureIdentified, TreasurePictured, TreasureTakenUp

@@ -7,8 +7,8 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtWidgets import QApplication, QLineEdit, QMessageBox
 from pytestqt.qtbot import QtBot
 
+from tests.support.windows.screen_reader import against_the_eye, nameless, stops
 from tests.ui.model.test_arena_draft import FOUND, GRID
-from tests.ui.windows.walking import against_the_eye, nameless, stops
 from thbridge.files.grid_files import write_grid
 from thbridge.files.map_files import check_map, read_map, write_rooms
 from thbridge.offline.arena import Arena

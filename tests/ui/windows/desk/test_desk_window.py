@@ -11,9 +11,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialog, QInputDialog, QMessageBox
 from pytestqt.qtbot import QtBot
 
-from tests.ui.model.rehearsed import Study, clocks, rehearse
-from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
-from tests.ui.windows.walking import against_the_eye, nameless, stops
+from tests.support.studies.rehearsed_study import Study, clocks, rehearse
+from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
+from tests.support.windows.screen_reader import against_the_eye, nameless, stops
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress

@@ -12,11 +12,11 @@ from PySide6.QtCore import QEvent, QMimeData, QPoint, Qt
 from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QScrollArea, QToolTip, QWidget
 from pytestqt.qtbot import QtBot
 
+from tests.support.hunts.participant_views import view
+from tests.support.windows.layout_faults import misfits, settle
+from tests.support.windows.preferences import preferred
+from tests.support.windows.screen_reader import nameless, words_in
 from tests.ui.languages import english_in, strings_in
-from tests.ui.model.playing.views import view
-from tests.ui.windows.fitting import misfits, settle
-from tests.ui.windows.preferred import preferred
-from tests.ui.windows.walking import nameless, words_in
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.files.language_texts import shipped_texts

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtGui import QFont
 
-from tests.ui.windows.map.houses import robot_at
+from tests.support.maps.sample_maps import robot_at
 from thbridge.files.language_texts import shipped_texts
 from ui.model.shared.theme import LIGHT
 from ui.windows.map.badges import SIGN_WIDTH, Anchor, Badges, BadgeText, place_labels

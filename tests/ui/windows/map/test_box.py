@@ -13,7 +13,7 @@ from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.map.houses import busy_robots, house_of, rooms_of, shipped_map
+from tests.support.maps.sample_maps import busy_robots, house_of, rooms_of, shipped_map
 from ui.model.shared.theme import LIGHT
 from ui.windows.map import MapView
 from ui.windows.map.box import MAX_SCALE

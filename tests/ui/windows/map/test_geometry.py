@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from tests.ui.windows.map.houses import house_of, shipped_map
+from tests.support.maps.sample_maps import house_of, shipped_map
 from thbridge.roles.shared.notices import FloorPlan
 from ui.windows.map.geometry import FREE, UNKNOWN, WALL, contains, unpack
 

@@ -24,7 +24,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 
 from sim.common.geometry import Pose2
-from tests.ui.windows.map.houses import busy_robots, house_of, robot_at, rooms_of, shipped_map
+from tests.support.maps.sample_maps import busy_robots, house_of, robot_at, rooms_of, shipped_map
 from thbridge.files.map_files import Map
 from ui.model.shared.scene import RoomState
 from ui.model.shared.theme import DARK, LIGHT

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows import samples
+from tests.support.windows import sample_screens
 from thbridge.dialogue.wording.texts import Texts
 from ui.model.playing.screen import Act, Screen
 from ui.model.shared.theme import LIGHT
@@ -20,7 +20,7 @@ class Opened:
     """A window, its model, and its clock."""
 
     window: ParticipantWindow
-    model: samples.SampleModel
+    model: sample_screens.SampleModel
     now: float = 0.0
 
     def show(self, screen: Screen, after: float = 1.0) -> None:
@@ -39,10 +39,10 @@ class Opened:
 def opened(qtbot: QtBot, qapp: QApplication) -> Callable[..., Opened]:
     """Opens a window on a screen."""
 
-    def make(screen: Screen, width: int = 1024, height: int = 768, texts: Texts = samples.ENGLISH) -> Opened:
+    def make(screen: Screen, width: int = 1024, height: int = 768, texts: Texts = sample_screens.ENGLISH) -> Opened:
         look.apply_palette(qapp, LIGHT)
         rooms = {8: "arena8", 12: "warehouse12"}[len(screen.tiles)]
-        model = samples.SampleModel(screen, samples.floor_plan(rooms), texts=texts)
+        model = sample_screens.SampleModel(screen, sample_screens.floor_plan(rooms), texts=texts)
         made = Opened.__new__(Opened)
         made.model, made.now = model, 0.0
         made.window = ParticipantWindow(model, lambda: made.now, LIGHT)

@@ -7,10 +7,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QScrollArea
 from pytestqt.qtbot import QtBot
 
+from tests.support.hunts.screen_player import Seat
+from tests.support.windows import sample_screens
+from tests.support.windows.layout_faults import settle
 from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
-from tests.ui.model.playing.seat import Seat
-from tests.ui.windows import samples
-from tests.ui.windows.fitting import settle
 from tests.ui.windows.participant.test_hunt import Player
 from tests.ui.windows.participant.test_window import Open, press
 from thbridge.dialogue.conditions import DialogueCondition
@@ -32,7 +32,7 @@ from ui.windows.participant import ParticipantWindow
 from ui.windows.participant.popups.dialogue import DialoguePanel
 
 Sit = Callable[..., "Arguer"]
-STATES = samples.states()
+STATES = sample_screens.states()
 
 
 class Arguer(Player):

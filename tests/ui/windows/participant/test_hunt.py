@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.ui.model.playing.seat import Seat
+from tests.support.hunts.screen_player import Seat
 from tests.ui.windows.participant.test_window import buttons, press, that_asks
 from thbridge.hunt.events import PropertyMeasured, PropertyTold
 from ui.model.playing.screen import (

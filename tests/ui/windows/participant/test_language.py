@@ -6,10 +6,10 @@ import pytest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
+from tests.support.hunts.participant_views import view
 from tests.support.programs.processes import Program, until
-from tests.ui.model.playing.views import view
+from tests.support.windows.preferences import preferred
 from tests.ui.windows.participant.test_leaving import ArrivedLink
-from tests.ui.windows.preferred import preferred
 from thbridge.files import language_texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.shared.notices import GameTexts

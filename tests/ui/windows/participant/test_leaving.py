@@ -10,10 +10,10 @@ from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtWidgets import QApplication, QDialog, QLabel
 from pytestqt.qtbot import QtBot
 
-from tests.ui.model.playing.views import view
-from tests.ui.windows import samples
+from tests.support.hunts.participant_views import view
+from tests.support.windows import sample_screens
+from tests.support.windows.preferences import preferred
 from tests.ui.windows.participant.test_window import press
-from tests.ui.windows.preferred import preferred
 from thbridge.files.language_texts import shipped_texts
 from ui.model.lobby import Back, FromWindow, WindowClosed
 from ui.model.shared.theme import LIGHT
@@ -123,7 +123,9 @@ def test_the_start_page_is_offered_at_the_end_alone_and_the_map_stays(
 
 
 def test_a_window_that_has_gone_leaves_nothing_behind(qapp: QApplication) -> None:
-    window = ParticipantWindow(samples.SampleModel(samples.playing(), samples.floor_plan()), lambda: 0.0, LIGHT)
+    window = ParticipantWindow(
+        sample_screens.SampleModel(sample_screens.playing(), sample_screens.floor_plan()), lambda: 0.0, LIGHT
+    )
     window.show()
     qapp.processEvents()
     window.close()

@@ -10,11 +10,11 @@ from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows import samples
-from tests.ui.windows.fitting import misfits, settle
+from tests.support.windows import sample_screens
+from tests.support.windows.layout_faults import misfits, settle
+from tests.support.windows.preferences import preferred
 from tests.ui.windows.participant.conftest import Opened
 from tests.ui.windows.participant.test_window import STATES, Open, covered, room_on_map
-from tests.ui.windows.preferred import preferred
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from ui.model.shared.theme import LIGHT
@@ -81,7 +81,7 @@ def set_text(qapp: QApplication, size: float) -> None:
 
 
 def windows(opened: Open, texts: Texts) -> dict[int, Opened]:
-    return {rooms: opened(samples.playing(rooms=rooms, texts=texts), texts=texts) for rooms in (8, 12)}
+    return {rooms: opened(sample_screens.playing(rooms=rooms, texts=texts), texts=texts) for rooms in (8, 12)}
 
 
 @in_each_language
@@ -94,7 +94,7 @@ def test_nothing_is_cut_off_or_covered(
     for one in shown.values():
         settle()
         assert misfits(one.window) == [], "also where only the text has changed"
-    for name, screen in samples.states(texts).items():
+    for name, screen in sample_screens.states(texts).items():
         one = shown[len(screen.tiles)]
         one.show(screen)
         for size in sizes(text):
@@ -116,9 +116,12 @@ def test_a_find_covers_at_most_half_of_the_map_and_shows_all_names(
     opened: Open, qapp: QApplication, size: tuple[int, int], text: float, texts: Texts
 ) -> None:
     set_text(qapp, text)
-    usual = samples.playing(texts=texts)
+    usual = sample_screens.playing(texts=texts)
     shown = opened(usual, *size, texts=texts)
-    for find in (samples.treasure(texts=texts), samples.treasure(texts=texts, picture=True, picked="Pink can")):
+    for find in (
+        sample_screens.treasure(texts=texts),
+        sample_screens.treasure(texts=texts, picture=True, picked="Pink can"),
+    ):
         shown.show(replace(usual, popup=replace(find, worth=(10, 20, 30, 20), called=("Bonbonschachtel",) * 4)))
         settle()
         panel, area = shown.window.treasure, shown.window.map_area
@@ -135,7 +138,7 @@ def test_a_question_about_a_far_room_is_low_enough_to_hide_neither_robot_nor_roo
     opened: Open, qapp: QApplication, text: float, texts: Texts
 ) -> None:
     set_text(qapp, text)
-    usual = samples.playing(texts=texts)
+    usual = sample_screens.playing(texts=texts)
     shown = opened(usual, 1280, 720, texts=texts)
     view, robots = shown.window.map, shown.model.robots(0.0)
     x, y = view.point(QPointF(0.42 * view.width(), 0.39 * view.height()))
@@ -143,7 +146,7 @@ def test_a_question_about_a_far_room_is_low_enough_to_hide_neither_robot_nor_roo
         replace(mark, pose=replace(mark.pose, x=x, y=y)) if mark.robot == 0 else mark for mark in robots
     )
     shown.window.refresh()
-    question = samples.dialogue(texts=texts)
+    question = sample_screens.dialogue(texts=texts)
     shown.show(
         replace(
             usual,
@@ -172,7 +175,7 @@ def test_energy_is_shown_whole_beside_a_long_key(
     opened: Open, qapp: QApplication, cut: set[str], text: float, texts: Texts
 ) -> None:
     set_text(qapp, text)
-    usual = samples.playing(texts=texts)
+    usual = sample_screens.playing(texts=texts)
     waits = replace(usual.cards[1], cost=19.0, energy=100.0, waits=1)
     waits = replace(waits, select=replace(waits.select, key="Shift+Tab"))
     shown = opened(replace(usual, cards=(usual.cards[0], waits, usual.cards[2])), 1280, 720, texts=texts)
@@ -185,7 +188,7 @@ def test_energy_is_shown_whole_beside_a_long_key(
 def test_the_history_leaves_room_for_the_map(
     opened: Open, qtbot: QtBot, qapp: QApplication, text: float, texts: Texts
 ) -> None:
-    shown = opened(samples.states(texts)["six"], texts=texts)
+    shown = opened(sample_screens.states(texts)["six"], texts=texts)
     look.apply_text_size(qapp, text)
     qtbot.mouseClick(shown.window.waiting.history, Qt.MouseButton.LeftButton)
     for size in sizes(text):

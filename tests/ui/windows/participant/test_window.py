@@ -15,8 +15,8 @@ from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.support.slow import slow
-from tests.ui.windows import samples
-from tests.ui.windows.fitting import settle
+from tests.support.windows import sample_screens
+from tests.support.windows.layout_faults import settle
 from tests.ui.windows.participant.conftest import Opened
 from thbridge.files.language_texts import shipped_texts
 from ui.model.playing.screen import (
@@ -68,7 +68,7 @@ from ui.windows.participant.widgets.painting import chip_size
 from ui.windows.participant.widgets.panels import RobotChip, SpeechBubble, TitledPanel, Transcript
 
 Open = Callable[..., Opened]
-STATES = samples.states()
+STATES = sample_screens.states()
 LEFT = Qt.MouseButton.LeftButton
 
 
@@ -179,13 +179,13 @@ def test_rooms_are_considered_while_the_pointer_or_else_the_focus_is_on_them(qtb
 
 
 def test_a_pop_up_that_comes_below_the_resting_pointer_is_not_pointed_at(qtbot: QtBot, opened: Open) -> None:
-    shown = opened(replace(STATES["treasure"], popup=replace(samples.treasure(), room=4)))
+    shown = opened(replace(STATES["treasure"], popup=replace(sample_screens.treasure(), room=4)))
     leave = shown.window.treasure.leave
     place = leave.mapTo(shown.window, leave.rect().center())
     shown.show(STATES["playing"])
     point(qtbot, shown.window, place)
     for room in (4, 5):
-        shown.show(replace(STATES["treasure"], popup=replace(samples.treasure(), room=room)))
+        shown.show(replace(STATES["treasure"], popup=replace(sample_screens.treasure(), room=room)))
         qtbot.waitUntil(leave.underMouse)
         assert not leave.pointed_at(), "it has come there by itself"
         assert shown.window.map.hovered is None
@@ -225,7 +225,7 @@ def test_the_map_below_a_pop_up_that_has_gone_is_not_pointed_at(qtbot: QtBot, op
 def test_a_press_begun_on_one_find_does_not_leave_the_next(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["treasure"])
     qtbot.mousePress(shown.window.treasure.leave, LEFT)
-    shown.show(replace(STATES["treasure"], popup=replace(samples.treasure(), room=5)))
+    shown.show(replace(STATES["treasure"], popup=replace(sample_screens.treasure(), room=5)))
     shown.now += 1.0
     qtbot.mouseRelease(shown.window.treasure.leave, LEFT)
     assert shown.done == []
@@ -335,14 +335,14 @@ def test_enter_names_what_was_typed_wherever_the_focus_was(qtbot: QtBot, opened:
     shown = opened(STATES["treasure"])
     shown.window.top.tools.buttons[0].setFocus()
     press(qtbot, shown.window, "P")
-    shown.show(replace(STATES["treasure"], popup=samples.treasure(picked="Pink can")))
+    shown.show(replace(STATES["treasure"], popup=sample_screens.treasure(picked="Pink can")))
     shown.now += 1.0
     press(qtbot, shown.window, "Return")
     assert shown.done == [TypeLetter("p"), IdentifyTreasureAct()]
 
 
 def test_a_blank_within_a_name_presses_no_button(qtbot: QtBot, opened: Open) -> None:
-    pop = samples.treasure()
+    pop = sample_screens.treasure()
     shown = opened(replace(STATES["treasure"], popup=replace(pop, typed="pink")))
     shown.window.treasure.leave.setFocus()
     press(qtbot, shown.window, "Space")
@@ -369,7 +369,7 @@ def test_nothing_is_picked_by_keys_pressed_before_the_question_came(qtbot: QtBot
         hold(shown.window, Qt.Key.Key_Down, repeated=True)
     press(qtbot, shown.window, "F")
     assert shown.done == [PickName("Blue bottle")] * 3 + [TypeLetter("f")]
-    shown.show(replace(STATES["treasure"], popup=replace(samples.treasure(), room=5)))
+    shown.show(replace(STATES["treasure"], popup=replace(sample_screens.treasure(), room=5)))
     shown.done.clear()
     shown.now += 1.0
     hold(shown.window, Qt.Key.Key_Down, repeated=True)
@@ -378,7 +378,7 @@ def test_nothing_is_picked_by_keys_pressed_before_the_question_came(qtbot: QtBot
 
 def test_a_name_is_submitted_only_once_it_can_have_been_read(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["treasure"])
-    named = replace(STATES["treasure"], popup=samples.treasure(picked="Pink can"))
+    named = replace(STATES["treasure"], popup=sample_screens.treasure(picked="Pink can"))
     shown.show(named)
     press(qtbot, shown.window, "Return")
     assert shown.done == []
@@ -440,7 +440,7 @@ def test_everything_can_be_reached_by_keyboard(qtbot: QtBot, opened: Open) -> No
 
 def test_a_press_meant_for_what_was_there_before_is_no_answer(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["dialogue"])
-    pop = samples.dialogue()
+    pop = sample_screens.dialogue()
     following = replace(pop, sentences=(*pop.sentences, ("you", "Continue"), ("robot", "Sure?")))
     other = (replace(pop.choices[0], act=AnswerDialogueAct(7)), pop.choices[1])
     button = shown.window.dialogue.choices.buttons[0]
@@ -458,7 +458,7 @@ def test_a_press_meant_for_what_was_there_before_is_no_answer(qtbot: QtBot, open
 
 def test_the_next_turn_with_the_same_answers_wants_to_be_read_too(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["dialogue"])
-    pop = samples.dialogue()
+    pop = sample_screens.dialogue()
     shown.show(
         replace(
             STATES["dialogue"], popup=replace(pop, sentences=(*pop.sentences, ("you", "Continue"), ("robot", "Sure?")))
@@ -476,7 +476,7 @@ def test_a_pop_up_leaves_the_focus_where_it_is(opened: Open) -> None:
     assert QApplication.focusWidget() is tile
     names = shown.window.treasure.names
     names.setFocus()
-    shown.show(replace(STATES["treasure"], waiting=samples.waiting(3), confirmation=None))
+    shown.show(replace(STATES["treasure"], waiting=sample_screens.waiting(3), confirmation=None))
     assert QApplication.focusWidget() is names
 
 
@@ -484,7 +484,9 @@ def test_a_pop_up_leaves_the_focus_where_it_is(opened: Open) -> None:
     "text", ["Roboter 1: Plüschwürfel benennen?", "Robot 1 is in room 3 and found something", "Wer?"]
 )
 def test_what_waits_fits_into_its_two_lines(opened: Open, text: str) -> None:
-    shown = opened(replace(STATES["playing"], waiting=tuple(replace(each, text=text) for each in samples.waiting(1))))
+    shown = opened(
+        replace(STATES["playing"], waiting=tuple(replace(each, text=text) for each in sample_screens.waiting(1)))
+    )
     (chip,) = shown.window.waiting.chips
     metrics = QFontMetricsF(font("small"))
     beside = 2.75 * GAP + chip_size() + chip._key_room()
@@ -494,7 +496,7 @@ def test_what_waits_fits_into_its_two_lines(opened: Open, text: str) -> None:
 
 
 def test_what_waits_last_is_only_a_number_where_there_is_no_room_for_its_words(opened: Open) -> None:
-    shown = opened(replace(STATES["playing"], waiting=samples.waiting(3)), 1024, 600)
+    shown = opened(replace(STATES["playing"], waiting=sample_screens.waiting(3)), 1024, 600)
     strip = shown.window.waiting
     assert [chip.short for chip in strip.chips] == [False, False, True]
     assert all(chip.visibleRegion().boundingRect() == chip.rect() for chip in strip.chips)
@@ -533,7 +535,7 @@ def test_the_focus_goes_to_the_robots_where_nothing_takes_the_place(opened: Open
 
 
 def test_what_was_said_last_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
-    pop = samples.dialogue()
+    pop = sample_screens.dialogue()
     shown = opened(replace(STATES["playing"], popup=replace(pop, sentences=(), choices=())))
     shown.show(replace(STATES["playing"], popup=replace(pop, sentences=pop.sentences[:2])))
     talk = shown.window.dialogue.transcript
@@ -560,7 +562,7 @@ def test_the_newest_sentence_is_in_sight_where_there_is_as_much_more_room_as_it_
     assert bar.value() <= newest.y() and newest.geometry().bottom() <= bar.value() + talk.height()
 
 
-@pytest.mark.parametrize("pop", [samples.dialogue(), samples.arguing()])
+@pytest.mark.parametrize("pop", [sample_screens.dialogue(), sample_screens.arguing()])
 def test_what_was_said_has_all_the_room_that_is_left(opened: Open, pop: DialoguePopup) -> None:
     shown = opened(replace(STATES["playing"], popup=replace(pop, sentences=pop.sentences[:1])), 1200, 800)
     settle()
@@ -570,7 +572,7 @@ def test_what_was_said_has_all_the_room_that_is_left(opened: Open, pop: Dialogue
 
 
 def test_answers_stay_where_they_are_while_the_talk_goes_on(opened: Open) -> None:
-    pop = samples.dialogue()
+    pop = sample_screens.dialogue()
     shown = opened(replace(STATES["playing"], popup=replace(pop, sentences=pop.sentences[:2])))
     button = shown.window.dialogue.choices.buttons[0]
     before = button.mapTo(shown.window, QPoint(0, 0))
@@ -610,8 +612,8 @@ def test_a_pop_up_leaves_its_robot_and_its_room_in_sight(opened: Open, size: tup
     window = shown.window
     for robot, room in product(range(3), range(1, 9)):
         for pop, panel in (
-            (replace(samples.dialogue(), robot=robot, room=room), window.dialogue),
-            (replace(samples.treasure(), robot=robot, room=room), window.treasure),
+            (replace(sample_screens.dialogue(), robot=robot, room=room), window.dialogue),
+            (replace(sample_screens.treasure(), robot=robot, room=room), window.treasure),
         ):
             shown.show(STATES["playing"])
             shown.show(replace(STATES["playing"], popup=pop))
@@ -622,7 +624,7 @@ def test_a_pop_up_leaves_its_robot_and_its_room_in_sight(opened: Open, size: tup
 
 
 def test_a_pop_up_moves_to_another_corner_only_if_its_robot_would_be_hidden(opened: Open) -> None:
-    shown = opened(replace(STATES["playing"], popup=samples.dialogue()), 1200, 800)
+    shown = opened(replace(STATES["playing"], popup=sample_screens.dialogue()), 1200, 800)
     panel, robots = shown.window.dialogue, shown.model.robots(0.0)
     before = panel.geometry()
     pose = next(mark.pose for mark in robots if mark.robot == 0)
@@ -641,7 +643,7 @@ def test_a_pop_up_moves_to_another_corner_only_if_its_robot_would_be_hidden(open
 def test_a_robot_that_is_followed_stays_in_sight_of_its_pop_up(opened: Open, size: tuple[int, int]) -> None:
     shown = opened(STATES["playing"], *size)
     window = shown.window
-    for robot, pop in product(range(3), (samples.dialogue(), samples.treasure())):
+    for robot, pop in product(range(3), (sample_screens.dialogue(), sample_screens.treasure())):
         shown.show(STATES["playing"])
         shown.model.followed = robot
         shown.show(replace(STATES["playing"], popup=replace(pop, robot=robot)))
@@ -674,7 +676,7 @@ def test_a_map_that_was_moved_stays_where_it_is_and_the_pop_up_in_another_corner
     moved = shown.window.map.box.viewRect()
     for room in (1, 2, 3, 6, 7, 8):
         shown.show(STATES["playing"])
-        shown.show(replace(STATES["playing"], popup=replace(samples.treasure(), room=room)))
+        shown.show(replace(STATES["playing"], popup=replace(sample_screens.treasure(), room=room)))
         assert shown.window.map.box.viewRect() == moved
         assert not covered(shown, shown.window.treasure).contains(room_on_map(shown, room)), room
 
@@ -697,10 +699,10 @@ def covered(shown: Opened, panel: QWidget) -> QRect:
 
 
 def test_a_pop_up_stays_where_it_is_while_all_is_about_one_robot(opened: Open) -> None:
-    find = samples.treasure()
+    find = sample_screens.treasure()
     shown = opened(replace(STATES["playing"], popup=find))
     before = corner_of(shown, shown.window.treasure)
-    shown.show(replace(STATES["playing"], popup=replace(samples.dialogue(), robot=find.robot, room=find.room)))
+    shown.show(replace(STATES["playing"], popup=replace(sample_screens.dialogue(), robot=find.robot, room=find.room)))
     assert corner_of(shown, shown.window.dialogue) == before
 
 
@@ -740,7 +742,7 @@ def test_pictures_have_one_size_and_a_press_enlarges_them(qtbot: QtBot, opened: 
 @pytest.mark.parametrize("size", [(1024, 768), (1280, 560)])
 def test_a_click_on_a_name_moves_nothing(opened: Open, size: tuple[int, int]) -> None:
     shown = opened(STATES["treasure"], *size)
-    panel, find = shown.window.treasure, samples.treasure(picture=True)
+    panel, find = shown.window.treasure, sample_screens.treasure(picture=True)
     longest = replace(find.name_it, label="Name it Orange bottle", hint="Costs 1 energy. " + "It may win points. " * 4)
     places = []
     for picked in (None, *find.names):
@@ -1002,7 +1004,7 @@ def test_phases_without_a_floor_plan_show_no_map(opened: Open) -> None:
     shown = opened(replace(STATES["connecting"], phase=Phase.CONNECTING))
     shown.model.floor_plan = None
     shown.show(STATES["playing"])
-    shown.model.floor_plan = samples.floor_plan("arena8")
+    shown.model.floor_plan = sample_screens.floor_plan("arena8")
     shown.show(STATES["dialogue"])
     assert shown.window.map.isVisible()
 
@@ -1038,12 +1040,12 @@ def test_a_talk_that_fits_has_no_scroll_bar_that_would_break_its_lines(qtbot: Qt
 
 
 def test_a_finding_has_shorter_words_for_a_narrow_tile() -> None:
-    tile = replace(samples.tile(1, 8), found="Orange bottle, +10", found_shorter=("Orange bottle", "+10"))
+    tile = replace(sample_screens.tile(1, 8), found="Orange bottle, +10", found_shorter=("Orange bottle", "+10"))
     assert below(shipped_texts(), tile) == ("Orange bottle, +10", "Orange bottle", "+10")
 
 
 def test_a_room_without_a_cost_has_no_way_only_where_none_leads_there() -> None:
-    tile = replace(samples.tile(1, 8), state="unvisited", cost=None, found="")
+    tile = replace(sample_screens.tile(1, 8), state="unvisited", cost=None, found="")
     impossible = replace(tile, choose=replace(tile.choose, enabled=False))
     assert below(shipped_texts(), impossible) == ("",), "its robot drives, and another one talks about it"
     assert below(shipped_texts(), replace(impossible, reachable=False)) == ("no way",)
@@ -1051,8 +1053,8 @@ def test_a_room_without_a_cost_has_no_way_only_where_none_leads_there() -> None:
 
 def test_one_unit_is_no_units() -> None:
     texts = shipped_texts()
-    tile = replace(samples.tile(3, 8), cost=1.0)
+    tile = replace(sample_screens.tile(3, 8), cost=1.0)
     assert below(texts, tile)[0] == "costs 1 unit of energy"
     assert below(texts, replace(tile, cost=1.5))[0] == "costs 1.5 units of energy"
-    card = replace(samples.card(0), energy=28.0, cost=27.0)
+    card = replace(sample_screens.card(0), energy=28.0, cost=27.0)
     assert energy_words(texts, card)[0] == "Energy: 28 − 27 = 1 unit"

@@ -13,8 +13,8 @@ from pytestqt.qtbot import QtBot
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from tests.thbridge.offline.foreign import Robot, write, write_map
-from tests.ui.windows.walking import nameless, stops
+from tests.support.bags.foreign_bags import Robot, write, write_map
+from tests.support.windows.screen_reader import nameless, stops
 from thbridge.files.grid_files import read_grid
 from ui.model.shared.theme import LIGHT
 from ui.sources.numbers import PlottedField

@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from shiboken6 import isValid
 
-from tests.ui.windows.preferred import preferred
-from tests.ui.windows.researcher.hunts import record
+from tests.support.hunts.watched_hunts import record
+from tests.support.windows.preferences import preferred
 from ui.windows.researcher.memory import RECENT, WatchMemory
 from ui.windows.researcher.show import WatchProgram
 

@@ -3,7 +3,7 @@
 import pytest
 from PySide6.QtWidgets import QApplication
 
-from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
+from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
 from tests.ui.windows.researcher.test_window_on_bags import bag, opened
 from ui.windows import look
 from ui.windows.key_sheet import KeySheet

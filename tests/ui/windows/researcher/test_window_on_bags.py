@@ -11,9 +11,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QDialog, QDockWidget, QLineEdit, QToolButton, QWidget
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.researcher.hunts import record
-from tests.ui.windows.researcher.plotted import place_of
-from tests.ui.windows.walking import against_the_eye, nameless, stops
+from tests.support.hunts.watched_hunts import record
+from tests.support.windows.screen_reader import against_the_eye, nameless, stops
+from tests.ui.windows.researcher.plot_places import place_of
 from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.researcher.docks.displays import SWITCHES, MapDisplay
 from ui.windows.researcher.docks.plots import PANELS

@@ -10,9 +10,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox, QLabel, QLineEdit, QMessageBox, QPushButton
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.fitting import SIZES, misfits, settle
+from tests.support.windows.layout_faults import SIZES, misfits, settle
+from tests.support.windows.screen_reader import nameless
 from tests.ui.windows.study.test_study_window import leave, opened
-from tests.ui.windows.walking import nameless
 from thbridge.experiment.questionnaires.form import SHIPPED
 from ui.model.study_form.form import editable_text
 from ui.windows.study import StudyWindow

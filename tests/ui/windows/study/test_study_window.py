@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.walking import against_the_eye, nameless, stops
+from tests.support.windows.screen_reader import against_the_eye, nameless, stops
 from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.look import apply_palette
 from ui.windows.study import StudyWindow, study_window

@@ -10,9 +10,9 @@ from PySide6.QtGui import QTextCursor
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
+from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
+from tests.support.windows.screen_reader import against_the_eye, nameless, stops
 from tests.ui.windows.study.test_study_window import answering
-from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.controls import ChoiceBox

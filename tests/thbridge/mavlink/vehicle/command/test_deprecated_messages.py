@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.thbridge.mavlink.rig import ACCEPTED, DENIED, OPTIONS, THEM, US, acks, messages
+from tests.support.mavlink.vehicle_with_stations import ACCEPTED, DENIED, OPTIONS, THEM, US, acks, messages
 from thbridge.mavlink.vehicle.geodesy import MapProjection
 from thbridge.mavlink.wire.dialect import mav
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.mavlink.rig import (
+from tests.support.mavlink.vehicle_with_stations import (
     ACCEPTED,
     BUSY,
     CANCELLED,

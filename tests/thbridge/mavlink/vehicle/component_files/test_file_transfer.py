@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.mavlink.model_robot import AT_REST
-from tests.thbridge.mavlink.rig import HERE, THEM, THERE, US, messages
+from tests.support.mavlink.model_robot import AT_REST
+from tests.support.mavlink.vehicle_with_stations import HERE, THEM, THERE, US, messages
 from thbridge.mavlink.vehicle.component_files.file_transfer import PIECES_PER_TICK, FileTransfer
 from thbridge.mavlink.vehicle.component_files.metadata_files import checksum
 from thbridge.mavlink.wire.dialect import decoded, mav, payload_of

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from tests.thbridge.mavlink.rig import OPTIONS, Rig, messages
+from tests.support.mavlink.vehicle_with_stations import OPTIONS, Rig, messages
 from thbridge.mavlink.values.vehicle_interface import ParameterDescription
 from thbridge.mavlink.vehicle.component_files.metadata_files import (
     GENERAL,

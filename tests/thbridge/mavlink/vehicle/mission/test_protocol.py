@@ -7,9 +7,9 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.mavlink.model_robot import ModelRobot
-from tests.thbridge.mavlink.model_station import Air, ModelStation, waypoint
-from tests.thbridge.mavlink.rig import home_of
+from tests.support.mavlink.model_robot import ModelRobot
+from tests.support.mavlink.model_station import Air, ModelStation, waypoint
+from tests.support.mavlink.vehicle_with_stations import home_of
 from thbridge.mavlink.values.options import GeoOrigin
 from thbridge.mavlink.values.vehicle_interface import Denied, Target
 from thbridge.mavlink.vehicle.geodesy import MapProjection

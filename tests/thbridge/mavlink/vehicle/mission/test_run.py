@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
-from tests.thbridge.mavlink.model_robot import ModelRobot
-from tests.thbridge.mavlink.rig import home_of
+from tests.support.mavlink.model_robot import ModelRobot
+from tests.support.mavlink.vehicle_with_stations import home_of
 from thbridge.mavlink.values.options import GeoOrigin, VisitedRooms
 from thbridge.mavlink.values.vehicle_interface import Denied, HelmLeg, LegState, Station
 from thbridge.mavlink.vehicle.geodesy import MapProjection

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from sim.common.geometry import Pose2
-from tests.thbridge.mavlink.rig import (
+from tests.support.mavlink.vehicle_with_stations import (
     ACCEPTED,
     BUSY,
     DENIED,

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Twist
-from tests.thbridge.mavlink.rig import ACCEPTED, SECOND, THEM, US, Rig
+from tests.support.mavlink.vehicle_with_stations import ACCEPTED, SECOND, THEM, US, Rig
 from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.mavlink.wire.dialect import mav
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from tests.thbridge.mavlink.model_station import waypoint
-from tests.thbridge.mavlink.rig import (
+from tests.support.mavlink.model_station import waypoint
+from tests.support.mavlink.vehicle_with_stations import (
     ACCEPTED,
     BUSY,
     DENIED,

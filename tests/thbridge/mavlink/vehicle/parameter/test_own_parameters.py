@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.thbridge.mavlink.rig import SECOND, US, Rig, messages
+from tests.support.mavlink.vehicle_with_stations import SECOND, US, Rig, messages
 from thbridge.mavlink.values.options import Failsafe
 from thbridge.mavlink.wire.dialect import mav
 

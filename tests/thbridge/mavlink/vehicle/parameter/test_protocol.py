@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.mavlink.model_robot import ModelRobot
-from tests.thbridge.mavlink.model_station import Air, ModelStation
+from tests.support.mavlink.model_robot import ModelRobot
+from tests.support.mavlink.model_station import Air, ModelStation
 from thbridge.mavlink.values.vehicle_interface import DenialKind, Denied
 from thbridge.mavlink.vehicle.parameter.protocol import VALUES_PER_TICK, ParameterProtocol
 from thbridge.mavlink.wire.dialect import decoded, mav, payload_of

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.thbridge.mavlink.rig import SECOND
+from tests.support.mavlink.vehicle_with_stations import SECOND
 from thbridge.mavlink.vehicle.parts import TextSeverity
 from thbridge.mavlink.vehicle.telemetry.status_texts import StatusTexts
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
-from tests.thbridge.mavlink.model_robot import AT_REST, ModelRobot
-from tests.thbridge.mavlink.rig import OPTIONS, home_of
+from tests.support.mavlink.model_robot import AT_REST, ModelRobot
+from tests.support.mavlink.vehicle_with_stations import OPTIONS, home_of
 from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.mavlink.values.vehicle_interface import HelmLeg, LegState
 from thbridge.mavlink.vehicle.component_files.metadata_files import MetadataFiles

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import all as mav
 
-from tests.thbridge.mavlink.speech import frames
+from tests.support.mavlink.random_frames import frames
 from thbridge.mavlink.wire.dialect import payload_of
 from thbridge.mavlink.wire.frames.frame import V1, V2, Frame
 from thbridge.mavlink.wire.frames.framer import frame_of

@@ -3,7 +3,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.thbridge.recording.bag.writing.inline_queue import InlineQueue
+from tests.support.bags.inline_queue import InlineQueue
 from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
 
 LANES: list[Callable[[], JobQueue]] = [InlineQueue, lambda: WorkerThread("test")]

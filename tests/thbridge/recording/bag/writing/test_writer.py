@@ -12,8 +12,8 @@ import pytest
 from rosbags.rosbag1 import Reader
 from rosbags.rosbag1.reader import decompressors
 
-from tests.thbridge.recording.bag.writing.inline_queue import InlineQueue
-from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.inline_queue import InlineQueue
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits

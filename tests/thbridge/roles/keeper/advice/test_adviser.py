@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from tests.thbridge.hunt.random_hunts import random_hunt
+from tests.support.hunts.random_hunts import random_hunt
 from tests.thbridge.hunt.test_game import ARENA, after, new_game, visit
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix

@@ -3,9 +3,9 @@
 import msgspec
 import pytest
 
+from tests.support.hunts.hunt_without_simulator import Stage
 from tests.thbridge.roles.keeper.requests.test_wizard import ON, Oz
 from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
-from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import RoomAdvised

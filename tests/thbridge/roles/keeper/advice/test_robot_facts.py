@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from msgspec import structs
 
-from tests.thbridge.hunt.random_hunts import random_hunt
+from tests.support.hunts.random_hunts import random_hunt
 from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, what, where
 from thbridge.dialogue.explanations import explain, questions

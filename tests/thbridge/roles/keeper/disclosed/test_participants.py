@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-from tests.thbridge.roles import stage
+from tests.support.hunts import hunt_without_simulator
 from tests.thbridge.roles.test_hunt import Script, go
 from thbridge.app.compose.game import build_floor_plan
 from thbridge.app.compose.setting import read_setting
@@ -62,7 +62,7 @@ from thbridge.study.study_file import Study
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
 
-Stage = stage.Stage
+Stage = hunt_without_simulator.Stage
 HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
 CONSENT = "We record what you do."
 YES = GiveConsent("2026-11-23T09:30:00Z")
@@ -108,7 +108,7 @@ class Played:
 
 def images(size: int) -> dict[str, bytes]:
     """A different file for each treasure of the set."""
-    names = [kind.image for kind in stage.templates().kinds]
+    names = [kind.image for kind in hunt_without_simulator.templates().kinds]
     return {name: bytes([number]) * size for number, name in enumerate(names)}
 
 
@@ -315,7 +315,11 @@ def test_a_no_after_the_yes_changes_nothing():
 def test_agreement_outlives_the_server():
     played = Played(Briefing(consent=CONSENT))
     played.say(GiveConsent())
-    again = Keeper(stage.RULES, lambda game: stage.engine(stage.templates()), tuple(played.stage.log.events))
+    again = Keeper(
+        hunt_without_simulator.RULES,
+        lambda game: hunt_without_simulator.engine(hunt_without_simulator.templates()),
+        tuple(played.stage.log.events),
+    )
     assert again.state.agreed
 
 

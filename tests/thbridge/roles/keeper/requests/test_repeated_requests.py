@@ -7,8 +7,8 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
+from tests.support.hunts.hunt_without_simulator import Stage
 from tests.thbridge.roles.keeper.test_arguing_robots import LANGUAGE, RULEBOOK
-from tests.thbridge.roles.stage import Stage
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.worded import WordedPhrasing

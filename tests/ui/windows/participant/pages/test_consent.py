@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.preferred import preferred
+from tests.support.windows.preferences import preferred
 from thbridge.files.language_texts import shipped_texts
 from ui.model.lobby import Agreed, Declined, FromWindow, Offer, Thanks, WindowClosed
 from ui.windows.participant.pages.pages import ConsentPage, ThanksPage

@@ -4,7 +4,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDockWidget, QLabel, QPushButton
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
+from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
 from thbridge.hunt.rooms import RoomNames
 from ui.model.shared.theme import LIGHT
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard

@@ -9,7 +9,7 @@ import numpy as np
 from rosbags.typesys.msg import normalize_msgtype
 
 from sim.common.geometry import IDENTITY, Pose2
-from tests.thbridge.offline.foreign import STORE, TYPES, Header, odometry, stamp, transform
+from tests.support.bags.foreign_bags import STORE, TYPES, Header, odometry, stamp, transform
 from thbridge.analysis.check import Finding, Judgement, judge
 from thbridge.recording.bag.reading.scan import scan
 from thbridge.ros.messages.types import plain_definition

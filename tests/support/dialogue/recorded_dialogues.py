@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from sim.team import TeamSnapshot
+from tests.support.bags.drawn_team import snapshots
 from tests.thbridge.dialogue.test_arguing import FACTS, engine
-from tests.thbridge.ros.drive import snapshots
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.conditions import Manner

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from tests.thbridge.mavlink.model_robot import ModelRobot
+from tests.support.mavlink.model_robot import ModelRobot
 from thbridge.mavlink.values.options import AutopilotIdentity, Failsafe, GeoOrigin, VehicleOptions
 from thbridge.mavlink.values.vehicle_interface import LegState, Station
 from thbridge.mavlink.vehicle.mode.home import HomePosition

@@ -1,6 +1,6 @@
 """A participant who only looks at screens and does what they offer, in a real game without a simulator."""
 
-from tests.thbridge.roles.stage import Stage
+from tests.support.hunts.hunt_without_simulator import Stage
 from tests.ui.model.language import said_by_others
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.view import View
