@@ -20,8 +20,8 @@ from scipy.ndimage import find_objects, label
 
 from sim.parameters import LaserParameters, RobotParameters, WorldParameters
 from sim.team import Team
-from tests.bench.robots.test_session import hall
-from tests.bench.robots_under_way import drive
+from tests.support.maps.hall_of_shelves import hall
+from tests.support.robots.robots_under_way import drive
 
 SECONDS = 20
 RUNS = 3

@@ -13,8 +13,11 @@ import pytest
 import typer.testing
 from hypothesis import settings
 
-from tests.support.programs.compiling import compile_kernels
-from tests.support.project import ROOT
+# What helpers assert is explained as in tests, if this is said before any of them is imported.
+pytest.register_assert_rewrite("tests.support")
+
+from tests.support.programs.compiling import compile_kernels  # noqa: E402
+from tests.support.project import ROOT  # noqa: E402
 
 # Windows are tested without a screen, unless somebody wants to look on.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")

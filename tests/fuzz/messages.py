@@ -17,10 +17,10 @@ import msgspec
 
 from sim.parameters import RobotParameters, WorldParameters
 from tests.support.bags.bags_with_faults import clean, content
+from tests.support.hunts.watch_requests import GRANTED
 from tests.support.mavlink.hostile_frames import orders
 from tests.support.mavlink.vehicle_with_stations import Rig
 from tests.support.project import ROOT
-from tests.thbridge.app.session.test_watch_requests import GRANTED
 from thbridge.app.session.input_records import from_record
 from thbridge.app.session.watch_requests import WatchRequestHandler, request_line
 from thbridge.credentials import KeyAnswer, key_line, parse_answer, secret_of

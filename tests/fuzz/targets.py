@@ -14,10 +14,10 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 from sim.parameters import RobotParameters
 from tests.support.bags import bags_with_faults
 from tests.support.bags.bags_with_faults import Entry, Form, Line, Planted, clean, content
+from tests.support.bags.ros2_bags import written
+from tests.support.maps.three_rooms import GRID
 from tests.support.project import ROOT
-from tests.thbridge.files.ros.test_nav2 import AMCL, CONTROLLER
-from tests.thbridge.recording.bag.test_ros2_storage import written
-from tests.ui.model.test_arena_draft import GRID
+from tests.support.ros.nav2_parameters import AMCL, CONTROLLER
 from thbridge.analysis.bag_summary import summarise
 from thbridge.analysis.check import judge
 from thbridge.analysis.export.folder import export_bag

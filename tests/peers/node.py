@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import run_peer
+from tests.support.programs.peer_programs import run_peer
 
 FOLDER = Path(__file__).parents[2] / ".peers" / "scripts"
 NEEDS_NODE = pytest.mark.skipif(

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.peers.crashes import ATTEMPTS, RestartedPeer, skip_if_crashed, skipping_if_crashed
+from tests.support.programs.peer_programs import ATTEMPTS, RestartedPeer, skip_if_crashed, skipping_if_crashed
 
 
 def started(script: str) -> subprocess.Popen[bytes]:

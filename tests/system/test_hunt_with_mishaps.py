@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from tests.support.bags.rosbags_reader import messages
 from tests.support.programs.processes import play_headless
-from tests.system.test_play import messages
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.recording.bag.reading.reader import messages as recorded
 

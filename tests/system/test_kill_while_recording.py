@@ -7,7 +7,6 @@ import os
 import random
 import shutil
 import signal
-import struct
 import subprocess
 import sys
 import time
@@ -16,39 +15,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import run_peer
-from thbridge.recording.bag.reading.reader import messages
+from tests.support.programs.peer_programs import run_peer
+from tests.system.cut_recordings import PATIENCE, SPIED_PLAY, STUDY, Said, by_stamp, lost_seconds, recorded_ticks
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.recordings import ACTIVE, parts_of
-
-SPIED_PLAY = """
-import os, struct, sys, time
-from thbridge.app.session.broadcast import Broadcast
-from ui.cli import main
-
-log = os.open("ticks", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-record = Broadcast.record
-
-def spied(self, snapshot, records=()):
-    record(self, snapshot, records)
-    os.write(log, struct.pack("<dq", time.monotonic(), snapshot.tick))
-
-Broadcast.record = spied
-main()
-"""
-"""`thbridge`, that also says of each tick when it was recorded."""
-
-STUDY = """
-robots: 3
-recording:
-  compression: {compression}
-  split_size: {split_size}
-"""
-TICK_NS = 20_000_000
-FIRST_NS = 1_000_000_000
-PATIENCE = 240.0
-
-Said = list[tuple[str, bytes]]
 
 
 def play(folder: Path, compression: str, split: bool, rate: float) -> subprocess.Popen[bytes]:
@@ -58,15 +28,6 @@ def play(folder: Path, compression: str, split: bool, rate: float) -> subprocess
     return subprocess.Popen(
         [sys.executable, "-c", SPIED_PLAY, *arguments], cwd=folder, stdout=subprocess.DEVNULL, start_new_session=True
     )
-
-
-def by_stamp(path: Path) -> dict[int, Said]:
-    """What was said at each stamp. The study differs by how it is recorded, so it is left out."""
-    said: defaultdict[int, Said] = defaultdict(list)
-    for message in messages(path):
-        if message.topic != "/thbridge/session":
-            said[message.stamp_ns].append((message.topic, message.data))
-    return {stamp: sorted(entries) for stamp, entries in said.items()}
 
 
 @pytest.fixture(scope="module")
@@ -112,26 +73,6 @@ def kill_and_recover(folder: Path, whole: dict[int, Said], case: int) -> tuple[s
             run_peer(["rosbag", "reindex", "-q", str(broken)], env=environment).check_returncode()
         lost_to_ros = lost_seconds(theirs / "a.bag", whole, recorded, killed)
     return f"{compression}{', split' if split else ''}, rate {rate}", lost, lost_to_ros
-
-
-def recorded_ticks(log: Path) -> dict[int, float]:
-    """The times at which ticks were recorded."""
-    data = log.read_bytes()
-    return {tick: at for at, tick in struct.iter_unpack("<dq", data[: len(data) // 16 * 16])}
-
-
-def lost_seconds(path: Path, whole: dict[int, Said], recorded: dict[int, float], killed: float) -> float:
-    """Seconds from the first thing that is lost to the kill; everything before it must be there."""
-    saved = by_stamp(path) if any(part.exists() for part in parts_of(path)) else {}
-    if not saved:
-        return killed - min(recorded.values(), default=killed)
-    last = max(saved)
-    assert {stamp: saved[stamp] for stamp in saved if stamp < last} == {
-        stamp: whole[stamp] for stamp in whole if stamp < last
-    }
-    assert all(entry in whole[last] for entry in saved[last])
-    complete = (last - FIRST_NS) // TICK_NS - (saved[last] != whole[last])
-    return killed - min((at for tick, at in recorded.items() if tick > complete), default=killed)
 
 
 @pytest.mark.parametrize("case", [pytest.param(case, marks=pytest.mark.slow) for case in (1, 3, 8)])

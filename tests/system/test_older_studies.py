@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.programs.commands import output_of
-from tests.ui.test_first_study import RehearsedGames, WindowOfTwo
+from tests.support.studies.kiosk_without_screen import RehearsedGames, WindowOfTwo
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import Tombstone
 from ui.cli import app

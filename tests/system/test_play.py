@@ -2,18 +2,12 @@
 
 import json
 import socket
-from pathlib import Path
 
 import pytest
-from rosbags.rosbag1 import Reader
 
+from tests.support.bags.rosbags_reader import messages
 from tests.support.programs import commands
 from tests.support.programs.processes import play_headless
-
-
-def messages(bag: Path) -> list[tuple[str, int, bytes]]:
-    with Reader(bag) as reader:
-        return [(connection.topic, stamp, bytes(data)) for connection, stamp, data in reader.messages()]
 
 
 @pytest.mark.slow

@@ -15,9 +15,10 @@ from itertools import zip_longest
 from pathlib import Path
 
 import pytest
-from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+from numpy._core._multiarray_umath import __cpu_features__
 
 from tests.support.programs.processes import THBRIDGE
+from tests.support.programs.processor_features import DISPATCHED, LIBM_WITHOUT_FMA, NUMPY_PLAIN
 from tests.system.portable_studies import STUDIES, bag_of
 from thbridge.recording.bag.reading.reader import RawMessage, messages
 from thbridge.recording.bag.writing.writer import BagWriter
@@ -30,12 +31,9 @@ from thbridge.ros.topics import RosMessage, Topic
 ROOT = Path(__file__).parents[2]
 SHORT = ("two robots", "kalman filter, dwa")
 
-DISPATCHED = [name for name in __cpu_dispatch__ if __cpu_features__.get(name)]
 NUMPY_WITHOUT_AVX512 = {
     "NPY_DISABLE_CPU_FEATURES": " ".join(name for name in DISPATCHED if name.startswith(("AVX512", "X86_V4")))
 }
-NUMPY_PLAIN = {"NPY_DISABLE_CPU_FEATURES": " ".join(DISPATCHED)}
-LIBM_WITHOUT_FMA = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}
 BLAS_OF_OLD = {"OPENBLAS_CORETYPE": "Nehalem"}
 ELSEWHERE = {"PYTHONHASHSEED": "12345", "TZ": "Asia/Tokyo", "LC_ALL": "de_DE.UTF-8", "OPENBLAS_CORETYPE": "Haswell"}
 

@@ -18,10 +18,9 @@ import pytest
 
 from tests.support.bags.bags_with_faults import clean, write
 from tests.support.disks.forgetting_disk import ForgettingDisk
-from tests.thbridge.experiment.test_event_log import NOON, answer
-from tests.thbridge.recording.test_journal import EVENTS, STARTED
-from tests.ui.commands.study.test_restore import another_person
-from tests.ui.commands.study.test_withdrawal import traces
+from tests.support.hunts.game_states import EVENTS, STARTED
+from tests.support.studies.participants import another_person, traces
+from tests.support.studies.study_events import NOON, answer
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.folder import ExperimentFolder

@@ -13,7 +13,7 @@ import pytest
 
 from tests.support.disks.forgetting_disk import ForgettingDisk
 from tests.support.programs.processes import THBRIDGE
-from tests.system.test_kill_while_recording import (
+from tests.system.cut_recordings import (
     FIRST_NS,
     PATIENCE,
     SPIED_PLAY,

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.thbridge.experiment.test_backup import play
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
+from tests.support.studies.participants import play_a_game
 from thbridge.analysis.export.exporting import table_name
 from thbridge.credentials import Right
 from thbridge.experiment.backup import back_up
@@ -261,8 +261,8 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A study in which somebody has played."""
     study = ExperimentFolder(tmp_path_factory.mktemp("played") / "study")
     study.log.parent.mkdir(parents=True)
-    write(study.root, STUDY)
-    play(study)
+    write_experiment(study.root, STUDY)
+    play_a_game(study)
     return study.root
 
 
@@ -290,7 +290,7 @@ def test_titles_and_topics_become_names_that_files_can_have(text: str, tmp_path:
 
 def test_a_long_title_is_refused_by_the_check(tmp_path: Path) -> None:
     for title, is_right in (("x" * LONGEST_TITLE, True), ("x" * (LONGEST_TITLE + 1), False)):
-        write(tmp_path, f"title: {title}\nquota: 3\nsteps:\n  - {{step: trial}}\n")
+        write_experiment(tmp_path, f"title: {title}\nquota: 3\nsteps:\n  - {{step: trial}}\n")
         if is_right:
             ExperimentFolder(tmp_path).read()
         else:

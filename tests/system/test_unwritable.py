@@ -20,7 +20,7 @@ from tests.support.bags.bags_with_faults import clean
 from tests.support.bags.bags_with_faults import write as write_planted
 from tests.support.bags.foreign_bags import FIRST, Robot, write, write_map
 from tests.support.disks.small_disk import SmallDisk, why_not
-from tests.thbridge.app.replay.test_mavlink_replay import beating, record
+from tests.support.mavlink.recorded_stations import beating, record
 from thbridge.files.disk.whole import PART
 from thbridge.recording.bag.reading.reader import info
 

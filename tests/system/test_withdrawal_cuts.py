@@ -15,9 +15,8 @@ from typer.testing import CliRunner
 
 from tests.support.disks.forgetting_disk import ForgettingDisk
 from tests.support.programs.commands import output_of
-from tests.thbridge.experiment.test_event_log import NOON
-from tests.ui.commands.study.test_restore import another_person
-from tests.ui.commands.study.test_withdrawal import people, traces
+from tests.support.studies.participants import another_person, people, traces
+from tests.support.studies.study_events import NOON
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.restore import plan_restore, restore
 from thbridge.experiment.store.event_log import ExperimentLog, read_log

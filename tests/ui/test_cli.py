@@ -12,12 +12,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
+from tests.support.bags.small_bags import write_hundred_messages
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.consent import ParticipantDeclined
-from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.digest import digest_of
-from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.study.study_file import load_study
 from ui.cli import NoteHandler, app
 
@@ -52,15 +50,6 @@ def json_of(*arguments: str | Path) -> dict:
     assert done.exit_code == 0, (done.output, done.exception)
     assert done.stdout.count("\n") == 1
     return json.loads(done.stdout)
-
-
-def write_bag(path: Path) -> bytes:
-    text = b"hello"
-    with BagWriter(path, Definitions(())) as writer:
-        for tick in range(100):
-            data = len(text).to_bytes(4, "little") + text
-            writer.write(RosMessage(Topic("/chatter", "std_msgs/String"), 1_000_000_000 + tick * 20_000_000, data))
-    return path.read_bytes()
 
 
 # A file that is not what it should be, by how it came about.
@@ -111,7 +100,7 @@ def test_an_empty_file_is_no_bag(command: tuple[str, ...]) -> None:
 
 
 def test_a_bag_that_was_cut_is_mended_as_the_message_says() -> None:
-    whole = write_bag(Path("a.bag"))
+    whole = write_hundred_messages(Path("a.bag"))
     Path("a.bag").write_bytes(whole[: len(whole) // 2])
     for command in (("bag", "info"), ("report",)):
         assert "Run `thbridge bag reindex a.bag`." in refusal(*command, "a.bag")
@@ -123,7 +112,7 @@ def test_a_bag_that_was_cut_is_mended_as_the_message_says() -> None:
 
 
 def test_a_report_never_takes_the_place_of_its_bag() -> None:
-    whole = write_bag(Path("a.html"))
+    whole = write_hundred_messages(Path("a.html"))
     assert "the bag itself" in refusal("report", "a.html")
     assert Path("a.html").read_bytes() == whole
 
@@ -131,7 +120,7 @@ def test_a_report_never_takes_the_place_of_its_bag() -> None:
 @pytest.mark.parametrize("place", ["/proc/a.html", "file/a.html", "none/a.html", "."])
 def test_a_report_that_cannot_be_written_says_so(place: str) -> None:
     Path("file").touch()
-    write_bag(Path("a.bag"))
+    write_hundred_messages(Path("a.bag"))
     assert "it cannot be written" in refusal("report", "a.bag", "--to", place)
 
 
@@ -504,7 +493,7 @@ def test_what_is_logged_is_one_line_as_it_is(
 
 
 def test_bag_info_tells_the_digest_of_the_messages() -> None:
-    write_bag(Path("a.bag"))
+    write_hundred_messages(Path("a.bag"))
     told = json_of("bag", "info", "a.bag", "--hash")["hash"]
     assert told == digest_of(Path("a.bag"))
     assert f"hash of the messages: {told}\n" in thbridge("bag", "info", "a.bag", "--hash").output

@@ -15,8 +15,8 @@ from rosbags.typesys.msg import normalize_msgtype
 from sim.team import TeamSnapshot
 from sim.world.sensors import mount_of
 from tests.bench.budget import Budgets
-from tests.bench.robots_under_way import drive
 from tests.support.bags.drawn_team import SESSION
+from tests.support.robots.robots_under_way import drive
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.session.broadcast import Broadcast

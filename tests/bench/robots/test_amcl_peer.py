@@ -3,71 +3,27 @@
 ROS's stands beside ours only with a checkout of github.com/ros-planning/navigation: `NAVIGATION_SRC=/path make bench`.
 """
 
-import subprocess
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
-from sim.common.grid import OccupancyGrid
 from sim.numerics.float_array import FloatArray
 from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
 from tests.bench.budget import Budgets
-from tests.bench.robots.recorded_run import Run, kidnapped, part, tour, write_for_peer
+from tests.bench.robots.amcl_peer import SETTLED, Tracked, run_peer
+from tests.bench.robots.recorded_run import Run, kidnapped, part, tour
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.resources import shipped
 
 pytestmark = pytest.mark.bench
 
 SEEDS = range(1, 11)
-SETTLED = 5
-"""Updates after which the first uncertainty is over."""
-AMCL_SOURCES = [
-    "pf/pf.c", "pf/eig3.c", "pf/pf_kdtree.c", "pf/pf_pdf.c", "pf/pf_vector.c", "map/map.c", "map/map_range.c",
-    "map/map_cspace.cpp", "sensors/amcl_sensor.cpp", "sensors/amcl_laser.cpp", "sensors/amcl_odom.cpp",
-]  # fmt: skip
-
-
-NONE: FloatArray = np.empty(0)
 INSIDE = 5.99
 """Squared Mahalanobis distance that 95 % of a plane's normal errors stay below."""
-
-
-@dataclass(frozen=True, slots=True)
-class Tracked:
-    """What a filter made of a run: metres off at each update, and CPU seconds of each.
-
-    Of ours also whether the reported 95 % ellipse held the truth, and whether it said it was lost.
-    """
-
-    errors: FloatArray
-    seconds: FloatArray
-    covered: FloatArray
-    lost: FloatArray
-
-
-@pytest.fixture(scope="session")
-def peer(navigation, tmp_path_factory) -> Path | None:
-    """ROS's filter, built as ROS builds it for release; None without its source."""
-    if navigation is None:
-        return None
-    package, folder = navigation / "amcl", tmp_path_factory.mktemp("amcl")
-    flags = ["-O3", "-DNDEBUG", "-DHAVE_DRAND48", "-DHAVE_UNISTD_H"]
-    flags += [f"-I{package / 'include'}", f"-I{package / 'include/amcl'}", f"-I{package / 'src/include'}"]
-    objects = []
-    for name in AMCL_SOURCES:
-        built = folder / f"{Path(name).stem}.o"
-        compiler = "gcc" if name.endswith(".c") else "g++"
-        subprocess.run([compiler, *flags, "-c", package / "src/amcl" / name, "-o", built], check=True)
-        objects.append(built)
-    program = folder / "amcl_peer"
-    main = Path(__file__).parent / "peers" / "amcl_peer.cpp"
-    subprocess.run(["g++", *flags, main, *objects, "-o", program], check=True)
-    return program
 
 
 @pytest.fixture(scope="session")
@@ -115,19 +71,6 @@ def theirs(
     return [run_peer(peer, run, place.grid, folder, model, particles, seed, known) for seed, run in runs.items()]
 
 
-def run_peer(
-    peer: Path, run: Run, grid: OccupancyGrid, folder: Path, model: str, particles: tuple[int, int],
-    seed: int, known: bool,
-) -> Tracked:  # fmt: skip
-    drawn, log = write_for_peer(run, grid, folder)
-    start = [str(value) for value in run.truth[0]] if known else ["global"]
-    words = [peer, drawn, log, model, *particles, seed, *start]
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=True)
-    table = np.array([line.split() for line in done.stdout.splitlines()], dtype=np.float64)
-    off = table[:, 1:3] - run.truth[table[:, 0].astype(int), :2]
-    return Tracked(np.hypot(*off.T), table[:, 5] * 1e-6, NONE, NONE)
-
-
 def told(name: str, tracked: list[Tracked]) -> str:
     if not tracked:
         return f"{name:>44}: not measured"
@@ -167,21 +110,21 @@ def found(tracked: list[Tracked]) -> int:
 
 
 @pytest.mark.parametrize("model", ["likelihood_field", "likelihood_field_prob", "beam"])
-def test_accuracy_of_tracking(model, peer, office, runs, budgets, tmp_path, capsys):
+def test_accuracy_of_tracking(model, amcl_peer, office, runs, budgets, tmp_path, capsys):
     defaults = AmclParameters(laser_model_type=model, laser_max_beams=60)
     mine = [ours(run, office, defaults, seed) for seed, run in runs.items()]
-    other = theirs(peer, runs, office, tmp_path, model, (100, 5000))
+    other = theirs(amcl_peer, runs, office, tmp_path, model, (100, 5000))
     with capsys.disabled():
         print(f"\n{told(f'ours, {model}', mine)}\n{told(f'amcl, {model}', other)}")
     judge(model, mine, other, budgets)
 
 
 @pytest.mark.parametrize("count", [500, 2000, 5000, 20000])
-def test_error_and_cost_against_the_number_of_particles(count, peer, office, runs, budgets, tmp_path, capsys):
+def test_error_and_cost_against_the_number_of_particles(count, amcl_peer, office, runs, budgets, tmp_path, capsys):
     fixed = AmclParameters(min_particles=count, max_particles=count, laser_max_beams=60)
     few = {seed: runs[seed] for seed in list(SEEDS)[:2]}
     mine = [ours(run, office, fixed, seed) for seed, run in few.items()]
-    other = theirs(peer, few, office, tmp_path, "likelihood_field", (count, count))
+    other = theirs(amcl_peer, few, office, tmp_path, "likelihood_field", (count, count))
     with capsys.disabled():
         print(f"\n{told(f'ours, {count} particles', mine)}\n{told(f'amcl, {count} particles', other)}")
     judge(f"{count} particles", mine, other, budgets)
@@ -191,12 +134,12 @@ def test_error_and_cost_against_the_number_of_particles(count, peer, office, run
 @pytest.mark.parametrize("name", ["office", "arena8"])
 @pytest.mark.parametrize("count", [500, 2000, 5000, 20000])
 def test_global_localisation_and_kidnapping(
-    count, name, peer, office, arena, runs, arena_runs, budgets, tmp_path, capsys
+    count, name, amcl_peer, office, arena, runs, arena_runs, budgets, tmp_path, capsys
 ):
     place, tours = (office, runs) if name == "office" else (arena, arena_runs)
     most = AmclParameters(max_particles=count, laser_max_beams=60)
     # With more particles that never agree its resampling, quadratic in them, takes long.
-    rival = peer if count == 2000 else None
+    rival = amcl_peer if count == 2000 else None
     for task, known in (("anywhere", False), ("after a kidnapping", True)):
         begun = {seed: kidnapped(run, seed) if known else part(run, 100, 600) for seed, run in tours.items()}
         mine = [ours(run, place, most, seed, known) for seed, run in begun.items()]

@@ -17,8 +17,8 @@ from sim.inputs import SendGoal
 from sim.robot.navigator.goals import Goal
 from sim.team import Team
 from tests.bench.budget import Budgets
-from tests.bench.robots_under_way import best_ticks
 from tests.support.maps.large_office import large_office
+from tests.support.robots.robots_under_way import best_ticks
 from thbridge.app.compose.robots import rehearse
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.study.study_file import Study

@@ -18,7 +18,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.numerics.float_array import FloatArray
 from sim.team import Team
 from tests.bench.budget import Budgets
-from tests.bench.robots_under_way import best_ticks, drive
+from tests.support.robots.robots_under_way import best_ticks, drive
 from thbridge.app.compose.robots import rehearse
 from thbridge.app.compose.setting import read_setting
 from thbridge.study.study_file import Study

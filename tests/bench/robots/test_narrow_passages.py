@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.bench.robots.narrow_passages import TIME_LIMIT, Passage, build_peer, drive, driven_by, field_of, robot
+from tests.support.robots.narrow_passages import TIME_LIMIT, Passage, build_peer, drive, driven_by, field_of, robot
 
 pytestmark = pytest.mark.bench
 

@@ -7,11 +7,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
-from sim.common.grid import OccupancyGrid
 from sim.parameters import LaserParameters, RobotParameters, WorldParameters
 from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.global_planning.itinerary_planner import ItineraryPlanner
@@ -23,7 +21,8 @@ from sim.team import Team, TeamSnapshot
 from sim.world.physics import World
 from sim.world.sensors import Sensors
 from tests.bench.budget import Budgets
-from tests.bench.robots_under_way import best_ticks, drive
+from tests.support.maps.hall_of_shelves import hall
+from tests.support.robots.robots_under_way import best_ticks, drive
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import StudySetting, read_setting
@@ -80,30 +79,6 @@ def drive_recorded(setting: StudySetting, goals: list[Pose2], path: Path) -> flo
         said = Broadcast(build_publisher(setting), build_record(setting, "play", [], ""), setting.map.grid, [writer])
         drive(team, goals, SECONDS, said.record)
     return time.process_time() - began
-
-
-def hall(robots: int = 50) -> tuple[OccupancyGrid, list[Pose2]]:
-    """A hall with rows of shelves, and the places between them, in an order that mixes them.
-
-    For up to 50 robots it has 26 m by 14 m; for more, so many times both that it is no fuller.
-    """
-    scale = math.ceil(math.sqrt(robots / 50))
-    rows, cols = 280 * scale, 520 * scale
-    cells = np.zeros((rows, cols), np.int8)
-    cells[[0, 1, -2, -1], :] = 100
-    cells[:, [0, 1, -2, -1]] = 100
-    for row in range(60, rows - 20, 80):
-        for col in range(40, cols - 20, 80):
-            cells[row : row + 8, col : col + 40] = 100
-    places = [Pose2(1.0 + 1.5 * i, 1.0 + 2.0 * j, 0.0) for j in range(7 * scale) for i in range(17 * scale)]
-    places = [place for place in places if _room_at(cells, place)]
-    order = np.random.default_rng(0).permutation(len(places))
-    return OccupancyGrid(cells, 0.05, Pose2(0.0, 0.0, 0.0)), [places[i] for i in order]
-
-
-def _room_at(cells, place):
-    row, col = round(place.y / 0.05), round(place.x / 0.05)
-    return not cells[row - 12 : row + 12, col - 12 : col + 12].any()
 
 
 @contextmanager

@@ -15,8 +15,8 @@ from sim.common.grid import OccupancyGrid
 from sim.numerics.float_array import FloatArray
 from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
+from tests.bench.robots.amcl_peer import SETTLED, run_peer
 from tests.bench.robots.recorded_run import Run
-from tests.bench.robots.test_amcl_peer import SETTLED, peer, run_peer  # noqa: F401 - a fixture
 from tests.bench.robots.troubled_runs import troubled_runs
 from tests.bench.robots.weaving_car import corridors, weaving_runs
 from thbridge.files.map_files import Map
@@ -98,7 +98,7 @@ class Rows:
 
 
 def test_trouble_moves_the_robot_little_and_no_jump_is_told_as_certain(
-    peer: Path | None,  # noqa: F811
+    amcl_peer: Path | None,
     office: Map,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
@@ -106,17 +106,17 @@ def test_trouble_moves_the_robot_little_and_no_jump_is_told_as_certain(
     rows = Rows()
     for seed in SEEDS:
         for troubled in troubled_runs(office, seed):
-            rows.add(troubled.trouble, troubled.run, troubled.believed.grid, seed, peer, tmp_path)
+            rows.add(troubled.trouble, troubled.run, troubled.believed.grid, seed, amcl_peer, tmp_path)
     assert not rows.failed(capsys)
 
 
 def test_wrong_odometry_is_corrected_by_scans(
-    peer: Path | None,  # noqa: F811
+    amcl_peer: Path | None,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     rows, grid = Rows(), corridors()
     for seed in SEEDS:
         for trouble, run in weaving_runs(grid, seed):
-            rows.add(trouble, run, grid, seed, peer, tmp_path)
+            rows.add(trouble, run, grid, seed, amcl_peer, tmp_path)
     assert not rows.failed(capsys, most_lost=0.05)

@@ -12,7 +12,7 @@ import pytest
 
 from sim.common.observations import TICK
 from sim.numerics.float_array import FloatArray
-from tests.peers.windows.desktop import desktop, needs_desktop
+from tests.support.windows.desktop import desktop, needs_desktop
 
 pytestmark = [pytest.mark.bench, needs_desktop]
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QLineEdit, QTableView
 from pytestqt.qtbot import QtBot
 
 from tests.bench.budget import Budgets, cpu_seconds
-from tests.ui.windows.researcher.docks.test_log import rows
+from tests.support.windows.log_rows import rows
 from ui.windows.researcher.docks.log import MAX_ROWS, LogView
 
 pytestmark = pytest.mark.bench

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import run_peer, skip_if_crashed
+from tests.support.programs.peer_programs import run_peer, skip_if_crashed
 from thbridge.files.keys.certificate import certificate_of
 from thbridge.files.keys.key_ring import KeyRing
 from thbridge.sockets.addresses import ListeningAddress

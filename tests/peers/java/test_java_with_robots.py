@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import run_peer, skipping_if_crashed
 from tests.support.programs import processes
+from tests.support.programs.peer_programs import run_peer, skipping_if_crashed
 from thbridge.recording.bag.reading.reader import messages
 
 SOURCES = sorted(Path(__file__).parent.glob("*.java"))

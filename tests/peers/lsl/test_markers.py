@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import skip_if_crashed
-from tests.thbridge.experiment.test_design import write
+from tests.support.programs.peer_programs import skip_if_crashed
+from tests.support.studies.experiment_files import write_experiment
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.sockets.markers import MarkerStream
@@ -43,7 +43,7 @@ while True:
 
 
 def test_a_recorder_hears_each_event_with_the_times_of_the_log(tmp_path: Path) -> None:
-    design = read_experiment(write(tmp_path))
+    design = read_experiment(write_experiment(tmp_path))
     title = f"{design.file.title} {tmp_path.name}"
     stream = MarkerStream(title)
     ticks = itertools.count(1)

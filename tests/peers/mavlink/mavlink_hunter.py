@@ -11,7 +11,7 @@ from typing import Any
 os.environ["MAVLINK20"] = "1"
 from pymavlink import mavutil
 
-from tests.peers.windows.player import TREASURES
+from tests.peers.window_player import TREASURES
 
 mav = mavutil.mavlink
 

@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 from typing import Self
 
-from tests.peers.crashes import skip_if_crashed, skipping_if_crashed
-from tests.peers.mavlink.rover_session import PEERS
+from tests.peers.rover_session import PEERS
+from tests.support.programs.peer_programs import skip_if_crashed, skipping_if_crashed
 
 MODULES = "link,param,wp,mode,cmdlong,arm,log,signing,misc"
 PATIENCE = 120.0

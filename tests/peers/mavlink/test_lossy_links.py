@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from pymavlink.mavftp import MAVFTP
 
-from tests.peers.crashes import run_peer
 from tests.peers.mavlink.lossy_link import LossyLink, lossy_link
-from tests.peers.mavlink.mavutil_script import Script, mav
-from tests.peers.mavlink.rover_session import PEERS, needs, rovers
+from tests.peers.mavutil_script import Script, mav
+from tests.peers.rover_session import PEERS, needs, rovers
+from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import Program, until
 from thbridge.mavlink.vehicle.component_files.metadata_files import checksum

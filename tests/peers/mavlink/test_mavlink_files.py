@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from pymavlink.mavftp import MAVFTP, FtpError
 
-from tests.peers.crashes import run_peer
 from tests.peers.mavlink.mavproxy import MavProxy
-from tests.peers.mavlink.mavutil_script import Script
-from tests.peers.mavlink.rover_session import PEERS, needs, rovers
+from tests.peers.mavutil_script import Script
+from tests.peers.rover_session import PEERS, needs, rovers
+from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import Program
 from thbridge.mavlink.role.parameters import PARAMETERS

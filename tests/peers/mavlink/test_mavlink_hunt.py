@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
-from tests.peers.crashes import run_peer
 from tests.peers.mavlink.mavlink_hunter import OWN, Hunter
-from tests.peers.ros.ros_programs import NEEDS_ROS, Ros, clean
-from tests.peers.windows.desktop import Seen, desktop, needs_desktop
-from tests.peers.windows.player import Player, Sight, on
+from tests.peers.ros_programs import NEEDS_ROS, Ros, clean
+from tests.peers.window_player import Player, Sight, on
+from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_port, free_udp_port
 from tests.support.programs.processes import THBRIDGE, Program, until
+from tests.support.windows.desktop import Seen, desktop, needs_desktop
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting

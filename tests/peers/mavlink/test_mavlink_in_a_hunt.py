@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import run_peer
-from tests.peers.mavlink.mavutil_script import Script, mav
-from tests.peers.mavlink.rover_session import PEERS, degrees, needs, rovers
+from tests.peers.mavutil_script import Script, mav
+from tests.peers.rover_session import PEERS, degrees, needs, rovers
+from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import THBRIDGE, until
 

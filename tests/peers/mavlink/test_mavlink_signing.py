@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from tests.peers.mavlink.mavproxy import MavProxy
-from tests.peers.mavlink.mavutil_script import Script, mav
-from tests.peers.mavlink.rover_session import needs, rovers
+from tests.peers.mavutil_script import Script, mav
+from tests.peers.rover_session import needs, rovers
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import Program, until
 

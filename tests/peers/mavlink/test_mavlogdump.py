@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from tests.peers.crashes import run_peer
+from tests.support.programs.peer_programs import run_peer
 from thbridge.mavlink.files.tlog import TlogFile
 from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
 from thbridge.mavlink.wire.frames.frame import Frame

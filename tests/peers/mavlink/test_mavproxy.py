@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.peers.mavlink.mavproxy import MavProxy
-from tests.peers.mavlink.rover_session import degrees, needs, rovers
+from tests.peers.rover_session import degrees, needs, rovers
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import until
 

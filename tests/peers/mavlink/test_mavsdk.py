@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from tests.peers.crashes import run_peer
-from tests.peers.mavlink.rover_session import ORIGIN, PEERS, ROBOTS, metres, needs, rovers, truth
+from tests.peers.rover_session import ORIGIN, PEERS, ROBOTS, metres, needs, rovers, truth
+from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import THBRIDGE
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 import pytest
 from pymavlink import mavwp
 
-from tests.peers.mavlink.mavutil_script import PATIENCE, Script, mav
-from tests.peers.mavlink.rover_session import degrees, metres, rovers
+from tests.peers.mavutil_script import PATIENCE, Script, mav
+from tests.peers.rover_session import degrees, metres, rovers
 from tests.support.programs.ports import free_port, free_udp_port
 from tests.support.programs.processes import Program, until
 

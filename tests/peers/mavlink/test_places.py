@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.mavlink.mavutil_script import PATIENCE, Script, mav
-from tests.peers.mavlink.rover_session import degrees, rovers
+from tests.peers.mavutil_script import PATIENCE, Script, mav
+from tests.peers.rover_session import degrees, rovers
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import until
 from thbridge.app.compose.setting import read_setting

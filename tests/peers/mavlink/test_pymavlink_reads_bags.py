@@ -7,7 +7,7 @@ from typing import Any
 
 from rosbags.highlevel import AnyReader
 
-from tests.thbridge.app.replay.test_mavlink_replay import Tour, record
+from tests.support.mavlink.recorded_stations import Tour, record
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "bags.md"
 

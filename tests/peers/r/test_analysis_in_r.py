@@ -7,8 +7,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from tests.peers.crashes import run_peer
-from tests.thbridge.experiment.test_analysis import rehearsed_export
+from tests.support.programs.peer_programs import run_peer
+from tests.support.studies.rehearsed_studies import rehearsed_export
 
 pytestmark = pytest.mark.skipif(shutil.which("Rscript") is None, reason="R is not installed")
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import run_peer
-from tests.peers.ros.ros_programs import PYTHON, Ros, knows
+from tests.peers.ros_programs import PYTHON, Ros, knows
+from tests.support.programs.peer_programs import run_peer
 
 SOURCES = Path(os.environ.get("ROSBRIDGE_SRC", ""))
 ROSLIBPY = Path(__file__).parents[3] / ".peers" / "roslibpy" / "bin" / "python"

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from sim.common.geometry import IDENTITY
-from tests.peers.crashes import run_peer
 from tests.support.bags.bags_with_faults import (
     SCAN_LINE,
     START,
@@ -23,6 +22,7 @@ from tests.support.bags.bags_with_faults import (
     write,
 )
 from tests.support.bags.foreign_bags import transform
+from tests.support.programs.peer_programs import run_peer
 from thbridge.analysis.check import FindingSeverity, Judgement, judge
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.recording.bag.options import Compression

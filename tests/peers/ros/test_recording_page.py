@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import skip_if_crashed
+from tests.support.programs.peer_programs import skip_if_crashed
 
 PROJECT = Path(__file__).parents[3]
 EVO = PROJECT / ".peers" / "evo" / "bin"

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from tests.peers.ros import rospy_scripts
-from tests.peers.ros.ros_programs import NEEDS_ROS, session
-from tests.thbridge.app.replay.test_replay import again
+from tests.peers.ros_programs import NEEDS_ROS, session
+from tests.support.hunts.replayed_hunts import again
 from thbridge.app.replay.replay import ticks_of
 from thbridge.app.session.inputs import ClientRequest
 

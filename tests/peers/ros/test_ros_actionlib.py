@@ -14,7 +14,7 @@ from sim.common.observations import STANDSTILL
 from sim.inputs import SendGoal
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
 from sim.robot.navigator.navigation import Navigation
-from tests.peers.crashes import run_peer
+from tests.support.programs.peer_programs import run_peer
 from thbridge.ros.actionlib import STATUS_PERIOD, ActionRequest, GoalEnded, MoveBaseServer, StatusList
 from thbridge.ros.messages.records import CancelRequest, GoalRequest
 from thbridge.ros.messages.stamps import stamp_ns

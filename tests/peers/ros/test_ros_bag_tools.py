@@ -17,9 +17,9 @@ import pytest
 import rosbag
 from rosbags.rosbag1 import Reader
 
-from tests.peers.crashes import run_peer, skipping_if_crashed
 from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from tests.support.bags.inline_queue import InlineQueue
+from tests.support.programs.peer_programs import run_peer, skipping_if_crashed
 from tests.support.programs.ports import free_port
 from tests.support.ros.type_lists import STANDARD_TYPES
 from thbridge.app.session.broadcast import Broadcast

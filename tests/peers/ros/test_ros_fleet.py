@@ -18,8 +18,8 @@ from sim.common.observations import Twist
 from sim.inputs import CancelGoal, DriveManually, SendGoal
 from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
-from tests.peers.crashes import run_peer, skipping_if_crashed
-from tests.peers.ros.ros_programs import knows
+from tests.peers.ros_programs import knows
+from tests.support.programs.peer_programs import run_peer, skipping_if_crashed
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import SessionRecord

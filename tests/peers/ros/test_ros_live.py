@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.ros import rospy_scripts
-from tests.peers.ros.ros_programs import NEEDS_ROS, PATIENCE, Ros, session
+from tests.peers.ros_programs import NEEDS_ROS, PATIENCE, Ros, session
 from tests.support.programs.processes import until
 from thbridge.recording.bag.reading.reader import RawMessage, messages
 

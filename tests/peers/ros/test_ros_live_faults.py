@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.ros import rospy_scripts
-from tests.peers.ros.ros_programs import NEEDS_ROS, PATIENCE, PYTHON, Ros
+from tests.peers.ros_programs import NEEDS_ROS, PATIENCE, PYTHON, Ros
 from tests.support.programs.ports import free_port
 from tests.support.programs.processes import THBRIDGE, Program, until
 from thbridge.recording.bag.reading.reader import messages

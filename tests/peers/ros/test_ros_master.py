@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import run_peer, skipping_if_crashed
 from tests.support.programs import processes
+from tests.support.programs.peer_programs import run_peer, skipping_if_crashed
 
 PYTHON = "/usr/bin/python3"
 TOOLS = ("rostopic", "rosnode", "rosparam", "rosservice", "rosbag", "roslaunch", "roswtf")

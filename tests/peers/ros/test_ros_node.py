@@ -14,7 +14,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from tests.peers.crashes import skip_if_crashed
+from tests.support.programs.peer_programs import skip_if_crashed
 from tests.support.programs.ports import free_port
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from tests.peers.ros.ros_programs import NEEDS_ROS, PYTHON, Ros, session
+from tests.peers.ros_programs import NEEDS_ROS, PYTHON, Ros, session
 from tests.support.programs.processes import Program, until
 
 DYNPARAM = Path("/usr/lib/dynamic_reconfigure/dynparam")

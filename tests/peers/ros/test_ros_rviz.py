@@ -12,11 +12,11 @@ import pytest
 from PIL import Image
 
 from sim.numerics.float_array import FloatArray
-from tests.peers.crashes import RestartedPeer
-from tests.peers.ros.ros_programs import Ros
-from tests.peers.windows.desktop import x_server
+from tests.peers.ros_programs import Ros
+from tests.support.programs.peer_programs import RestartedPeer
 from tests.support.programs.ports import free_port
 from tests.support.programs.processes import THBRIDGE, Program, until
+from tests.support.windows.desktop import x_server
 from thbridge.ros.rviz import COLOURS
 
 NEEDED = ("rviz", "Xvfb", "import")

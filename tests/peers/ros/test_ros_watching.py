@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import run_peer
-from tests.peers.ros.ros_programs import NEEDS_ROS, PYTHON, clean
+from tests.peers.ros_programs import NEEDS_ROS, PYTHON, clean
+from tests.support.programs.peer_programs import run_peer
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress

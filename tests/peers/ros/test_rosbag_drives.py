@@ -6,11 +6,11 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from tests.peers.ros.ros_programs import NEEDS_ROS, Ros
+from tests.peers.ros_programs import NEEDS_ROS, Ros
+from tests.support.hunts.replayed_hunts import again
+from tests.support.mavlink.recorded_stations import Tour, record
 from tests.support.programs.ports import free_port, free_udp_port
 from tests.support.programs.processes import Program, until
-from tests.thbridge.app.replay.test_mavlink_replay import Tour, record
-from tests.thbridge.app.replay.test_replay import again
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.ros.messages import unpack

@@ -6,10 +6,10 @@ from contextlib import ExitStack
 
 import pytest
 
-from tests.peers.crashes import run_peer
 from tests.peers.node import NEEDS_NODE, run_script
-from tests.peers.ros.ros_programs import NEEDS_ROS, session
 from tests.peers.ros.rosbridge import NEEDS_ROSBRIDGE, ROSLIBPY, rosbridge
+from tests.peers.ros_programs import NEEDS_ROS, session
+from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_port
 
 pytestmark = [NEEDS_ROS, NEEDS_ROSBRIDGE]

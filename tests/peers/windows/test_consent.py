@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
 from tests.support.programs import processes
+from tests.support.windows.desktop import Desktop, desktop, needs_desktop
 
 pytestmark = needs_desktop
 

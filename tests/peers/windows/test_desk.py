@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.windows.desktop import PATIENCE, Desktop, desktop, needs_desktop
 from tests.support.programs.processes import THBRIDGE
-from tests.support.studies.rehearsed_study import clocks, rehearse
+from tests.support.studies.rehearsed_studies import clocks, rehearsed_study
+from tests.support.windows.desktop import PATIENCE, Desktop, desktop, needs_desktop
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.store.event_log import ExperimentLog
 from thbridge.experiment.store.events import RunState
@@ -54,7 +54,7 @@ def program(screen: Desktop, *command: object) -> Iterator["subprocess.Popen[str
 
 @pytest.mark.slow
 def test_a_folder_is_watched(tmp_path: Path) -> None:
-    study = rehearse(tmp_path)
+    study = rehearsed_study(tmp_path)
     with desktop() as screen, program(screen, *THBRIDGE, "study", "watch", tmp_path):
         screen.focus_window("Robots that argue")
         off = screen.found("Next participant", "push button")
@@ -70,7 +70,7 @@ def test_a_folder_is_watched(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_study_is_run_by_keys_alone(tmp_path: Path) -> None:
-    study = rehearse(tmp_path)
+    study = rehearsed_study(tmp_path)
     with ExperimentLog(study.folder.log) as log:
         conductor = Conductor(study.design, log, lambda: clocks(20_000), lambda most: most - 1)
         complete = [run for run in conductor.progress.runs.values() if run.state is RunState.COMPLETE]

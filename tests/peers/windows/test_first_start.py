@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.windows.desktop import desktop, needs_desktop
 from tests.support.programs.processes import THBRIDGE, Program
+from tests.support.windows.desktop import desktop, needs_desktop
 from ui.first_start.bar import STOPPED
 
 

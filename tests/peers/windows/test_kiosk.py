@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
 from tests.support.programs.processes import Program
+from tests.support.windows.desktop import Desktop, desktop, needs_desktop
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import read_log

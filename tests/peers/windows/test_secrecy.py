@@ -16,9 +16,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
 from tests.support.programs.process_memory import found_in_memory
 from tests.support.programs.processes import THBRIDGE, Program, port_of
+from tests.support.windows.desktop import Desktop, desktop, needs_desktop
 
 ROOT = Path(__file__).parents[3]
 

@@ -13,10 +13,10 @@ import numpy.typing as npt
 import pytest
 from PIL import Image
 
-from tests.peers.windows.desktop import PATIENCE, Desktop, Seen, desktop, needs_desktop
 from tests.support.hunts.watched_hunts import record
 from tests.support.programs.ports import free_port
 from tests.support.programs.processes import THBRIDGE
+from tests.support.windows.desktop import PATIENCE, Desktop, Seen, desktop, needs_desktop
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros import names
 from thbridge.ros.messages import unpack

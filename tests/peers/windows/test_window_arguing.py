@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
-from tests.peers.windows.player import Player, Sight, on
-from tests.peers.windows.test_window_hunts import STUDY
+from tests.peers.window_player import STUDY, Player, Sight, on
+from tests.support.windows.desktop import Desktop, desktop, needs_desktop
 
 pytestmark = [needs_desktop, pytest.mark.slow]
 

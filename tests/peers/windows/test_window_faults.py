@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
-from tests.peers.windows.player import Player, Sight, on
+from tests.peers.window_player import Player, Sight, on
 from tests.support.programs.processes import Program, port_of
+from tests.support.windows.desktop import Desktop, desktop, needs_desktop
 
 pytestmark = [needs_desktop, pytest.mark.slow]
 

@@ -11,29 +11,15 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.windows.desktop import Desktop, Seen, desktop, needs_desktop
-from tests.peers.windows.player import Keys, Mouse, Player, Sight, on
+from tests.peers.window_player import STUDY, Keys, Mouse, Player, Sight, on
 from tests.support.programs.processes import THBRIDGE
+from tests.support.windows.desktop import Desktop, Seen, desktop, needs_desktop
 from thbridge.analysis.measured.game import TimelineEntry
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.files.resources import shipped
 from thbridge.recording.bag.reading.reader import messages
 
 pytestmark = needs_desktop
-
-STUDY = """\
-map: arena8
-templates: original-2016
-robots: 2
-seed: 3
-server:
-  port: 0
-game:
-  energy: 45
-participant:
-  robots: [1, 4]
-"""
-"""With so much energy a robot gets to two rooms or three."""
 
 
 def place_in_arena(room: int, house: Seen) -> tuple[float, float]:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.mavlink.mavutil_script import Script, mav
-from tests.peers.mavlink.rover_session import STUDY, degrees
-from tests.peers.windows.desktop import Desktop, desktop, needs_desktop
-from tests.peers.windows.player import Keys, on
+from tests.peers.mavutil_script import Script, mav
+from tests.peers.rover_session import STUDY, degrees
+from tests.peers.window_player import Keys, on
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import THBRIDGE, Program
+from tests.support.windows.desktop import Desktop, desktop, needs_desktop
 
 pytestmark = [needs_desktop, pytest.mark.slow]
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from sim.numerics import compiled_files
 from sim.numerics.compiled_files import private_folder, read, write
+from tests.support.disks.damaged_files import damaged
 
 OTHER = 12345
 """An account that has no files."""
@@ -110,15 +111,6 @@ def test_a_damaged_file_is_never_read(
     file.write_bytes(damaged(file.read_bytes(), draws))
     assert read(file) is None
     assert not file.exists()
-
-
-def damaged(whole: bytes, draws: random.Random) -> bytes:
-    """A file as disks, crashes and people leave it: cut, a bit flipped, zeros, bytes more."""
-    at = draws.randrange(len(whole))
-    flipped = bytes([whole[at] ^ 1 << draws.randrange(8)])
-    return draws.choice(
-        [whole[:at], whole[:at] + flipped + whole[at + 1 :], whole + b"\0", bytes(len(whole)), whole[at + 1 :]]
-    )
 
 
 def test_a_notice_names_the_cache_once(tmp_path: Path, notices: pytest.LogCaptureFixture) -> None:

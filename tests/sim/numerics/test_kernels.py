@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from sim.numerics.compiled_files import write
-from tests.sim.numerics.test_compiled_files import damaged
+from tests.support.disks.damaged_files import damaged
 from tests.support.project import ROOT
 
 CALLER = """\

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from sim.team import TeamSnapshot
 from tests.support.bags.drawn_team import snapshots
-from tests.thbridge.dialogue.test_arguing import FACTS, engine
+from tests.support.bags.remembering_recorder import RememberingRecorder
+from tests.support.dialogue.argued_topics import FACTS, formal_engine
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.conditions import Manner
@@ -31,7 +31,7 @@ def utterances(
     choices: tuple[str, ...] = STUBBORN, manner: Manner = PERSISTENT, robot: int = 0
 ) -> tuple[tuple[DialogueUtterance, ...], ...]:
     """What is said at the opening of a dialogue about room 1, and after each choice, told by how its text begins."""
-    talker = engine(manner)
+    talker = formal_engine(manner)
     facts = replace(FACTS, robot=robot)
     step = talker.open(1, replace(TOPIC, robot=robot, facts=facts))
     said = [step.utterances]
@@ -45,17 +45,9 @@ def utterances(
     return tuple(said)
 
 
-class _Tape:
-    def __init__(self) -> None:
-        self.records: list[Record] = []
-
-    def record(self, snapshot: TeamSnapshot, records: tuple[Record, ...]) -> None:
-        self.records += records
-
-
 def recorded(*ticks: tuple[DialogueUtterance, ...]) -> list[tuple[Record, ...]]:
     """What is recorded of dialogues in each of several ticks."""
-    tape, (snapshot,) = _Tape(), snapshots(2, 1)
+    tape, (snapshot,) = RememberingRecorder(), snapshots(2, 1)
     recorder, found = BagRecorder(tape), []
     for said in ticks:
         tape.records = []

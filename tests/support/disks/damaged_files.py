@@ -1,5 +1,6 @@
 """Damage to one place of a file: each byte changed, and each length to which the file may have been cut."""
 
+import random
 from collections.abc import Iterator
 
 EACH_BIT = (0x01, 0x02, 0x04, 0x08, 0x10, 0x20, 0x40, 0x80, 0xFF)
@@ -19,3 +20,12 @@ def cuts(content: bytes, stride: int = 1) -> Iterator[tuple[str, bytes]]:
     """Yield the content cut to each shorter length (or each so many), and what was done to it."""
     for length in range(0, len(content), stride):
         yield f"cut to {length} bytes", content[:length]
+
+
+def damaged(whole: bytes, draws: random.Random) -> bytes:
+    """A file as disks, crashes and people leave it: cut, a bit flipped, zeros, bytes more."""
+    at = draws.randrange(len(whole))
+    flipped = bytes([whole[at] ^ 1 << draws.randrange(8)])
+    return draws.choice(
+        [whole[:at], whole[:at] + flipped + whole[at + 1 :], whole + b"\0", bytes(len(whole)), whole[at + 1 :]]
+    )

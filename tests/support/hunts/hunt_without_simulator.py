@@ -34,7 +34,7 @@ def templates(name: str = "original-2016") -> TemplateSet:
     return read_template_set(shipped().find("templates", name, Path()))
 
 
-def engine(chosen: TemplateSet, seed: int = 7) -> ScriptedEngine:
+def scripted_engine(chosen: TemplateSet, seed: int = 7) -> ScriptedEngine:
     return ScriptedEngine(
         TemplateProtocol(chosen.dialogue), TemplateStrategy(), TemplatePhrasing(chosen.dialogue, seed, shipped_texts())
     )
@@ -52,7 +52,7 @@ class Log:
         self.entries += entries
 
 
-class Stage:
+class HuntWithoutSimulator:
     """A session of keeper, puppets, Hider and TabUI, or of those that are not `outside`."""
 
     def __init__(
@@ -85,7 +85,7 @@ class Stage:
         last_game = 1 if history else 0
         self.keeper = Keeper(
             rules,
-            lambda game: talk or engine(self.templates, seed),
+            lambda game: talk or scripted_engine(self.templates, seed),
             history,
             last_game,
             self.briefing,

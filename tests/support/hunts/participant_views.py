@@ -5,7 +5,15 @@ from dataclasses import replace
 from msgspec import structs
 
 from thbridge.hunt.events import Condition
-from thbridge.roles.shared.view import DialogueView, RefusalView, RobotView, RoomView, View
+from thbridge.roles.shared.view import (
+    DialogueView,
+    LastWords,
+    RefusalView,
+    RobotView,
+    RoomView,
+    View,
+)
+from ui.model.playing.participant import Participant
 
 COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), (None, 5.0, 5.0, None))
 
@@ -27,6 +35,15 @@ def with_room(was: View, room: int, **changes) -> View:
     return structs.replace(was, rooms=(*was.rooms[: room - 1], changed, *was.rooms[room:]))
 
 
+def view_of(*moving_to: int | None) -> View:
+    """Robots in the corridor, each bound for such a room or for none."""
+    shown = view(len(moving_to))
+    for robot, room in enumerate(moving_to):
+        if room is not None:
+            shown = with_room(with_robot(shown, robot, moving_to=room), room, state="reserved", robot=robot)
+    return shown
+
+
 def asking(robot: int, room: int, number: int = 1, turn: int = 1) -> DialogueView:
     return DialogueView(number, turn, robot, "select-room", room, ("Shall I go?",), ("Continue", "Stop"))
 
@@ -40,3 +57,28 @@ def arguing(*turns: str, acts: tuple[str, ...] = ("accept", "leave"), robot: int
 
 def refusal(number: int, request: str) -> RefusalView:
     return RefusalView(number, request, "no", f"No {request}.")
+
+
+def model_of(*levels, now=0.0):
+    model = Participant()
+    model.connected(0.0)
+    for level in levels:
+        model.receive(level, now)
+    model.screen(now)
+    return model
+
+
+def texts(screen):
+    return [line.text for line in screen.history]
+
+
+ANSWERS = ("accept", "challenge", "open-questions", "leave")
+
+
+def argued(*dialogues, words=(), who="both", **changes) -> View:
+    """A view of a game in which robots argue."""
+    return view(dialogues=dialogues, last_words=words, has_last_word=who, **changes)
+
+
+def ended(*, agreed: bool, robot: int = 0, said=("No.", "Leave it."), number: int = 1) -> LastWords:
+    return LastWords(number, robot, "select-room", 2, said, ("robot", "person")[: len(said)], agreed)

@@ -1,17 +1,33 @@
 """A participant who only looks at screens and does what they offer, in a real game without a simulator."""
 
-from tests.support.hunts.hunt_without_simulator import Stage
-from tests.ui.model.language import said_by_others
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
+from tests.support.windows.english import said_by_others
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.view import View
 from ui.model.playing.offers import offer, offers
 from ui.model.playing.participant import Participant
-from ui.model.playing.screen import Act, Action, Screen
+from ui.model.playing.screen import (
+    Act,
+    Action,
+    AnswerDialogueAct,
+    ChooseRobot,
+    DialoguePopup,
+    IdentifyTreasureAct,
+    LeaveTreasureAct,
+    Phase,
+    PickName,
+    RequestSuggestionAct,
+    Screen,
+    SelectRoomAct,
+    ShowNext,
+    TakePictureAct,
+    TreasurePopup,
+)
 
 TICK = 0.02
 
 
-class Seat:
+class ScreenPlayer:
     """The view model on a stage; every act is done by what is offered for it.
 
     Attributes:
@@ -24,7 +40,7 @@ class Seat:
         self.theirs: set[str] = set()
         self.staged = stage
         self.tabui = TabUI(self, self)
-        self.stage = Stage(participant=self.tabui, **stage)
+        self.stage = HuntWithoutSimulator(participant=self.tabui, **stage)
         self.names = tuple(sorted({kind.name for kind in self.stage.templates.kinds}))
         self.model.connected(self.now)
         self.run(6)
@@ -42,7 +58,7 @@ class Seat:
         self.model.lost("The server has gone.", self.now)
         self.now += 2.0
         self.tabui = TabUI(self, self)
-        self.stage = Stage(participant=self.tabui, history=self.stage.log.entries, **self.staged)
+        self.stage = HuntWithoutSimulator(participant=self.tabui, history=self.stage.log.entries, **self.staged)
         self.model.connected(self.now)
 
     @property
@@ -78,3 +94,45 @@ class Seat:
 
     def offers(self) -> list[Action]:
         return list(offers(self.screen))
+
+
+def go(seat, room):
+    """Send the selected robot to a room, agreeing to all it asks, and let it arrive."""
+    seat.do(SelectRoomAct(room))
+    agree(seat)
+    return seat.run(30)
+
+
+def agree(seat):
+    while isinstance(seat.screen.popup, DialoguePopup) and seat.screen.popup.choices:
+        seat.do(AnswerDialogueAct(0))
+
+
+def events(seat, kind):
+    return [event for event in seat.stage.log.events if isinstance(event, kind)]
+
+
+def play(seat, look=lambda screen: None):
+    """Play until the hunt is over, by what is offered; `look` is called with every screen."""
+    for turn in range(200):
+        screen = seat.screen
+        look(screen)
+        if screen.phase is Phase.OVER:
+            break
+        pop = screen.popup
+        if isinstance(pop, DialoguePopup):
+            agree(seat)
+        elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
+            seat.do(ShowNext())
+        elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
+            seat.do(TakePictureAct())
+        elif isinstance(pop, TreasurePopup):
+            right = seat.stage.session.game.treasures[pop.room - 1].name
+            look(seat.press(PickName(right)))
+            seat.do(IdentifyTreasureAct() if seat.offered(IdentifyTreasureAct()).enabled else LeaveTreasureAct())
+        elif screen.ask_advice.enabled:
+            seat.do(RequestSuggestionAct())
+        elif len(screen.cards) > 1 and turn % 2:
+            seat.do(ChooseRobot(1 - next(card.robot for card in screen.cards if card.selected)))
+        else:
+            seat.run(20)

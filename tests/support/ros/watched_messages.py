@@ -1,11 +1,18 @@
 """Messages as they are watched."""
 
+import json
 from dataclasses import dataclass
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from tests.support.dialogue import recorded_dialogues
+from thbridge.ros import names
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.pack import Transform
+from thbridge.ros.messages.records import Record
+from thbridge.ros.messages.session_records import GameEvent
+from thbridge.ros.publisher import messages_of
+from ui.model.watching.session_log import SessionLog
 
 SECOND = 1_000_000_000
 
@@ -28,3 +35,30 @@ def odometry(
 ) -> StampedMessage:
     data = pack.odometry(0, frame, child, pose, Twist(speed, 0.0))
     return StampedMessage(topic, types.ODOMETRY, round(second * SECOND), data)
+
+
+def event(
+    second: int, kind: str, robot: int | None = None, room: int | None = None, **fields: object
+) -> StampedMessage:
+    record = GameEvent(kind, robot, room, json.dumps({"v": 1, "event": kind, **fields}))
+    return StampedMessage(names.GAME_EVENTS, types.GAME_EVENT, second, pack.game_event(0, record))
+
+
+TICKS = recorded_dialogues.recorded(*recorded_dialogues.utterances())
+
+
+def messages(second: int, *records: Record) -> list[StampedMessage]:
+    return [
+        StampedMessage(made.topic.name, made.topic.msgtype, second * SECOND, made.data)
+        for record in records
+        for made in messages_of(0, 0, record)
+    ]
+
+
+def watched() -> SessionLog:
+    """A dialogue of robot 1, a tick a second from 1 s on."""
+    session_log = SessionLog()
+    for second, records in enumerate(TICKS, start=1):
+        for message in messages(second, *records):
+            session_log.take(message)
+    return session_log

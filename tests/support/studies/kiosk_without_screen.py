@@ -12,12 +12,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
 
+from thbridge.app.compose.recording import build_writer
+from thbridge.batch.hunt import play_hunt
+from thbridge.batch.settings import SettingCache
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.progress import Progress, Run
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import LoggedEvent, NewEvent
+from thbridge.experiment.trials import PracticeCount, played, setting_of_practice, setting_of_trial
 from thbridge.files.language_texts import shipped_texts
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.kiosk.game_steps import GamesOfStudy, StudyClock
@@ -290,3 +294,45 @@ def headings(person: Person) -> list[str]:
     """Headings of the pages that somebody was shown."""
     found = (getattr(page, "heading", "") or getattr(page, "title", "") for page in person.seen)
     return [heading for heading, _ in itertools.groupby(filter(None, found))]
+
+
+class RehearsedGames:
+    """Games at the kiosk as simulated people play them, as fast as the machine can."""
+
+    def __init__(self, folder, design) -> None:
+        self._folder, self._design = folder, design
+        self._settings = SettingCache(design.beside)
+
+    async def practise(self, run, step, watcher) -> PracticeCount:
+        watcher.ready(ListeningAddress("127.0.0.1", 4711))
+        setting = setting_of_practice(self._design, self._settings, run, step)
+        count = PracticeCount(step, setting)
+        play_hunt(setting, 60.0, recorders=[count])
+        return count
+
+    async def play(self, run, step, watcher, *, goes_on):
+        setting = setting_of_trial(self._design, self._settings, run, step)
+        bag = self._folder.bag(run.participant, step.number)
+        bag.parent.mkdir(parents=True, exist_ok=True)
+        with build_writer(setting, bag) as writer:
+            measures = play_hunt(setting, step.entry.max_seconds, [writer])
+        return played(measures, bag, self._folder.root)
+
+
+class Reader(Person):
+    """A person who understands the example's check, if they have read how the next game works."""
+
+    def answer(self, item: FormItem) -> Answer:
+        read = next((page.text for page in reversed(self.seen) if isinstance(page, TextToRead)), "")
+        decides = "room that I choose" if "you decide." in read else "until it and I agree"
+        right = (option for option in item.options if decides in option or option == "Energy.")
+        return next(right, None) or super().answer(item)
+
+
+class WindowOfTwo(ShownWindow):
+    """The kiosk's window, at which two people sit one after the other."""
+
+    given_up = False
+
+    def __init__(self, *_: object, people: int = 2) -> None:
+        super().__init__(Reader(), people)

@@ -20,7 +20,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from tests.peers.crashes import run_peer
+from tests.support.programs.peer_programs import run_peer
 from tests.system.study.power_cut import cut_power
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.support.dialogue import recorded_dialogues
-from tests.thbridge.analysis.test_report import Recorded, recorded
+from tests.thbridge.analysis.reported_drive import Recorded, recorded
 from thbridge.analysis.measured.dialogues import RecordedGame, count_ends
 from thbridge.analysis.measured.game import Report
 from thbridge.analysis.measured.gathering import read_report

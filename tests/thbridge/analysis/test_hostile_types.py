@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.bags.bags_with_faults import START, STEP, Entry, Line, Planted, found, judged, write
-from tests.thbridge.ros.messages.test_foreign_types import nested
+from tests.support.ros.nested_types import nested
 from thbridge.analysis.export.exporting import table_name
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.to_ros2 import to_ros2

@@ -13,7 +13,7 @@ from PIL import Image
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_colors import robot_color
-from tests.thbridge.analysis.test_report import session
+from tests.thbridge.analysis.reported_drive import session
 from thbridge.analysis.measured.game import Report, TimelineEntry, WayMade
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.analysis.plot.figures import SIGMAS, draw

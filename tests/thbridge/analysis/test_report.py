@@ -1,12 +1,13 @@
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery
-from tests.support.bags.drawn_team import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.support.bags.drawn_team import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
+from tests.thbridge.analysis.reported_drive import Recorded, recorded, session
 from thbridge.analysis.measured.game import Report
 from thbridge.analysis.measured.gathering import read_games, read_report
 from thbridge.analysis.measured.paths import pieces
@@ -16,29 +17,7 @@ from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.messages.session_records import GameEvent
-from thbridge.ros.messages.types import plain_definition
 from thbridge.ros.publisher import TeamPublisher
-
-
-@dataclass(frozen=True)
-class Recorded:
-    topic: str
-    msgtype: str
-    stamp_ns: int
-    data: bytes
-    md5: str = ""
-
-
-def recorded(topic: str, msgtype: str, second: float, data: bytes) -> Recorded:
-    return Recorded(topic, msgtype, round(second * 1e9), data, plain_definition(msgtype).md5)
-
-
-def session(robots: int, ticks: int) -> Report:
-    publisher = TeamPublisher(robots, MOUNT, SCAN_PERIOD)
-    messages = publisher.opening(0, SESSION, arena())
-    for snapshot in snapshots(robots, ticks):
-        messages += publisher.tick(snapshot, records(snapshot.tick))
-    return read_report(recorded(m.topic.name, m.topic.msgtype, m.stamp_ns / 1e9, m.data) for m in messages)
 
 
 @pytest.fixture(scope="module")

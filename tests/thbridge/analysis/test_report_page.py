@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import pytest
 
 from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from tests.thbridge.analysis.test_report import session
+from tests.thbridge.analysis.reported_drive import session
 from thbridge.analysis.measured.game import Report, WayMade
 from thbridge.analysis.report.page import build_report, render
 from thbridge.app.session.broadcast import Broadcast

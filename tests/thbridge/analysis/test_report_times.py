@@ -10,26 +10,14 @@ import pytest
 from sim.common.geometry import Pose2
 from tests.support.bags.bags_with_faults import ODOM_LINE, Entry, Planted, tf, write
 from tests.support.bags.bags_with_faults import TF_LINE as TF
-from tests.support.bags.foreign_bags import TYPES, Header, odometry, stamp, transform
+from tests.support.bags.foreign_bags import odometry, transform
+from tests.support.bags.late_stamps import BEGIN, HOUR, LATE, TENTH, pose
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.measured.game import Track
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.analysis.measured.paths import pieces
 from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.reading.reader import messages
-
-BEGIN = 1_700_000_000_000_000_000
-TENTH = 100_000_000
-LATE = 5 * TENTH
-HOUR = 36_000 * TENTH
-
-
-def pose(stamp_ns: int, x: float) -> object:
-    """geometry_msgs/PoseStamped on the map."""
-    placed = TYPES["geometry_msgs/msg/Pose"](
-        TYPES["geometry_msgs/msg/Point"](x, 0.0, 0.0), TYPES["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
-    )
-    return TYPES["geometry_msgs/msg/PoseStamped"](Header(0, stamp(stamp_ns), "map"), placed)
 
 
 def entry(topic: str, recorded_ns: int, stamp_ns: int, x: float) -> Entry:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-from tests.support.hunts.hunt_without_simulator import Stage
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
 from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.consent import ConsentDesk, introduction
@@ -87,7 +87,7 @@ def test_a_participant_of_2016_is_not_waited_for(setting: StudySetting) -> None:
 
 def test_a_server_writes_a_game_from_its_start_once_its_participant_has_agreed(tmp_path: Path) -> None:
     status = ConsentStatus.AWAITED
-    stage = Stage()
+    stage = HuntWithoutSimulator()
     stage.run(6)
     started, *rest = stage.log.events
     hidden = next(event for event in rest if isinstance(event, TreasuresHidden))

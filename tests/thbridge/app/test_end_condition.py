@@ -3,7 +3,7 @@
 import gc
 from types import SimpleNamespace
 
-from tests.thbridge.hunt.test_game import ARENA
+from tests.support.hunts.game_states import ARENA
 from thbridge.app.play import EndCondition
 from thbridge.hunt.events import GameStarted
 from thbridge.hunt.game import GameState, begin

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.hunts.hunt_without_simulator import Stage, templates
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator, templates
+from tests.support.hunts.participant_views import view_of
 from tests.support.programs.installed_plugins import install_plugins
-from tests.thbridge.roles.participant.test_bots import view_of
 from thbridge.api import HuntError, HuntSession, HuntStudy
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.recording import build_record
@@ -120,7 +120,7 @@ def test_a_built_in_participant_decides_where_it_fails(name: str, fault: str, ca
 
 
 def test_a_fault_is_among_what_the_participant_says() -> None:
-    stage = Stage(participant=TabUI(build_bot(templates(), "mute", 7)))
+    stage = HuntWithoutSimulator(participant=TabUI(build_bot(templates(), "mute", 7)))
     stage.run(30)
     assert any('"kind":"Failed"' in line and "NoneType" in line for line in stage.lines)
 

@@ -8,11 +8,11 @@ import pytest
 from msgspec import structs
 
 from tests.support.hunts.hunt_without_simulator import Log, Puppets
+from tests.support.windows.english import english_names
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.session.session import Session
 from thbridge.dialogue.conditions import DialogueCondition
-from thbridge.files.set_words import values_of
 from thbridge.hunt.codec import to_json
 from thbridge.hunt.events import DialogueOpened, DialogueSaid, JournalEntry
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
@@ -69,17 +69,6 @@ def words_in(view: View) -> Iterator[str]:
         yield from (each.label, each.sensor, *map(each.phrase, (*each.values, *known)))
 
 
-def english_in(setting: StudySetting) -> set[str]:
-    """All English words of map and templates that are others in German."""
-    templates, german = setting.templates, setting.set_words
-    pairs = list(german.names.items())
-    for own, said in zip(templates.properties, german.properties, strict=True):
-        pairs += [(own.label, said.label), (own.sensor, said.sensor)]
-        pairs += [(value, said.word(value)) for value in values_of(own, templates.kinds)]
-    pairs += [(name, setting.room_names.name(room)) for room, name in setting.map.room_names.named.items()]
-    return {own for own, said in pairs if own.casefold() != said.casefold()}
-
-
 def played(study: Study, contrary: bool = False) -> tuple[StudySetting, Reader, Log]:
     """A whole game."""
     setting = read_setting(study, Path())
@@ -109,7 +98,7 @@ def test_a_german_study_says_nothing_in_the_english_of_map_and_templates(
     assert reader.views[-1].debrief is not None
     assert {*setting.set_words.names.values(), "Bibliothek", "Küche"} <= reader.read
     assert any("Raum " in words for words in reader.read)
-    english = re.compile("|".join(rf"\b{re.escape(word)}\b" for word in sorted(english_in(setting))), re.IGNORECASE)
+    english = re.compile("|".join(rf"\b{re.escape(word)}\b" for word in sorted(english_names(setting))), re.IGNORECASE)
     assert [words for words in sorted(reader.read) if english.search(words)] == []
 
 
@@ -127,7 +116,7 @@ def test_robots_argue_about_names_in_the_words_of_the_set(templates: str) -> Non
     setting, reader, _ = played(Study(map="office", templates=templates, robots=2, dialogue=talk), contrary=True)
     names = "|".join(setting.set_words.names.values())
     assert any(re.search(rf"Meine Gründe: .* ist .*, und „({names})“ ist ", words) for words in reader.read)
-    english = re.compile("|".join(rf"\b{re.escape(word)}\b" for word in sorted(english_in(setting))), re.IGNORECASE)
+    english = re.compile("|".join(rf"\b{re.escape(word)}\b" for word in sorted(english_names(setting))), re.IGNORECASE)
     assert [words for words in sorted(reader.read) if english.search(words)] == []
 
 

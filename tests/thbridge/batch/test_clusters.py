@@ -13,7 +13,8 @@ from threading import Thread
 
 import pytest
 
-from tests.thbridge.batch.sweep_in_process import HoldingTask, InlineEngine, games, run
+from tests.support.programs.inline_engine import InlineEngine
+from tests.thbridge.batch.small_sweeps import HoldingTask, games, run
 
 pytest.importorskip("distributed")
 pytest.importorskip("submitit")

@@ -14,7 +14,8 @@ from threading import Thread
 import pytest
 
 from tests.support.programs.commands import thbridge
-from tests.thbridge.batch.sweep_in_process import DESIGN, InlineEngine, games, run
+from tests.support.programs.inline_engine import InlineEngine
+from tests.thbridge.batch.small_sweeps import DESIGN, games, run
 from thbridge.batch import tasks
 from thbridge.batch.chunks import Shard, chunks_of
 from thbridge.batch.design import read_design

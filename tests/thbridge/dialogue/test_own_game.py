@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.test_arguing import FormalPhrasing, manners, play, topics
+from tests.support.dialogue.argued_topics import FormalPhrasing, manners, play_to_the_end, topics
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.games.contents import DialogueMove
@@ -32,7 +32,7 @@ def test_robots_and_people_play_it_to_an_end(
     rulebook: Rulebook, topic: DialogueTopic, manner: Manner, draw: st.DataObject
 ) -> None:
     talker = ArguingEngine(rulebook, {None: manner}, FormalPhrasing(), seed=3)
-    step = play(talker, talker.open(1, topic), draw)
+    step = play_to_the_end(talker, talker.open(1, topic), draw)
     conversation = step.dialogue.conversation
     assert conversation is not None
     said = [turn.move for turn in step.dialogue.turns if isinstance(turn.move, DialogueMove)]

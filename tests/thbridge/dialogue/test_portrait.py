@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.test_arguing import FACTS, engine, manners, said, topics
+from tests.support.dialogue.argued_topics import FACTS, answered, formal_engine, manners, topics
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.argumentation.cases import Side
 from thbridge.dialogue.conditions import Manner
@@ -31,7 +31,7 @@ def conversation_of(step: DialogueStep) -> Conversation:
 def test_a_portrait_tells_what_is_believed_and_said_and_can_be_read_again(
     topic: DialogueTopic, manner: Manner, draw: st.DataObject
 ) -> None:
-    talker: ArguingEngine = engine(manner)
+    talker: ArguingEngine = formal_engine(manner)
     step = talker.open(1, topic)
     for _ in range(draw.draw(st.integers(0, 6))):
         if step.outcome is None:
@@ -71,7 +71,7 @@ def test_arguments_for_a_rule_are_in_the_portrait_of_a_conversation_about_it() -
 
 
 def test_a_wish_is_an_argument_of_the_person_that_does_not_stand_against_a_better_one() -> None:
-    talker = engine(Manner())
+    talker = formal_engine(Manner())
     step = talker.open(1, DialogueTopic(Scenario.SPECIFIC_ROOM, 0, Room(1), 50.0, 500.0, facts=FACTS))
     for text in (
         "challenge(not next(Robot1, Room1))",
@@ -79,7 +79,7 @@ def test_a_wish_is_an_argument_of_the_person_that_does_not_stand_against_a_bette
         "assert(next(Robot1, Room1))",
         f"assert({WANTED})",
     ):
-        step = said(talker, step, text)
+        step = answered(talker, step, text)
     portrait = portray(conversation_of(step))
     held = {(each.support, each.conclusion): each.sides for each in portrait.arguments}
     wish, better = ((WANTED,), "next(Robot1, Room1)"), (COMPARED, "not next(Robot1, Room1)")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.test_arguing import FACTS, RULEBOOK, FormalPhrasing, play, topics
+from tests.support.dialogue.argued_topics import FACTS, RULEBOOK, FormalPhrasing, play_to_the_end, topics
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import Manner
@@ -133,7 +133,7 @@ def test_every_dialogue_ends_whatever_a_strategy_chooses(
     topic: DialogueTopic, draw: st.DataObject, factory: StrategyFactory
 ) -> None:
     engine = talk(factory)
-    step = play(engine, engine.open(1, topic), draw)
+    step = play_to_the_end(engine, engine.open(1, topic), draw)
     failing = factory in {raising, cheating}
     moves = [turn for turn in step.dialogue.turns if turn.speaker is Speaker.ROBOT]
     assert all(not turn.fault for turn in moves) or failing

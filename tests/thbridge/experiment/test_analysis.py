@@ -13,34 +13,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from tests.thbridge.experiment.test_rehearsal import rehearse
+from tests.support.studies.rehearsed_studies import MIXED_DESIGN, rehearse, rehearsed_export
 from thbridge.experiment.export import folder
 from thbridge.experiment.export.folder import export_experiment
-from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople
+from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.store.event_log import read_log
-
-TEXT = """\
-title: Three ways
-seed: 5
-within: {dialogue.condition: [supervisor, collaborator, adviser]}
-between: {robots: [1, 2, 3]}
-quota: 6
-steps:
-  - {step: check, form: understood.yaml, attempts: 2}
-  - {step: trial, each_condition: true}
-  - {step: form, form: workload, each_condition: true}
-  - {step: form, form: trust, each_condition: true}
-"""
-
-
-def rehearsed_export(root: Path) -> Path:
-    """Rehearse a mixed design, in which collaborators make more work, without games; return its export."""
-    effect = PutInEffect("workload", 0.2, {"dialogue.condition": "collaborator"})
-    people = SimulatedPeople(effects=(effect,), plays=False)
-    folder = rehearse(root, people, 3, TEXT)
-    export = root / "exports" / "first"
-    export_experiment(folder, folder.read(), read_log(folder.log), export, {"thbridge": "1.0"}, None)
-    return export
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +50,7 @@ def test_an_effect_that_was_put_in_is_found_and_none_where_none_was(
 def test_before_anybody_met_all_conditions_it_says_that_there_is_nothing_to_compare(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder = rehearse(tmp_path, SimulatedPeople(plays=False), 3, TEXT)
+    folder = rehearse(tmp_path, SimulatedPeople(plays=False), 3, MIXED_DESIGN)
     begun = [entry for entry in read_log(folder.log) if entry.sequence <= 12]
     export = tmp_path / "exports" / "first"
     export_experiment(folder, folder.read(), begun, export, {"thbridge": "1.0"}, None)

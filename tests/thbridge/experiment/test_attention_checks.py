@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from tests.thbridge.experiment.test_rehearsal import rehearse
+from tests.support.studies.rehearsed_studies import rehearse
 from thbridge.experiment.design.experiment_file import read_experiment
 from thbridge.experiment.design.soundness import faults_of
 from thbridge.experiment.export.methods.text import methods_text

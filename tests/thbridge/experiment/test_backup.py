@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
+from tests.support.studies.participants import play_a_game
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
@@ -23,24 +24,10 @@ def study(tmp_path: Path) -> ExperimentFolder:
     """A study with one recording."""
     folder = ExperimentFolder(tmp_path / "study")
     folder.root.mkdir()
-    write(folder.root, "title: x\nquota: 3\nsteps:\n  - {step: trial}\n")
+    write_experiment(folder.root, "title: x\nquota: 3\nsteps:\n  - {step: trial}\n")
     folder.log.parent.mkdir()
-    play(folder)
+    play_a_game(folder)
     return folder
-
-
-def play(folder: ExperimentFolder) -> str:
-    """Have somebody play a game, with a recording; return their id."""
-    with ExperimentLog(folder.log) as log:
-        draw = random.Random(len(log.read())).randrange
-        conductor = Conductor(folder.read(), log, lambda: Clocks("2026-01-02T09:00:00Z", 0), draw)
-        participant = conductor.admit().participant
-        bag = folder.bag(participant, 1)
-        bag.parent.mkdir(parents=True)
-        bag.write_bytes(b"a game")
-        data = {"bag": bag.relative_to(folder.root).as_posix(), "sha256": hashlib.sha256(b"a game").hexdigest()}
-        conductor.tell(EventKind.GAME_PLAYED, participant, conductor.begin(participant), data, "program")
-    return participant
 
 
 def below(folder: Path) -> dict[str, object]:
@@ -117,7 +104,7 @@ def test_links_in_a_backup_lead_no_copy_elsewhere(study: ExperimentFolder, tmp_p
 def test_a_folder_in_which_the_study_is_run_is_no_backup(study: ExperimentFolder, tmp_path: Path) -> None:
     copy = ExperimentFolder(tmp_path / "backup")
     back_up(study, copy.root)
-    participant = play(study)
+    participant = play_a_game(study)
     before = below(copy.root)
     known = study.backups_known.paths()
     with ExperimentLog(copy.log):

@@ -1,79 +1,22 @@
 """An experiment carried on through crashes: nothing lost, nothing double, nobody sees a step twice or never."""
 
-import itertools
-import random
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
+from tests.thbridge.experiment.crashing_laboratory import CrashingLaboratory
 from thbridge.experiment.allocation.places import NoPlace
-from thbridge.experiment.conductor import Conductor, unfinished
+from thbridge.experiment.conductor import unfinished
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
-from thbridge.experiment.design.steps import StepKind
-from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import Clocks, EventKind, LoggedEvent, RunState, StepOutcome
-
-
-@pytest.fixture(scope="module")
-def design(tmp_path_factory: pytest.TempPathFactory) -> ExperimentDesign:
-    return read_experiment(write(tmp_path_factory.mktemp("design")))
-
-
-class Laboratory:
-    """A laboratory in which programs die now and then."""
-
-    def __init__(self, design: ExperimentDesign, path: Path, seed: int) -> None:
-        self._design, self._path = design, path
-        self._ticks = itertools.count()
-        self.chance = random.Random(seed)
-        self.restart()
-
-    def restart(self) -> None:
-        """A new program opens the log; what the one before has said is on the disk."""
-        self.log = ExperimentLog(self._path)
-        self.conductor = Conductor(self._design, self.log, self._now, self.chance.randrange)
-
-    def _now(self) -> Clocks:
-        return Clocks("2026-01-02T12:00:00Z", next(self._ticks))
-
-    def crash(self) -> None:
-        self.log.close()
-        self.restart()
-
-    def answer(self, participant: str, step) -> None:
-        """Answer the items of a form that have no answer yet, with crashes between."""
-        for item in self.conductor.form(step).order(self._design.file.seed, participant):
-            if item.id in self.conductor.progress.runs[participant].given:
-                continue
-            right = item.correct or (item.options[0] if item.options else float(item.least))
-            answer = right if self.chance.random() < 0.6 else "they"
-            self.conductor.tell(EventKind.ITEM_SHOWN, participant, step, {"item": item.id}, "program")
-            self.conductor.tell(
-                EventKind.ITEM_GIVEN, participant, step, {"item": item.id, "answer": answer}, "participant"
-            )
-            if self.chance.random() < 0.05:
-                self.crash()
-
-    def run(self, participant: str) -> None:
-        while (step := self.conductor.begin(participant)) is not None:
-            if self.chance.random() < 0.1:
-                self.crash()
-                continue
-            if step.entry.step in {StepKind.FORM, StepKind.CHECK}:
-                self.answer(participant, step)
-                if self.conductor.progress.runs[participant].step != step.number:
-                    continue
-            if step.entry.step is StepKind.TRIAL and self.chance.random() < 0.05:
-                self.conductor.leave(participant, "went home")
-                return
-            self.conductor.end(participant, step)
+from thbridge.experiment.store.event_log import read_log
+from thbridge.experiment.store.events import EventKind, LoggedEvent, RunState, StepOutcome
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 10))])
 def test_a_whole_experiment_with_crashes(design: ExperimentDesign, tmp_path: Path, seed: int) -> None:
-    laboratory = Laboratory(design, tmp_path / "log", seed)
+    laboratory = CrashingLaboratory(design, tmp_path / "log", seed)
     for _ in range(60):
         admitted = laboratory.conductor.admit()
         if isinstance(admitted, NoPlace):
@@ -107,7 +50,7 @@ def test_a_whole_experiment_with_crashes(design: ExperimentDesign, tmp_path: Pat
 
 def test_a_step_that_must_not_go_on_ends_the_run(tmp_path: Path) -> None:
     text = "title: x\nsteps:\n  - {step: trial, resume: never}\n"
-    laboratory = Laboratory(read_experiment(write(tmp_path, text)), tmp_path / "log", 1)
+    laboratory = CrashingLaboratory(read_experiment(write_experiment(tmp_path, text)), tmp_path / "log", 1)
     run = laboratory.conductor.admit()
     assert laboratory.conductor.begin(run.participant) is not None
     laboratory.crash()
@@ -118,7 +61,7 @@ def test_a_step_that_must_not_go_on_ends_the_run(tmp_path: Path) -> None:
 
 
 def test_who_completes_gets_a_code_and_who_is_excluded_opens_a_place(design: ExperimentDesign, tmp_path: Path) -> None:
-    laboratory = Laboratory(design, tmp_path / "log", 4)
+    laboratory = CrashingLaboratory(design, tmp_path / "log", 4)
     conductor = laboratory.conductor
     first = conductor.admit("service-7").participant
     while (step := conductor.begin(first)) is not None:
@@ -135,7 +78,7 @@ def test_who_completes_gets_a_code_and_who_is_excluded_opens_a_place(design: Exp
 
 
 def test_nothing_is_left_of_somebody_who_withdraws(design: ExperimentDesign, tmp_path: Path) -> None:
-    laboratory = Laboratory(design, tmp_path / "log", 5)
+    laboratory = CrashingLaboratory(design, tmp_path / "log", 5)
     conductor = laboratory.conductor
     gone, stays = conductor.admit("service-1").participant, conductor.admit("service-2").participant
     conductor.note(f"{gone} and {stays} know each other")
@@ -155,7 +98,7 @@ def test_nothing_is_left_of_somebody_who_withdraws(design: ExperimentDesign, tmp
 
 
 def test_listeners_hear_each_event_of_the_log_withdrawals_included(design: ExperimentDesign, tmp_path: Path) -> None:
-    laboratory = Laboratory(design, tmp_path / "log", 6)
+    laboratory = CrashingLaboratory(design, tmp_path / "log", 6)
     heard: list[LoggedEvent] = []
     laboratory.conductor.listeners.append(heard.append)
     gone = laboratory.conductor.admit().participant

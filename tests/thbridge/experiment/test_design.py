@@ -8,52 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.support.studies.experiment_files import EXAMPLE, write_experiment
 from thbridge.experiment.design.experiment_file import ExperimentDesign, drawn_seed, read_experiment
 from thbridge.experiment.design.plan import plan_of
 from thbridge.experiment.progress import BadHistory, Progress
 from thbridge.experiment.store.events import Clocks, EventKind, LoggedEvent, NewEvent, RunState
 from thbridge.files.errors import BadFile
 
-EXAMPLE = """\
-title: Robots that argue
-seed: 5
-base: {robots: 2}
-within:
-  dialogue.condition: [supervisor, collaborator]
-between:
-  noise.preset: [none, bad wheels]
-quota: 4
-steps:
-  - {step: instructions, text: welcome.md}
-  - {step: consent, text: consent.txt}
-  - {step: practice, name: practice}
-  - {step: check, form: understood.yaml, attempts: 2, repeat: practice}
-  - {step: trial, each_condition: true}
-  - {step: form, form: workload, each_condition: true}
-  - {step: form, form: trust, each_condition: true}
-  - {step: form, form: preference, when: {understood.played: 'yes'}}
-  - {step: debrief, text: debrief.md}
-"""
-UNDERSTOOD = """\
-title: Before we begin
-items:
-  - {id: who, text: Who decides where robots go?, scale: choice, options: [you, they], correct: you}
-  - {id: played, text: Have you played before?, scale: choice, options: ['yes', 'no']}
-"""
 NOON = Clocks("2026-01-02T12:00:00Z", 0)
-
-
-def write(folder: Path, text: str = EXAMPLE) -> Path:
-    for name in ("welcome.md", "consent.txt", "debrief.md"):
-        (folder / name).write_text("Read this.\n")
-    (folder / "understood.yaml").write_text(UNDERSTOOD)
-    (folder / "experiment.yaml").write_text(text)
-    return folder / "experiment.yaml"
-
-
-@pytest.fixture(scope="module")
-def design(tmp_path_factory: pytest.TempPathFactory) -> ExperimentDesign:
-    return read_experiment(write(tmp_path_factory.mktemp("design")))
 
 
 def test_conditions_are_studies_with_their_levels(design: ExperimentDesign) -> None:
@@ -84,7 +46,7 @@ def test_each_person_meets_all_conditions_in_the_order_of_their_place(design: Ex
 
 
 def test_all_faults_of_an_experiment_are_told_with_their_lines(tmp_path: Path) -> None:
-    path = write(
+    path = write_experiment(
         tmp_path,
         "title: x\nseeds: [1]\nwithin:\n  robots: [1, 2]\n"
         "steps:\n  - {step: consent}\n  - {step: form, form: wrkload}\n"
@@ -115,7 +77,7 @@ def test_all_faults_of_an_experiment_are_told_with_their_lines(tmp_path: Path) -
     ],
 )
 def test_a_fault_of_a_factor_names_it(tmp_path: Path, line: str, problem: str) -> None:
-    path = write(tmp_path, f"title: x\n{line}\nsteps:\n  - {{step: trial, each_condition: true}}\n")
+    path = write_experiment(tmp_path, f"title: x\n{line}\nsteps:\n  - {{step: trial, each_condition: true}}\n")
     with pytest.raises(BadFile) as told:
         read_experiment(path)
     assert problem.lower() in str(told.value).lower()
@@ -176,7 +138,7 @@ def test_a_step_of_some_levels_comes_in_these_conditions_alone(tmp_path: Path) -
     only = "only_at: {dialogue.condition: collaborator}"
     told = f"  - {{step: instructions, name: told, text: welcome.md, each_condition: true, {only}}}\n"
     trial = "  - {step: trial, each_condition: true}\n"
-    log = Log(read_experiment(write(tmp_path, EXAMPLE.replace(trial, told + trial))))
+    log = Log(read_experiment(write_experiment(tmp_path, EXAMPLE.replace(trial, told + trial))))
     log.begin("A")
     steps = [step for step in log.progress.runs["A"].plan if step.name == "told"]
     wanted = {log.progress.design.conditions[step.condition].name: log.progress.wants("A", step) for step in steps}

@@ -12,7 +12,7 @@ import pytest
 
 from tests.support.disks.damaged_files import EACH_BIT, cuts, flips
 from tests.support.project import ROOT
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.rehearsal.people import SimulatedPeople
 from thbridge.experiment.rehearsal.rehearsal import rehearse
@@ -46,7 +46,7 @@ def closed(tmp_path_factory: pytest.TempPathFactory) -> Files:
     """The files of a short study with a form, a trial and two people, as its program leaves them."""
     study = ExperimentFolder(tmp_path_factory.mktemp("study"))
     text = "title: x\nquota: 2\nsteps:\n  - {step: form, form: workload}\n  - {step: trial}\n"
-    write(study.root, text)
+    write_experiment(study.root, text)
     rehearse(study, study.read(), SimulatedPeople(plays=False, drop_out=0.0), 1)
     return files_in(study.log.parent)
 

@@ -9,17 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.studies.study_events import NOON, answer
 from thbridge.experiment.store.event_log import BATCH, ExperimentLog, LogFollower, copy_log, read_log
 from thbridge.experiment.store.events import WITHDRAWN, Clocks, LoggedEvent, NewEvent, Tombstone
 from thbridge.files.errors import BadFile
-
-NOON = Clocks("2026-01-02T12:00:00Z", 5_000_000_000, 12.5)
-
-
-def answer(participant: str, text: str, step: int = 1) -> NewEvent:
-    return NewEvent(
-        "answer-given", "participant", NOON, participant, step, "supervisor", 0, {"item": "q1", "text": text}
-    )
 
 
 def salts():

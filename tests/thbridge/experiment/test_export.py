@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.disks.damaged_files import SOME_BITS, cuts, flips
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.export import folder as export_folder
@@ -28,7 +28,7 @@ VERSIONS = {"thbridge": "1.0", "python": "3.11"}
 def experiment(tmp_path_factory: pytest.TempPathFactory) -> ExperimentFolder:
     """A full experiment in which robots that argue are trusted more."""
     folder = ExperimentFolder(tmp_path_factory.mktemp("experiment"))
-    write(folder.root)
+    write_experiment(folder.root)
     design = folder.read()
     folder.log.parent.mkdir()
     ticks = itertools.count(1)
@@ -149,7 +149,7 @@ def test_an_export_goes_into_an_empty_folder_only(experiment: ExperimentFolder, 
 
 def test_a_fingerprint_tells_what_has_changed_since(tmp_path: Path) -> None:
     folder = ExperimentFolder(tmp_path)
-    write(tmp_path)
+    write_experiment(tmp_path)
     assert deviations(folder, VERSIONS) is None
     freeze(folder, VERSIONS, "2026-01-02T12:00:00Z")
     folder.log.parent.mkdir()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.experiment.test_power import Inline
+from tests.support.programs.inline_engine import InlineEngine
 from thbridge.batch.tasks import _deaths
 from thbridge.experiment.export.manifest import MANIFEST, people_of
 from thbridge.experiment.folder import ExperimentFolder
@@ -39,7 +39,7 @@ def _power(result: Path) -> object:
     question = PowerQuestion("workload", "robots", (4,))
     task = PowerTask(result.parent, result.parents[1], question, SimulatedPeople(plays=False), 7, effects=True)
     assert task.result == result
-    return estimate_power([task], Inline())
+    return estimate_power([task], InlineEngine())
 
 
 FILES: dict[str, tuple[str, Callable[[Path], object]]] = {

@@ -8,7 +8,8 @@ import pandas as pd
 import pytest
 
 from sim.common.robot_numbers import number_of
-from tests.thbridge.experiment.test_rehearsal import rehearse
+from tests.support.studies.experiment_files import WITH_GAMES
+from tests.support.studies.rehearsed_studies import rehearse
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepEntry, StepKind
@@ -211,19 +212,8 @@ def test_stated_trust_is_the_same_share_of_a_mean_and_of_a_sum(scoring: Scoring,
     assert given.share == pytest.approx(4 / 6)
 
 
-TEXT = """\
-title: x
-base: {map: arena8, game.energy: 30, dialogue: {condition: collaborator, adviser_error_rate: 0.5}}
-within: {robots: [1, 2]}
-quota: 1
-steps:
-  - {step: trial, each_condition: true, max_seconds: 60}
-  - {step: form, form: trust, each_condition: true}
-"""
-
-
 def test_tables_of_recorded_games_and_recordings_that_are_gone_or_changed(tmp_path: Path) -> None:
-    folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.0, not_applicable=0.0), 1, TEXT)
+    folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.0, not_applicable=0.0), 1, WITH_GAMES)
     entries = read_log(folder.log)
     pieces = [*game_tables(records_of(folder.read(), entries, folder.root))]
     frames = {
@@ -256,7 +246,7 @@ def test_tables_of_recorded_games_and_recordings_that_are_gone_or_changed(tmp_pa
 @pytest.mark.slow
 def test_a_room_that_was_argued_for_is_right_when_the_same_advice_would_have_been(tmp_path: Path) -> None:
     """A recorded game in which robots suggested rooms, a half of them wrong, told as if they had argued for them."""
-    text = TEXT.replace("collaborator", "supervisor").replace("robots: [1, 2]", "robots: [2]")
+    text = WITH_GAMES.replace("collaborator", "supervisor").replace("robots: [1, 2]", "robots: [2]")
     folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.0), 1, text)
     (bag,) = folder.recordings.rglob("*.bag")
     asked = read_game(bag)
@@ -273,7 +263,7 @@ def test_a_room_that_was_argued_for_is_right_when_the_same_advice_would_have_bee
 
 
 def test_decisions_and_replies_have_their_real_time_where_the_log_has_it(tmp_path: Path) -> None:
-    text = TEXT.replace("robots: [1, 2]", "robots: [1]").replace("max_seconds: 60", "max_seconds: 30")
+    text = WITH_GAMES.replace("robots: [1, 2]", "robots: [1]").replace("max_seconds: 60", "max_seconds: 30")
     folder = rehearse(tmp_path, SimulatedPeople(drop_out=0.0), 1, text)
     entries = read_log(folder.log)
     (played,) = (entry for entry in entries if entry.event.kind == EventKind.GAME_PLAYED)

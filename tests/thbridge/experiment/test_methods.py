@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.experiment.test_conductor import Laboratory
-from tests.thbridge.experiment.test_design import EXAMPLE, write
-from tests.thbridge.experiment.test_rehearsal import rehearse
+from tests.support.studies.experiment_files import EXAMPLE, write_experiment
+from tests.support.studies.rehearsed_studies import rehearse
+from tests.thbridge.experiment.crashing_laboratory import CrashingLaboratory
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
 from thbridge.experiment.export.folder import export_experiment, remake_export
@@ -107,12 +107,7 @@ def test_each_design_is_described_as_it_is(design: str, has: list[str], has_not:
         assert words not in section
 
 
-@pytest.fixture(scope="module")
-def design(tmp_path_factory: pytest.TempPathFactory) -> ExperimentDesign:
-    return read_experiment(write(tmp_path_factory.mktemp("design")))
-
-
-class QuickLaboratory(Laboratory):
+class QuickLaboratory(CrashingLaboratory):
     """A laboratory whose log need not outlast a power cut."""
 
     def restart(self) -> None:
@@ -125,7 +120,9 @@ class Course:
 
     def __init__(self, root: Path) -> None:
         self.folder = ExperimentFolder(root)
-        write(root, EXAMPLE.replace("between", "recruitment: Students of our university were paid 10 EUR\nbetween"))
+        write_experiment(
+            root, EXAMPLE.replace("between", "recruitment: Students of our university were paid 10 EUR\nbetween")
+        )
         self.folder.log.parent.mkdir()
         self.laboratory = QuickLaboratory(self.folder.read(), self.folder.log, 1)
         self.conductor = self.laboratory.conductor
@@ -234,7 +231,7 @@ def test_outcomes_add_up_in_any_course_of_an_experiment(
 
 
 def test_an_export_that_is_made_again_says_that_somebody_withdrew(course: Course, tmp_path: Path) -> None:
-    write(tmp_path)
+    write_experiment(tmp_path)
     folder = ExperimentFolder(tmp_path)
     folder.log.parent.mkdir()
     laboratory = QuickLaboratory(folder.read(), folder.log, 3)
@@ -328,7 +325,7 @@ def _with_practice(folder: Path) -> tuple[ExperimentDesign, list[LogEntry]]:
         f"title: x\n{WITHIN}ethics: '[Write who approved it.]'\nsteps:\n"
         "  - {step: practice, max_seconds: 300, each_condition: true}\n  - {step: trial, each_condition: true}\n"
     )
-    return read_experiment(write(folder, text)), []
+    return read_experiment(write_experiment(folder, text)), []
 
 
 def test_practice_debriefing_and_consent_elsewhere_are_in_the_procedure(tmp_path: Path) -> None:

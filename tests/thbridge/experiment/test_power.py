@@ -1,16 +1,15 @@
 """The power of an experiment, estimated by rehearsals."""
 
-from collections import deque
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from tests.support.programs.inline_engine import InlineEngine
 from tests.support.slow import slow
-from tests.thbridge.experiment.test_design import write
-from thbridge.batch.engines.engine import EngineFailed, FinishedTask
+from tests.support.studies.experiment_files import write_experiment
+from thbridge.batch.engines.engine import EngineFailed
 from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople
 from thbridge.experiment.rehearsal.power import (
     PowerQuestion,
@@ -26,31 +25,9 @@ DESIGN = (
 )
 
 
-class Inline:
-    """Carries out tasks in this process; of the first `deaths` attempts the worker dies."""
-
-    def __init__(self, deaths: int = 0) -> None:
-        self._waiting: deque[PowerTask] = deque()
-        self._deaths = deaths
-
-    def submit(self, task: PowerTask, avoid: str | None = None) -> None:
-        self._waiting.append(task)
-
-    def finished(self) -> Iterator[FinishedTask[PowerTask]]:
-        while self._waiting:
-            task = self._waiting.popleft()
-            self._deaths -= 1
-            yield FinishedTask(task, None if self._deaths >= 0 else task.carry_out(), "inline")
-
-    def __enter__(self) -> "Inline":
-        return self
-
-    def __exit__(self, *ended: object) -> None: ...
-
-
 def tasks(root: Path, factor: str, effect: PutInEffect, count: int) -> list[PowerTask]:
     (root / "study").mkdir()
-    write(root / "study", DESIGN)
+    write_experiment(root / "study", DESIGN)
     people = SimulatedPeople(effects=(effect,), plays=False)
     question = PowerQuestion("workload", factor, (4, 8, 16))
     return [
@@ -69,7 +46,8 @@ def test_more_people_find_more_and_nothing_is_found_where_nothing_is(
     tmp_path: Path, factor: str, level: str, shift: float
 ) -> None:
     asked = tasks(tmp_path, factor, PutInEffect("workload", shift, {factor: level}), 6)
-    found = estimate_power(asked, Inline(deaths=1))
+    deaths = iter([True])
+    found = estimate_power(asked, InlineEngine(lambda _task: next(deaths, False)))
     shares = [estimate.share for estimate in found[True]]
     assert [estimate.people for estimate in found[True]] == [4, 8, 16]
     assert shares == sorted(shares)
@@ -79,13 +57,13 @@ def test_more_people_find_more_and_nothing_is_found_where_nothing_is(
     assert low < shares[-1] <= high + 1e-9
     # What is there is not rehearsed again.
     times = {task.result: task.result.stat().st_mtime_ns for task in asked}
-    assert estimate_power(asked, Inline()) == found
+    assert estimate_power(asked, InlineEngine()) == found
     assert {task.result: task.result.stat().st_mtime_ns for task in asked} == times
 
 
 def test_workers_that_die_of_every_rehearsal_are_told(tmp_path: Path) -> None:
     with pytest.raises(EngineFailed, match="3 workers died"):
-        estimate_power(tasks(tmp_path, "robots", PutInEffect("workload"), 1), Inline(deaths=100))
+        estimate_power(tasks(tmp_path, "robots", PutInEffect("workload"), 1), InlineEngine(lambda _task: True))
 
 
 def test_the_test_of_two_levels_is_the_paired_t_test() -> None:

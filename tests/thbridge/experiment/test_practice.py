@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
 from thbridge.app.compose.setting import StudySetting
 from thbridge.batch.hunt import play_hunt
 from thbridge.batch.settings import SettingCache
@@ -38,7 +38,7 @@ SETTINGS = SettingCache(Path())
 
 
 def designed(folder: Path, keys: str = "") -> ExperimentDesign:
-    return read_experiment(write(folder, STUDY % keys))
+    return read_experiment(write_experiment(folder, STUDY % keys))
 
 
 def at_practice(design: ExperimentDesign, place: int, attempt: int = 1) -> tuple[Run, Any, StudySetting]:
@@ -70,7 +70,7 @@ def test_practice_shows_no_trial_and_never_the_same_treasures_twice(tmp_path: Pa
     assert not trials & set(seeds)
     assert at_practice(design, 1)[2].study.seed == seeds[0], "the same for everybody"
     taken = practice_seed(design, 1)
-    given = read_experiment(write(tmp_path, STUDY.replace("quota:", f"seeds: [{taken}, 1]\nquota:") % ""))
+    given = read_experiment(write_experiment(tmp_path, STUDY.replace("quota:", f"seeds: [{taken}, 1]\nquota:") % ""))
     assert practice_seed(given, 1) not in {taken, 1}
 
 
@@ -103,7 +103,7 @@ def test_keys_of_the_step_change_the_practice_game_alone(tmp_path: Path) -> None
 def test_what_nobody_can_do_is_refused_with_its_line(tmp_path: Path, keys: str, key: str, problem: str) -> None:
     text = (STUDY % keys).replace("[supervisor, collaborator]", "[script]").replace(", dialogue.language: de", "")
     with pytest.raises(BadFile) as raised:
-        read_experiment(write(tmp_path, text), with_files=True)
+        read_experiment(write_experiment(tmp_path, text), with_files=True)
     (fault,) = getattr(raised.value, "faults", (raised.value,))
     assert problem in str(fault)
     assert (fault.line, fault.key) == (7, key)
@@ -112,7 +112,7 @@ def test_what_nobody_can_do_is_refused_with_its_line(tmp_path: Path, keys: str, 
 def test_only_practice_takes_the_keys_of_practice(tmp_path: Path) -> None:
     text = (STUDY % "").replace("each_condition: true", "each_condition: true, at_least: {moves: 1}")
     with pytest.raises(BadFile, match="a trial is no practice game"):
-        read_experiment(write(tmp_path, text))
+        read_experiment(write_experiment(tmp_path, text))
 
 
 def test_what_a_person_does_is_counted_from_the_events_of_the_game(tmp_path: Path) -> None:

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.studies.experiment_files import WITH_GAMES
+from tests.support.studies.rehearsed_studies import rehearse
 from tests.thbridge.experiment.psych_ds_rules import problems
-from tests.thbridge.experiment.test_game_tables import TEXT
-from tests.thbridge.experiment.test_rehearsal import rehearse
 from thbridge.experiment.export.folder import export_experiment
 from thbridge.experiment.rehearsal.people import SimulatedPeople
 
@@ -20,7 +20,7 @@ def exports(tmp_path_factory: pytest.TempPathFactory) -> dict[bool, Path]:
     made = {}
     for plays in (True, False):
         people = SimulatedPeople(drop_out=0.0, plays=plays)
-        folder = rehearse(tmp_path_factory.mktemp("study"), people, 1, TEXT)
+        folder = rehearse(tmp_path_factory.mktemp("study"), people, 1, WITH_GAMES)
         made[plays] = folder.root / "exports" / "one"
         export_experiment(folder, folder.read(), folder.entries(), made[plays], {"thbridge": "1.0"}, None)
     return made

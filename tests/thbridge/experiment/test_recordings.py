@@ -3,7 +3,7 @@
 import random
 from pathlib import Path
 
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.recordings import moved_aside, told_leftovers
@@ -18,7 +18,7 @@ def test_files_moved_aside_are_those_of_one_recording(tmp_path: Path) -> None:
 
 
 def test_leftovers_are_told_and_whole_recordings_are_not(tmp_path: Path) -> None:
-    write(tmp_path, "title: x\nquota: 3\nsteps:\n  - {step: trial}\n")
+    write_experiment(tmp_path, "title: x\nquota: 3\nsteps:\n  - {step: trial}\n")
     folder = ExperimentFolder(tmp_path)
     folder.log.parent.mkdir()
     with ExperimentLog(folder.log) as log:

@@ -6,15 +6,14 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
+from tests.support.studies.rehearsed_studies import rehearse
 from thbridge.batch.hunt import play_hunt
 from thbridge.batch.settings import SettingCache
-from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.rehearsal.people import PutInEffect, SimulatedPeople, read_people
-from thbridge.experiment.rehearsal.rehearsal import rehearse as play_through
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import EventKind, RunState
 from thbridge.experiment.trials import best_possible
@@ -25,13 +24,6 @@ from thbridge.roles.keeper.disclosed.debriefing import debrief_of
 from thbridge.study.study_file import CostModel, GameSection, Study
 
 COLLABORATOR = {"dialogue.condition": "collaborator"}
-
-
-def rehearse(root: Path, people: SimulatedPeople, seed: int, text: str | None = None) -> ExperimentFolder:
-    folder = ExperimentFolder(root)
-    write(root, *([] if text is None else [text]))
-    assert play_through(folder, folder.read(), people, seed) is NoPlace.FULL
-    return folder
 
 
 def scores(folder: ExperimentFolder, subscale: str) -> pd.DataFrame:
@@ -117,7 +109,7 @@ def test_a_rehearsal_whose_program_dies_again_and_again_loses_and_doubles_nothin
 
 
 def test_effects_name_what_the_experiment_has(tmp_path: Path) -> None:
-    write(tmp_path)
+    write_experiment(tmp_path)
     file = tmp_path / "rehearsal.yaml"
     file.write_text(
         "effects:\n  - {score: wrkload}\n  - {score: trust, where: {dialogue: supervisor}}\n"

@@ -9,21 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.experiment.test_conductor import Laboratory
-from tests.thbridge.experiment.test_design import write
+from tests.thbridge.experiment.crashing_laboratory import CrashingLaboratory
 from thbridge.experiment.conductor import Conductor
-from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
+from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.export.families.described import ExperimentTable
 from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, EventKind, LoggedEvent, RunState
 from thbridge.files.tables.table_files import TableFiles, TableFormat
-
-
-@pytest.fixture(scope="module")
-def design(tmp_path_factory: pytest.TempPathFactory) -> ExperimentDesign:
-    return read_experiment(write(tmp_path_factory.mktemp("design")))
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +110,7 @@ def test_tables_of_any_course_of_an_experiment_agree(
     design: ExperimentDesign, tmp_path_factory: pytest.TempPathFactory, seed: int, withdrawn: bool
 ) -> None:
     """People fail checks, leave, are excluded or withdraw, and programs die."""
-    laboratory = Laboratory(design, tmp_path_factory.mktemp("course") / "log", seed)
+    laboratory = CrashingLaboratory(design, tmp_path_factory.mktemp("course") / "log", seed)
     people = [laboratory.conductor.admit().participant for _ in range(3)]
     for person in people[:2]:
         laboratory.run(person)

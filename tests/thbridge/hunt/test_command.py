@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.hunt.test_game import ROOM_1, ROOM_2, ROOM_4, after, in_room_4, new_game, small_game, visit
+from tests.support.hunts.game_states import ROOM_1, ROOM_2, ROOM_4, after, in_room_4, new_game, small_game, visit
 from thbridge.hunt import rules
 from thbridge.hunt.events import (
     Commander,

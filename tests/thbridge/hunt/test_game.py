@@ -1,13 +1,22 @@
 """Rules and fold together: examples of every rule, and what holds whatever people ask for."""
 
-from pathlib import Path
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.hunt.folding import fold
-from thbridge.files.map_times import read_map_times
+from tests.support.hunts.game_states import (
+    ARENA,
+    ORANGE,
+    ROOM_1,
+    ROOM_2,
+    ROOM_4,
+    after,
+    fold,
+    in_room_4,
+    new_game,
+    small_game,
+    visit,
+)
 from thbridge.hunt import rules
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.costs import CostMatrix
@@ -16,7 +25,6 @@ from thbridge.hunt.events import (
     ConditionChanged,
     EndReason,
     GameEnded,
-    GameStarted,
     MoveFailed,
     RobotArrived,
     RobotDeparted,
@@ -29,37 +37,8 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.game import apply, begin
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.hunt.rooms import CORRIDOR, Room, all_rooms
+from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.rules import RuleReason
-from thbridge.hunt.treasures import TreasureKind
-
-ARENA = read_map_times(Path(__file__).parents[3] / "templates" / "original-2016" / "mapTimes")
-ORANGE = TreasureKind({"colour": "Orange", "footprint": "Round and Large"}, 10, "Orange Bottle", "rsz_t1.jpg")
-PINK = TreasureKind({"colour": "Pink", "footprint": "Square and Small"}, 30, "Pink can", "rsz_t4.jpg")
-ROOM_1, ROOM_2, ROOM_3, ROOM_4 = all_rooms(4)
-
-
-def new_game(robots=2, energy=100.0, picture_cost=5.0, identify_cost=2.0, wrong_share=1.0, costs=ARENA):
-    started = GameStarted(7, 1, robots, energy, picture_cost, identify_cost, wrong_share, costs)
-    return apply(begin(started), TreasuresHidden((PINK, ORANGE) * (len(costs.rooms) // 2)))
-
-
-def after(state, ruling):
-    assert not isinstance(ruling, RequestRefused), ruling
-    for event in ruling:
-        state = apply(state, event)
-    return state
-
-
-def visit(state, robot, room):
-    state = after(state, rules.move(state, robot, room))
-    return after(state, rules.arrive(state, robot, room))
-
-
-def in_room_4(**options):
-    state = visit(new_game(**options), 0, ROOM_4)
-    return after(state, rules.sense(state, ROOM_4))
-
 
 # --- moves
 
@@ -390,12 +369,6 @@ def test_events_of_another_game_are_refused(event):
 
 
 # --- the end
-
-
-def small_game(**options):
-    return new_game(
-        robots=1, costs=CostMatrix.of_map_times(((99.0, 5.0, 9.0), (99.0, 99.0, 5.0), (99.0,) * 3)), **options
-    )
 
 
 def test_the_game_ends_when_every_room_is_visited_and_decided():

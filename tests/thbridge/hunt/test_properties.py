@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from msgspec import structs
 
-from tests.thbridge.hunt.test_game import ARENA, ROOM_1, ROOM_4, after, visit
+from tests.support.hunts.game_states import ARENA, ROOM_1, ROOM_4, after, visit
 from thbridge.hunt import rules
 from thbridge.hunt.codec import TAKEN, from_json, to_json
 from thbridge.hunt.events import GameStarted, PropertyMeasured, PropertyTold, TreasureSensed, TreasuresHidden

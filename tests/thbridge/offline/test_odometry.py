@@ -5,23 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
+from tests.support.ros.straight_odometry import SECOND, straight, x_at
 from thbridge.offline.odometry import LONGEST_GAP_NS, REACH_NS, OdometryTrack
 from thbridge.ros.odometry_faults import FaultKind, OdometrySample
-
-SECOND = 1_000_000_000
-
-
-def straight(start: int, count: int, offset: float = 0.0, period: int = SECOND // 10) -> list[OdometrySample]:
-    """One metre a second along x from `offset`; recorded as it is stamped."""
-    return [
-        OdometrySample(start + i * period, start + i * period, Pose2(offset + i * period / SECOND, 0.0, 0.0))
-        for i in range(count)
-    ]
-
-
-def x_at(track: OdometryTrack, stamp: int, received: int | None = None) -> float | None:
-    pose = track.at(stamp, stamp if received is None else received)
-    return None if pose is None else round(pose.x, 6)
 
 
 @given(st.integers(0, 19 * SECOND // 10))

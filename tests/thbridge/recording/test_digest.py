@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.recording.bag.reading.test_reader import CHATTER, HELLO, bag
+from tests.support.bags.small_bags import CHATTER, HELLO, write_four_messages
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
@@ -37,7 +37,7 @@ def test_it_is_the_sum_that_the_docs_define(tmp_path: Path) -> None:
         + sized(message.msgtype.encode())
         + message.stamp_ns.to_bytes(8, "little")
         + sized(message.data)
-        for message in messages(bag(tmp_path / "a.bag"))
+        for message in messages(write_four_messages(tmp_path / "a.bag"))
     ]
     assert len(parts) == 4
     assert digest_of(tmp_path / "a.bag") == sha256(b"".join(parts)).hexdigest()

@@ -4,22 +4,10 @@ import os
 
 import pytest
 
-from tests.thbridge.hunt.folding import fold
+from tests.support.hunts.game_states import EVENTS, STARTED, fold
 from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import to_json
-from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import EndReason, GameEnded, GameStarted, RobotArrived, RobotDeparted, TreasureIdentified
-from thbridge.hunt.rooms import Room
 from thbridge.recording.journal import Journal, journal_path, next_game, read_journal
-
-COSTS = CostMatrix.of_map_times(((99.0, 5.0, 9.0), (99.0, 99.0, 5.0), (99.0, 4.0, 99.0)))
-STARTED = GameStarted(7, 1, 2, 100.0, 5.0, 2.0, 1.0, COSTS)
-EVENTS = (
-    RobotDeparted(0, Room(1), 5.0),
-    RobotArrived(0, Room(1)),
-    TreasureIdentified(Room(1), 0, "Größe\n", 10, 2.0),
-    GameEnded(EndReason.ALL_VISITED, 10),
-)
 
 
 @pytest.fixture

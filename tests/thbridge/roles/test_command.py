@@ -3,8 +3,8 @@
 import msgspec
 import pytest
 
-from tests.support.hunts.hunt_without_simulator import Stage
-from tests.thbridge.roles.test_hunt import Script
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
+from tests.support.hunts.scripted_hunt import NAME, SENTENCE, TAKE, ScriptedHunt
 from thbridge.hunt.events import (
     Commander,
     CommanderChanged,
@@ -21,10 +21,8 @@ from thbridge.hunt.events import (
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.rules import RuleReason
 from thbridge.roles.participant.bot_strategy import BotStrategy
-from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.notices import KEEPER, Orders, TeamStatus
 from thbridge.roles.shared.robot_requests import (
-    CommandRequest,
     ReleaseCommand,
     StationIdentify,
     StationLeave,
@@ -50,48 +48,13 @@ from thbridge.roles.shared.view import (
 )
 from thbridge.text_protocol.wire.notice import Notice, decode_notice
 
-NAME = "ground station 255"
-TAKE = TakeCommand(0, NAME)
-SENTENCE = f"Robot 1 is commanded by {NAME} just now."
-
-
-class Play:
-    """A stage with a participant and a ground station who do what the test tells them."""
-
-    def __init__(self, **options) -> None:
-        self.player = Script()
-        self.stage = Stage(participant=TabUI(self.player), **options)
-        self.stage.run(10)
-
-    def wish(self, *wishes: ParticipantRequest, ticks: int = 6) -> View:
-        self.player.wish = wishes
-        self.stage.tabui.poll_player()
-        self.stage.run(ticks)
-        self.player.wish = ()
-        return self.view
-
-    def ask(self, *requests: CommandRequest, ticks: int = 5) -> View:
-        for request in requests:
-            self.stage.session.ask("station", request)
-        self.stage.run(ticks)
-        return self.view
-
-    @property
-    def view(self) -> View:
-        view = self.stage.view()
-        assert view is not None
-        return view
-
-    def events(self, *kinds: type) -> list:
-        return [event for event in self.stage.log.events if isinstance(event, kinds)]
-
 
 @pytest.fixture
-def play() -> Play:
-    return Play()
+def play() -> ScriptedHunt:
+    return ScriptedHunt()
 
 
-def test_the_participant_sees_who_commands_and_gets_the_robot_back(play: Play) -> None:
+def test_the_participant_sees_who_commands_and_gets_the_robot_back(play: ScriptedHunt) -> None:
     assert play.view.robots[0].commander is Commander.PARTICIPANT
     robot = play.ask(TAKE).robots[0]
     assert (robot.commander, robot.commander_name) == (Commander.GROUND_STATION, NAME)
@@ -105,7 +68,9 @@ def test_the_participant_sees_who_commands_and_gets_the_robot_back(play: Play) -
 
 
 @pytest.mark.parametrize("wish", [SelectRoom(0, 3), RequestSuggestion(0), SendRobot(0, 3)])
-def test_what_the_participant_wishes_of_a_robot_of_others_is_refused(play: Play, wish: ParticipantRequest) -> None:
+def test_what_the_participant_wishes_of_a_robot_of_others_is_refused(
+    play: ScriptedHunt, wish: ParticipantRequest
+) -> None:
     play.ask(TAKE)
     refusal = play.wish(wish).refusal
     assert refusal is not None
@@ -113,7 +78,7 @@ def test_what_the_participant_wishes_of_a_robot_of_others_is_refused(play: Play,
     assert not play.events(RobotDeparted) and not play.view.dialogues
 
 
-def test_a_robot_of_others_under_way_is_not_called_back_by_the_participant(play: Play) -> None:
+def test_a_robot_of_others_under_way_is_not_called_back_by_the_participant(play: ScriptedHunt) -> None:
     play.ask(TAKE, StationSend(0, 3), ticks=3)
     refusal = play.wish(StopRobot(0), ticks=4).refusal
     assert refusal is not None and (refusal.wish, refusal.sentence) == ("CallBack", SENTENCE)
@@ -121,7 +86,7 @@ def test_a_robot_of_others_under_way_is_not_called_back_by_the_participant(play:
     assert play.events(RobotArrived) == [RobotArrived(0, Room(3))]
 
 
-def test_an_open_talk_about_where_to_go_ends_when_somebody_takes_the_robot(play: Play) -> None:
+def test_an_open_talk_about_where_to_go_ends_when_somebody_takes_the_robot(play: ScriptedHunt) -> None:
     (dialogue,) = play.wish(SelectRoom(0, 3)).dialogues
     view = play.ask(TAKE)
     assert view.dialogues == () and view.consents == ()
@@ -131,7 +96,7 @@ def test_an_open_talk_about_where_to_go_ends_when_somebody_takes_the_robot(play:
     assert play.wish(SelectRoom(1, 3)).dialogues[0].robot == 1
 
 
-def test_an_agreement_to_go_ends_too(play: Play) -> None:
+def test_an_agreement_to_go_ends_too(play: ScriptedHunt) -> None:
     view = play.wish(SelectRoom(0, 3))
     while not view.consents:
         (dialogue,) = view.dialogues
@@ -140,7 +105,7 @@ def test_an_agreement_to_go_ends_too(play: Play) -> None:
     assert play.ask(ReleaseCommand(0)).consents == ()
 
 
-def test_a_ground_station_sends_its_robot_without_talk_and_what_is_there_is_told_by_itself(play: Play) -> None:
+def test_a_ground_station_sends_its_robot_without_talk_and_what_is_there_is_told_by_itself(play: ScriptedHunt) -> None:
     view = play.ask(TAKE, StationSend(0, 3), ticks=20)
     assert play.events(RobotDeparted, RobotArrived) == [RobotDeparted(0, Room(3), 17.0), RobotArrived(0, Room(3))]
     assert [event.room for event in play.events(TreasureSensed)] == [Room(3)]
@@ -148,7 +113,7 @@ def test_a_ground_station_sends_its_robot_without_talk_and_what_is_there_is_told
     assert not [utterance for tick_record in play.stage.tick_records for utterance in tick_record.utterances]
 
 
-def test_rules_hold_for_ground_stations_and_the_participant_is_not_bothered(play: Play) -> None:
+def test_rules_hold_for_ground_stations_and_the_participant_is_not_bothered(play: ScriptedHunt) -> None:
     for refused in (
         StationSend(0, 3),
         StationTakePicture(0),
@@ -163,7 +128,7 @@ def test_rules_hold_for_ground_stations_and_the_participant_is_not_bothered(play
     assert not play.events(RobotDeparted, TreasureLeft, TreasurePictured) and view.refusal is None
 
 
-def test_a_ground_station_pictures_names_and_leaves_where_its_robots_stand(play: Play) -> None:
+def test_a_ground_station_pictures_names_and_leaves_where_its_robots_stand(play: ScriptedHunt) -> None:
     play.ask(TAKE, TakeCommand(1, NAME), StationSend(0, 3), StationSend(1, 4), ticks=20)
     game = play.stage.session.game
     name = game.treasure(Room(3)).name
@@ -173,7 +138,7 @@ def test_a_ground_station_pictures_names_and_leaves_where_its_robots_stand(play:
     assert view.score == view.room(3).verdict.points
 
 
-def test_the_participant_names_what_a_robot_of_others_found(play: Play) -> None:
+def test_the_participant_names_what_a_robot_of_others_found(play: ScriptedHunt) -> None:
     play.ask(TAKE, StationSend(0, 3), ticks=20)
     view = play.wish(OpenDialogue(0, "take-picture", 3))
     while view.dialogues:
@@ -182,7 +147,7 @@ def test_the_participant_names_what_a_robot_of_others_found(play: Play) -> None:
     assert play.wish(TakePicture(3)).room(3).picture is not None
 
 
-def test_anybody_may_stop_a_robot_and_the_energy_for_the_rest_comes_back(play: Play) -> None:
+def test_anybody_may_stop_a_robot_and_the_energy_for_the_rest_comes_back(play: ScriptedHunt) -> None:
     play.ask(TAKE, StationSend(0, 3), ReleaseCommand(0), ticks=3)
     play.ask(StationStop(0))
     (failed,) = play.events(MoveFailed)
@@ -192,17 +157,17 @@ def test_anybody_may_stop_a_robot_and_the_energy_for_the_rest_comes_back(play: P
     assert len(play.events(MoveFailed)) == 1
 
 
-def test_a_participant_whose_robot_is_stopped_by_others_is_told_so_once(play: Play) -> None:
+def test_a_participant_whose_robot_is_stopped_by_others_is_told_so_once(play: ScriptedHunt) -> None:
     play.ask(TAKE, StationSend(0, 3), ReleaseCommand(0), ticks=3)
     view = play.ask(StationStop(0), StationStop(0))
     assert (view.refusal.number, view.refusal.sentence) == (1, "A ground station has stopped robot 1.")
 
 
-def test_a_station_that_stops_its_own_robot_concerns_nobody_else(play: Play) -> None:
+def test_a_station_that_stops_its_own_robot_concerns_nobody_else(play: ScriptedHunt) -> None:
     assert play.ask(TAKE, StationSend(0, 3), StationStop(0)).refusal is None
 
 
-def test_a_robot_that_is_called_back_before_it_was_told_to_go_never_set_out(play: Play) -> None:
+def test_a_robot_that_is_called_back_before_it_was_told_to_go_never_set_out(play: ScriptedHunt) -> None:
     view = play.ask(TAKE, StationSend(0, 3), StationStop(0))
     (failed,) = play.events(MoveFailed)
     assert (failed.refund, failed.at, view.robots[0].energy) == (17.0, CORRIDOR, 100.0)
@@ -210,7 +175,7 @@ def test_a_robot_that_is_called_back_before_it_was_told_to_go_never_set_out(play
     assert play.ask(StationSend(0, 3), ticks=20).robots[0].place == 3
 
 
-def test_a_researcher_has_the_robot_while_it_lasts_and_then_whoever_had_it(play: Play) -> None:
+def test_a_researcher_has_the_robot_while_it_lasts_and_then_whoever_had_it(play: ScriptedHunt) -> None:
     play.ask(TAKE)
     play.stage.puppets.researchers = ("/rviz", None)
     play.stage.run(60)
@@ -226,7 +191,7 @@ def test_a_researcher_has_the_robot_while_it_lasts_and_then_whoever_had_it(play:
     ]
 
 
-def test_whoever_commands_a_robot_has_it_in_the_next_game_too(play: Play) -> None:
+def test_whoever_commands_a_robot_has_it_in_the_next_game_too(play: ScriptedHunt) -> None:
     play.ask(TAKE)
     play.wish(EndGame(1))
     view = play.wish(PlayAgain(1), ticks=10)
@@ -234,15 +199,15 @@ def test_whoever_commands_a_robot_has_it_in_the_next_game_too(play: Play) -> Non
     assert [robot.commander for robot in view.robots] == [Commander.GROUND_STATION, Commander.PARTICIPANT]
 
 
-def test_a_keeper_that_comes_back_gives_robots_back_to_the_participant(play: Play) -> None:
+def test_a_keeper_that_comes_back_gives_robots_back_to_the_participant(play: ScriptedHunt) -> None:
     play.ask(TAKE)
-    again = Play(history=play.stage.log.entries)
+    again = ScriptedHunt(history=play.stage.log.entries)
     assert again.view.robots[0].commander is Commander.PARTICIPANT
     assert again.events(CommanderChanged)[-1] == CommanderChanged(0, Commander.PARTICIPANT, "")
 
 
 def test_nobody_is_sent_before_the_treasures_are_hidden() -> None:
-    stage = Stage()
+    stage = HuntWithoutSimulator()
     for _ in range(20):
         stage.session.ask("station", TAKE)
         stage.session.ask("station", StationSend(0, 3))
@@ -253,7 +218,7 @@ def test_nobody_is_sent_before_the_treasures_are_hidden() -> None:
 
 @pytest.mark.parametrize("strategy", BotStrategy)
 def test_a_simulated_participant_waits_for_robots_that_others_command(strategy: BotStrategy) -> None:
-    stage = Stage(robots=2, strategy=strategy)
+    stage = HuntWithoutSimulator(robots=2, strategy=strategy)
     stage.run(5)
     stage.session.ask("station", TAKE)
     stage.run(3000)
@@ -264,7 +229,7 @@ def test_a_simulated_participant_waits_for_robots_that_others_command(strategy: 
     assert any(isinstance(event, RobotDeparted) and event.robot == 0 for event in stage.log.events)
 
 
-def test_programs_of_before_are_understood(play: Play) -> None:
+def test_programs_of_before_are_understood(play: ScriptedHunt) -> None:
     fields = msgspec.to_builtins(play.ask(TAKE))
     for robot in fields["robots"]:
         del robot["commander"], robot["commander_name"], robot["asked_back"]
@@ -278,7 +243,7 @@ def test_programs_of_before_are_understood(play: Play) -> None:
     assert decode_notice(Notice(KEEPER, "SimR", "Orders", orders), Orders) == Orders(1, (), (), (), None)
 
 
-def test_a_robot_is_asked_for_at_once_and_again_after_ten_seconds(play: Play) -> None:
+def test_a_robot_is_asked_for_at_once_and_again_after_ten_seconds(play: ScriptedHunt) -> None:
     view = play.ask(TAKE)
     assert not view.robots[0].asked_back
     assert play.wish(RequestHandback(0)).robots[0].asked_back
@@ -290,7 +255,7 @@ def test_a_robot_is_asked_for_at_once_and_again_after_ten_seconds(play: Play) ->
     assert play.events(HandbackRequested) == [HandbackRequested(0)] * 2 and play.view.refusal is None
 
 
-def test_who_takes_a_robot_next_is_asked_anew(play: Play) -> None:
+def test_who_takes_a_robot_next_is_asked_anew(play: ScriptedHunt) -> None:
     play.ask(TAKE)
     assert play.wish(RequestHandback(0)).robots[0].asked_back
     assert not play.ask(TakeCommand(0, "ground station 7")).robots[0].asked_back
@@ -298,7 +263,7 @@ def test_who_takes_a_robot_next_is_asked_anew(play: Play) -> None:
     assert not play.ask(ReleaseCommand(0)).robots[0].asked_back
 
 
-def test_a_researcher_is_asked_too_and_nobody_for_what_is_the_participants(play: Play) -> None:
+def test_a_researcher_is_asked_too_and_nobody_for_what_is_the_participants(play: ScriptedHunt) -> None:
     play.wish(RequestHandback(0), RequestHandback(1), RequestHandback(9))
     assert not play.events(HandbackRequested)
     play.stage.puppets.researchers = ("/rviz", None)
@@ -307,7 +272,7 @@ def test_a_researcher_is_asked_too_and_nobody_for_what_is_the_participants(play:
     assert play.events(HandbackRequested) == [HandbackRequested(0)]
 
 
-def test_another_game_begins_with_nothing_asked_for(play: Play) -> None:
+def test_another_game_begins_with_nothing_asked_for(play: ScriptedHunt) -> None:
     play.ask(TAKE)
     play.wish(RequestHandback(0))
     assert play.wish(EndGame(1)).over is not None
@@ -317,7 +282,7 @@ def test_another_game_begins_with_nothing_asked_for(play: Play) -> None:
     assert (robot.commander, robot.asked_back) == (Commander.GROUND_STATION, False)
 
 
-def test_what_a_station_leaves_unnamed_the_participant_still_names(play: Play) -> None:
+def test_what_a_station_leaves_unnamed_the_participant_still_names(play: ScriptedHunt) -> None:
     play.ask(TAKE, StationSend(0, 3), ticks=20)
     view = play.ask(StationSend(0, 4), ticks=3)
     assert view.robots[0].moving_to == 4 and not play.events(TreasureLeft)
@@ -335,7 +300,7 @@ def test_what_a_station_leaves_unnamed_the_participant_still_names(play: Play) -
 
 @pytest.mark.parametrize("strategy", BotStrategy)
 def test_a_simulated_participant_looks_after_what_stations_leave(strategy: BotStrategy) -> None:
-    stage = Stage(robots=2, strategy=strategy)
+    stage = HuntWithoutSimulator(robots=2, strategy=strategy)
     stage.run(5)
     stage.session.ask("station", TAKE)
     for room in (7, 8):

@@ -3,8 +3,8 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.support.hunts.hunt_without_simulator import Stage
-from tests.thbridge.roles.test_hunt import Script
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
+from tests.support.hunts.scripted_hunt import ScriptedPlayer
 from thbridge.hunt.events import Commander, CommanderChanged, GameStarted, HandbackRequested, RobotDeparted
 from thbridge.hunt.game import CommandHolder, apply, begin
 from thbridge.roles.participant.tabui import TabUI
@@ -57,8 +57,8 @@ steps |= st.tuples(st.just("researchers"), researchers)
 @settings(max_examples=40)
 @given(st.lists(st.tuples(st.lists(steps, max_size=3), st.integers(0, 6)), max_size=12))
 def test_only_commanders_send_robots_and_nobody_is_left_on_the_way(played):
-    player = Script()
-    stage = Stage(participant=TabUI(player))
+    player = ScriptedPlayer()
+    stage = HuntWithoutSimulator(participant=TabUI(player))
     stage.run(8)
     sent = set()
     for together, ticks in played:

@@ -5,7 +5,9 @@ from dataclasses import replace
 import pytest
 
 from tests.support.hunts import hunt_without_simulator
-from tests.thbridge.hunt.folding import fold
+from tests.support.hunts.game_states import fold
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
+from tests.support.hunts.scripted_hunt import ScriptedPlayer, go
 from thbridge.dialogue.moves import Continue, Speaker
 from thbridge.hunt import rules
 from thbridge.hunt.events import (
@@ -44,23 +46,11 @@ from thbridge.roles.shared.view import (
 )
 from thbridge.text_protocol.wire import legacy
 
-Stage = hunt_without_simulator.Stage
-
-
-class Script:
-    """A player that wishes what the test tells it."""
-
-    def __init__(self) -> None:
-        self.wish: tuple[ParticipantRequest, ...] = ()
-
-    def requests(self, view: View):
-        return self.wish
-
 
 @pytest.fixture
 def scripted():
-    player = Script()
-    played = Stage(participant=TabUI(player))
+    player = ScriptedPlayer()
+    played = HuntWithoutSimulator(participant=TabUI(player))
 
     def say(*wishes: ParticipantRequest, ticks: int = 8) -> View:
         player.wish = wishes
@@ -76,7 +66,7 @@ def scripted():
 @pytest.mark.parametrize("strategy", BotStrategy)
 @pytest.mark.parametrize("robots", [1, 2, 3, 6])
 def test_a_hunt_goes_on_until_energy_or_rooms_run_out(strategy, robots):
-    played = Stage(robots=robots, strategy=strategy)
+    played = HuntWithoutSimulator(robots=robots, strategy=strategy)
     played.finish()
     game = played.session.game
     ended = game.ended
@@ -89,7 +79,7 @@ def test_a_hunt_goes_on_until_energy_or_rooms_run_out(strategy, robots):
 
 
 def test_two_robots_visit_all_eight_rooms_on_the_robots_advice():
-    played = Stage(robots=2)
+    played = HuntWithoutSimulator(robots=2)
     played.finish()
     assert sum(room.visited for room in played.session.game.rooms) == 8
     # Every colour of the original set is unique, so a participant who knows the list is never wrong.
@@ -97,7 +87,7 @@ def test_two_robots_visit_all_eight_rooms_on_the_robots_advice():
 
 
 def test_the_same_seed_gives_the_same_lines():
-    first, second, other = Stage(seed=3), Stage(seed=3), Stage(seed=4)
+    first, second, other = HuntWithoutSimulator(seed=3), HuntWithoutSimulator(seed=3), HuntWithoutSimulator(seed=4)
     for played in (first, second, other):
         played.finish()
     assert first.lines == second.lines
@@ -107,7 +97,7 @@ def test_the_same_seed_gives_the_same_lines():
 def test_a_random_participant_sometimes_stops_a_dialogue_and_no_robot_moves_on_it():
     stops = 0
     for seed in range(6):
-        played = Stage(strategy=BotStrategy.RANDOM, seed=seed)
+        played = HuntWithoutSimulator(strategy=BotStrategy.RANDOM, seed=seed)
         played.finish()
         said = [utterance for tick_record in played.tick_records for utterance in tick_record.utterances]
         stopped = {u.dialogue for u in said if u.speaker is Speaker.PERSON and not isinstance(u.move, Continue)}
@@ -118,7 +108,7 @@ def test_a_random_participant_sometimes_stops_a_dialogue_and_no_robot_moves_on_i
 
 
 def test_the_journal_alone_gives_the_state_back():
-    played = Stage(strategy=BotStrategy.NEAREST)
+    played = HuntWithoutSimulator(strategy=BotStrategy.NEAREST)
     played.finish()
     started, *rest = played.log.events
     assert isinstance(started, GameStarted)
@@ -163,14 +153,6 @@ def test_an_answer_to_a_turn_that_is_past_counts_once(scripted):
     assert len(view.dialogues[0].said) == 3
 
 
-def go(scripted, robot: int, room: int) -> View:
-    view = scripted.say(SelectRoom(robot, room))
-    while view.dialogues:
-        dialogue = view.dialogues[0]
-        view = scripted.say(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0))
-    return scripted.say(SendRobot(robot, room), ticks=25)
-
-
 def test_a_room_is_visited_once_and_spoken_of_with_one_robot(scripted):
     scripted.say(SelectRoom(0, 3))
     view = scripted.say(SelectRoom(1, 3))
@@ -182,8 +164,8 @@ def test_a_room_is_visited_once_and_spoken_of_with_one_robot(scripted):
 
 
 def test_a_robot_without_the_energy_is_refused_before_it_moves():
-    player = Script()
-    played = Stage(participant=TabUI(player), rules=replace(hunt_without_simulator.RULES, energy=15.0))
+    player = ScriptedPlayer()
+    played = HuntWithoutSimulator(participant=TabUI(player), rules=replace(hunt_without_simulator.RULES, energy=15.0))
     played.run(5)
     player.wish = (SelectRoom(0, 3),)
     played.tabui.poll_player()
@@ -327,7 +309,7 @@ def test_how_robots_are_outlives_every_program(scripted):
     report(scripted, 0, Condition.SILENT)
     keeper = Keeper(
         hunt_without_simulator.RULES,
-        lambda game: hunt_without_simulator.engine(scripted.templates),
+        lambda game: hunt_without_simulator.scripted_engine(scripted.templates),
         tuple(scripted.log.events),
     )
     assert [robot.condition for robot in keeper.state.robots] == [Condition.SILENT, Condition.WELL]
@@ -337,7 +319,7 @@ def test_how_robots_are_outlives_every_program(scripted):
 
 
 def test_a_hunt_whose_last_robot_falls_silent_is_over():
-    played = Stage(robots=2)
+    played = HuntWithoutSimulator(robots=2)
     played.run(200)
     played.puppets.conditions = [Condition.SILENT] * 2
     played.finish(1000)
@@ -345,7 +327,9 @@ def test_a_hunt_whose_last_robot_falls_silent_is_over():
 
 
 def test_a_hunt_with_a_room_that_nobody_reaches_is_given_up_after_all_others():
-    played = Stage(robots=2, strategy=BotStrategy.NEAREST, rules=replace(hunt_without_simulator.RULES, energy=1000.0))
+    played = HuntWithoutSimulator(
+        robots=2, strategy=BotStrategy.NEAREST, rules=replace(hunt_without_simulator.RULES, energy=1000.0)
+    )
     played.puppets.stuck = {0, 1}
     played.finish()
     assert played.session.game.ended.reason is EndReason.GIVEN_UP
@@ -365,10 +349,10 @@ def test_an_arrival_that_nobody_heard_is_learnt_from_the_status(scripted):
 
 
 def test_playing_again_hides_anew_and_counts_on():
-    played = Stage(robots=2)
+    played = HuntWithoutSimulator(robots=2)
     played.finish()
     first = played.session.game
-    player = Script()
+    player = ScriptedPlayer()
     player.wish = (PlayAgain(1),)
     played.tabui._player = player
     played.tabui.poll_player()
@@ -382,7 +366,7 @@ def test_playing_again_hides_anew_and_counts_on():
 
 
 def test_robots_that_do_not_fit_the_game_are_turned_away():
-    played = Stage(robots=2)
+    played = HuntWithoutSimulator(robots=2)
     played.run(10)
     played.puppets.robots = 3
     played.puppets.connected()
@@ -393,8 +377,8 @@ def test_robots_that_do_not_fit_the_game_are_turned_away():
 
 def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
     """A TabUI of 2016 holds its dialogues itself: only its lines are seen."""
-    player = Script()
-    played = Stage(participant=TabUI(player))
+    player = ScriptedPlayer()
+    played = HuntWithoutSimulator(participant=TabUI(player))
     played.run(5)
     # From here on an outside program speaks, on a connection that is not extended.
     played.router.local.detach(legacy.TABUI)
@@ -425,7 +409,7 @@ def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
 
 def test_a_hider_of_2016_is_believed():
     """Its treasures are its own secret; the game learns from what it says."""
-    played = Stage(outside={"Hider"})
+    played = HuntWithoutSimulator(outside={"Hider"})
     connection = played.session.router.connect(0.0)
     played.session.perform(played.session.router.receive_data(connection, b"%%setid Hider\n", 0.0))
     answered = 0

@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from msgspec import structs
 
-from tests.support.hunts.hunt_without_simulator import Stage, templates
-from tests.thbridge.hunt.folding import fold
+from tests.support.hunts.game_states import fold
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator, templates
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
@@ -126,7 +126,7 @@ class Forgetful:
 def test_the_keeper_and_its_neighbours(said):
     briefing = Briefing(names=("Blue Bottle",), pictures={"x.jpg": bytes(50_000), "rsz_t1.jpg": b"1"}, consent="Yes?")
     bot = build_bot(templates(), BotStrategy.SUGGESTION, 7)
-    stage = Stage(participant=TabUI(bot, Forgetful()), briefing=briefing)
+    stage = HuntWithoutSimulator(participant=TabUI(bot, Forgetful()), briefing=briefing)
     stage.run(8)
     stage.router.local.attach("Noise")
     for message in said:
@@ -139,7 +139,7 @@ def test_the_keeper_and_its_neighbours(said):
 
 @pytest.mark.parametrize("number", [-1, 0, 1, 1 << 70])
 def test_a_view_with_a_dialogue_that_cannot_be_numbered_so_is_not_taken(number):
-    stage = Stage()
+    stage = HuntWithoutSimulator()
     stage.run(8)
     talk = view.DialogueView(number, 1, 0, "select-room", 1, ("Shall I go?",), ("Continue", "Stop"))
     line = encode_notice(KEEPER, legacy.TABUI, structs.replace(stage.view(), dialogues=(talk,)))
@@ -151,7 +151,7 @@ def test_a_view_with_a_dialogue_that_cannot_be_numbered_so_is_not_taken(number):
     [((), (), True), (("continue", "stop"), ("robot",), True), (("continue",), (), False), ((), ("robot",) * 2, False)],
 )
 def test_a_view_names_all_acts_and_speakers_or_none_as_those_of_older_releases(acts, speakers, is_taken):
-    stage = Stage()
+    stage = HuntWithoutSimulator()
     stage.run(8)
     talk = view.DialogueView(
         1, 1, 0, "select-room", 1, ("Shall I go?",), ("Continue", "Stop"), acts=acts, speakers=speakers

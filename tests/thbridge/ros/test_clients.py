@@ -8,32 +8,9 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from tests.support.ros.packed_messages import STORE, header, packed, pose, stamped
 from thbridge.ros import clients
 from thbridge.ros.clients import ActionCancel, ActionGoal, InvalidMessage, PlanRequest, PoseEstimate
-from thbridge.ros.messages.types import typestore
-
-STORE = typestore()
-
-
-def packed(msgtype: str, **fields: object) -> bytes:
-    """Bytes by rosbags' serialiser: not by the code that is under test."""
-    kind = STORE.types[msgtype]
-    return bytes(STORE.serialize_ros1(kind(**fields), msgtype))
-
-
-def pose(x: float, y: float, yaw: float, scale: float = 1.0) -> object:
-    point = STORE.types["geometry_msgs/msg/Point"](x, y, 0.0)
-    turned = STORE.types["geometry_msgs/msg/Quaternion"](0.0, 0.0, scale * math.sin(yaw / 2), scale * math.cos(yaw / 2))
-    return STORE.types["geometry_msgs/msg/Pose"](point, turned)
-
-
-def header(frame: str = "map") -> object:
-    time = STORE.types["builtin_interfaces/msg/Time"](3, 4)
-    return STORE.types["std_msgs/msg/Header"](7, time, frame)
-
-
-def stamped(frame: str = "map", x: float = 1.0, y: float = 2.0, yaw: float = 0.5, scale: float = 1.0) -> bytes:
-    return packed("geometry_msgs/msg/PoseStamped", header=header(frame), pose=pose(x, y, yaw, scale))
 
 
 def test_a_goal_of_rviz_is_a_pose() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
-from tests.thbridge.offline.test_odometry import SECOND, straight, x_at
+from tests.support.ros.straight_odometry import SECOND, straight, x_at
 from thbridge.offline.odometry import OdometryTrack
 from thbridge.ros.odometry_faults import FaultKind, OdometrySample, fault_sentences, sound_odometry
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.mavlink.sockets.test_server import Exchange
-from tests.thbridge.watching.sockets.test_server import House
+from tests.support.hunts.granting_house import GrantingHouse
+from tests.support.mavlink.answering_exchange import AnsweringExchange
 from thbridge.files.ros.definitions import Definitions
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import GameStarted
@@ -93,13 +93,13 @@ def port_of(where: object) -> int:
 def test_what_is_recorded_can_be_opened_while_all_doors_are_full(tmp_path: Path) -> None:
     async def whole() -> None:
         text = TextServer()
-        watch = WatchServer(House(), SingleKey("0123456789abcdef"), Definitions(()))
+        watch = WatchServer(GrantingHouse(), SingleKey("0123456789abcdef"), Definitions(()))
         mavlink = MavlinkServer(MavlinkPorts((), Address(LOCALHOST, 0), None))
         master = XmlRpcServer(("getPid",), lambda call, peer: 1)
         tcpros = TcprosServer("/us", itertools.count())
         names = await mavlink.open()
         assert isinstance(names, list), names
-        await mavlink.serve(Exchange())
+        await mavlink.serve(AnsweringExchange())
         ports = [
             port_of(await text.start(MessageRouter(), LOCALHOST, 0)),
             port_of(await watch.start(LOCALHOST, 0)),

@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from tests.thbridge.roles.test_command import TAKE, Play
+from tests.support.hunts.scripted_hunt import TAKE, ScriptedHunt
 from thbridge.hunt.events import RobotArrived, TreasureIdentified, TreasureLeft, TreasurePictured
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.roles.shared.robot_requests import ReleaseCommand
@@ -10,7 +10,7 @@ from ui.command_line.story import print_story, tell
 
 
 def test_who_commands_a_robot_is_told() -> None:
-    play = Play()
+    play = ScriptedHunt()
     play.ask(TAKE)
     play.stage.puppets.researchers = ("/rviz", None)
     play.stage.run(60)
@@ -29,7 +29,7 @@ def test_who_commands_a_robot_is_told() -> None:
 
 
 def test_names_are_told_as_words_and_no_file_of_a_picture() -> None:
-    play = Play()
+    play = ScriptedHunt()
     play.stage.run(2)
     events = (
         TreasurePictured(Room(3), 0, "rsz_t3.jpg", 5.0),
@@ -45,7 +45,7 @@ def test_names_are_told_as_words_and_no_file_of_a_picture() -> None:
 
 
 def test_the_name_of_a_room_stands_beside_its_number() -> None:
-    play = Play()
+    play = ScriptedHunt()
     play.stage.run(2)
     events = (RobotArrived(0, Room(3)), RobotArrived(1, Room(4)), TreasureLeft(Room(3)))
     tick = dataclasses.replace(play.stage.tick_records[-1], events=events, utterances=())
@@ -58,7 +58,7 @@ def test_the_name_of_a_room_stands_beside_its_number() -> None:
 
 def test_a_sentence_is_one_line_where_no_terminal_is(capsys, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "40")
-    play = Play()
+    play = ScriptedHunt()
     play.stage.run(2)
     events = (RobotArrived(0, Room(3)),)
     tick = dataclasses.replace(play.stage.tick_records[-1], events=events, utterances=())

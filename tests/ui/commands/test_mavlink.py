@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
+from tests.support.mavlink.recorded_stations import Station, record
 from tests.support.mavlink.vehicle_with_stations import OPTIONS, Game
 from tests.support.programs.ports import free_port
 from tests.support.programs.processes import Program, until
-from tests.thbridge.app.replay.test_mavlink_replay import Station, record
 from thbridge.app.session.session import Session
 from thbridge.mavlink.files.signing_timestamps import TimestampFile
 from thbridge.mavlink.hub import Hub

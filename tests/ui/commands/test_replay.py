@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from tests.ui.test_cli import write_bag
+from tests.support.bags.small_bags import write_hundred_messages
 from thbridge.app.replay.replay import session_of
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
@@ -142,7 +142,7 @@ def test_a_recording_is_not_replayed_onto_itself(hunt: Path) -> None:
 
 
 def test_foreign_and_broken_bags_are_refused(folder: Path) -> None:
-    write_bag(folder / "foreign.bag")
+    write_hundred_messages(folder / "foreign.bag")
     (folder / "broken.bag").write_bytes(b"#ROSBAG V2.0\nnonsense")
     for name in ("foreign.bag", "broken.bag", "missing.bag"):
         done = thbridge("replay", name)

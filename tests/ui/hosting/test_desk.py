@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.programs.commands import output_of
-from tests.support.studies.rehearsed_study import Study, clocks, rehearse
+from tests.support.studies.rehearsed_studies import RehearsedStudy, clocks, rehearsed_study
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
@@ -28,7 +28,7 @@ class RunningStudy:
     kiosk = "the first page"
     troubles: tuple[str, ...] = ()
 
-    def __init__(self, study: Study, log: ExperimentLog) -> None:
+    def __init__(self, study: RehearsedStudy, log: ExperimentLog) -> None:
         self.conductor = Conductor(study.design, log, lambda: clocks(20_000), iter(range(10_000)).__next__)
         self.conductor._draw = lambda most: 7 % most
 
@@ -82,13 +82,13 @@ say("DeskClosed")
 
 
 @pytest.fixture
-def study(tmp_path: Path) -> Study:
+def study(tmp_path: Path) -> RehearsedStudy:
     root = tmp_path / "study"
     root.mkdir()
-    return rehearse(root)
+    return rehearsed_study(root)
 
 
-def test_what_the_desk_asks_is_done_and_told(study: Study, tmp_path: Path) -> None:
+def test_what_the_desk_asks_is_done_and_told(study: RehearsedStudy, tmp_path: Path) -> None:
     script = tmp_path / "window.py"
     script.write_text(SCRIPT)
 
@@ -102,7 +102,9 @@ def test_what_the_desk_asks_is_done_and_told(study: Study, tmp_path: Path) -> No
         assert list(running.conductor.progress.runs.values())[-1].state is RunState.EXCLUDED
 
 
-def test_a_desk_that_crashes_whenever_it_is_opened_is_told(study: Study, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_desk_that_crashes_whenever_it_is_opened_is_told(
+    study: RehearsedStudy, capfd: pytest.CaptureFixture[str]
+) -> None:
     with ExperimentLog(study.folder.log) as log:
         desk = Desk(RunningStudy(study, log), study.folder, command=(sys.executable, "-c", "raise SystemExit(1)"))
         asyncio.run(asyncio.wait_for(_keep_desk(desk, study.folder.root), 60))
@@ -112,7 +114,7 @@ def test_a_desk_that_crashes_whenever_it_is_opened_is_told(study: Study, capfd: 
     assert "thbridge study watch" in told
 
 
-def test_the_window_itself_opens_and_goes_with_its_host(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_window_itself_opens_and_goes_with_its_host(study: RehearsedStudy, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
     state = DeskState("Robots that argue", 8, 0)
 
@@ -152,7 +154,7 @@ say("DeskClosed")
 """
 
 
-def test_somebody_withdraws_while_the_study_is_run(study: Study) -> None:
+def test_somebody_withdraws_while_the_study_is_run(study: RehearsedStudy) -> None:
     place = study.folder
     export = place.export("first")
     output_of("study", "export", place.root, "--to", export)

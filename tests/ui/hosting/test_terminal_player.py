@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from tests.support.hunts.hunt_without_simulator import Stage, templates
-from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator, templates
+from tests.support.hunts.scripted_hunt import arguing_engine
 from thbridge.app.compose.game import known_treasures
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.engine import DialogueEngine
@@ -35,7 +35,9 @@ class Seat:
     ) -> None:
         self.shown: list[str] = []
         self.person = TerminalPlayer(self.shown.append, lambda: self.stage.tabui.room_names, lambda: texts)
-        self.stage = Stage(participant=TabUI(self.person), briefing=briefing, set_name=set_name, talk=talk)
+        self.stage = HuntWithoutSimulator(
+            participant=TabUI(self.person), briefing=briefing, set_name=set_name, talk=talk
+        )
         self.stage.run(6)
 
     def type(self, line: str, ticks: int = 8) -> list[str]:

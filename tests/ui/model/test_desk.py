@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from tests.support.studies.rehearsed_study import Study, clocks, rehearse
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
+from tests.support.studies.rehearsed_studies import RehearsedStudy, clocks, rehearsed_study
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import Progress
@@ -21,18 +21,18 @@ from ui.model.desk.state import ToldToDesk, desk_state
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    return rehearse(tmp_path_factory.mktemp("desk"))
+def study(tmp_path_factory: pytest.TempPathFactory) -> RehearsedStudy:
+    return rehearsed_study(tmp_path_factory.mktemp("desk"))
 
 
-def seen(study: Study, length: int, shown: str = "") -> tuple[DeskState, Progress]:
+def seen(study: RehearsedStudy, length: int, shown: str = "") -> tuple[DeskState, Progress]:
     entries = study.entries[:length]
     progress = Progress(study.design).after(entries)
     return desk_state(study.design, progress, entries, ToldToDesk(clocks(length).wall, (), shown=shown)), progress
 
 
 @given(st.data())
-def test_at_each_moment_all_adds_up(study: Study, data: st.DataObject) -> None:
+def test_at_each_moment_all_adds_up(study: RehearsedStudy, data: st.DataObject) -> None:
     length = data.draw(st.integers(0, len(study.entries)))
     state, progress = seen(study, length)
     assert [run.participant for run in state.runs] == list(progress.runs)
@@ -56,7 +56,7 @@ def test_at_each_moment_all_adds_up(study: Study, data: st.DataObject) -> None:
     assert all(map(run_words, state.runs))
 
 
-def test_events_of_one_person_are_told_without_their_answers(study: Study) -> None:
+def test_events_of_one_person_are_told_without_their_answers(study: RehearsedStudy) -> None:
     entries = study.entries
     person = next(entry.event.participant for entry in entries if entry.event.kind == EventKind.ITEM_GIVEN)
     state, _ = seen(study, len(entries), person)
@@ -70,7 +70,7 @@ def test_events_of_one_person_are_told_without_their_answers(study: Study) -> No
 
 
 def test_steps_are_numbered_alike_everywhere_without_those_that_are_passed_over(tmp_path: Path) -> None:
-    write(
+    write_experiment(
         tmp_path,
         "title: x\nbetween: {dialogue.condition: [supervisor, collaborator]}\nquota: 1\nsteps:\n"
         "  - {step: consent, text: consent.txt}\n"
@@ -102,7 +102,7 @@ def test_steps_are_numbered_alike_everywhere_without_those_that_are_passed_over(
         assert "rder" not in run_words(run)
 
 
-def test_a_run_that_is_excluded_later_took_no_longer_for_it(study: Study) -> None:
+def test_a_run_that_is_excluded_later_took_no_longer_for_it(study: RehearsedStudy) -> None:
     before, now = seen(study, len(study.entries) - 2)[0], seen(study, len(study.entries))[0]
     assert before.runs[0].state != now.runs[0].state == "excluded"
     assert before.runs[0].minutes == now.runs[0].minutes
@@ -110,7 +110,7 @@ def test_a_run_that_is_excluded_later_took_no_longer_for_it(study: Study) -> Non
     assert (now.no_next == "") == (before.runs[0].state == "complete")
 
 
-def test_sentences(study: Study) -> None:
+def test_sentences(study: RehearsedStudy) -> None:
     state, _ = seen(study, len(study.entries))
     counted = f"{state.counted} of 8 runs count"
     assert count_words(state).startswith(f"A rehearsal by simulated people. {counted}")
@@ -119,7 +119,7 @@ def test_sentences(study: Study) -> None:
     assert [row[1] for row in note_rows(state.notes)] == ["the study", state.runs[0].participant]
 
 
-def test_lag_behind_real_time_is_shown_of_each_run_and_of_the_study(study: Study) -> None:
+def test_lag_behind_real_time_is_shown_of_each_run_and_of_the_study(study: RehearsedStudy) -> None:
     assert seen(study, len(study.entries))[0].pace == "", "a rehearsal has no real time"
     person = next(entry.event.participant for entry in study.entries if entry.event.kind == EventKind.RUN_BEGUN)
     length = next(
@@ -137,7 +137,7 @@ def test_lag_behind_real_time_is_shown_of_each_run_and_of_the_study(study: Study
     assert state.events[-1].words.endswith("the game is recorded; at most 2.2 s behind real time")
 
 
-def test_kinds_of_events_that_nobody_knows_yet_are_told(study: Study) -> None:
+def test_kinds_of_events_that_nobody_knows_yet_are_told(study: RehearsedStudy) -> None:
     person = next(entry.event.participant for entry in study.entries if entry.event.kind == EventKind.RUN_BEGUN)
     later = LoggedEvent(len(study.entries) + 1, NewEvent("chair-moved", "robot", clocks(1), person))
     entries = (*study.entries, later)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.experiment.test_design import EXAMPLE, UNDERSTOOD
+from tests.support.studies.experiment_files import EXAMPLE, UNDERSTOOD
 from thbridge.experiment.design.experiment_file import ExperimentFile, read_experiment
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import EXAMPLE as SHIPPED

@@ -9,13 +9,10 @@ import pytest
 from msgspec import structs
 
 from tests.support.hunts.hunt_without_simulator import RULES
-from tests.support.hunts.participant_views import arguing, view, with_robot, with_room
-from tests.support.hunts.screen_player import Seat
-from tests.thbridge.app.test_languages import english_in
-from tests.thbridge.roles.test_command import NAME, TAKE
-from tests.ui.model.language import ENGLISH_ONLY, english_on, said_by_others, shown
-from tests.ui.model.playing.test_arguing import ANSWERS, argued, ended
-from tests.ui.model.playing.test_participant import play
+from tests.support.hunts.participant_views import ANSWERS, argued, arguing, ended, view, with_robot, with_room
+from tests.support.hunts.screen_player import ScreenPlayer, play
+from tests.support.hunts.scripted_hunt import NAME, TAKE
+from tests.support.windows.english import ENGLISH_ONLY, english_names, english_on, said_by_others, shown
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting
 from thbridge.dialogue.scripted.protocols import TemplateProtocol
@@ -75,7 +72,7 @@ GERMAN = shipped_texts("de")
 REASONS: list[StrEnum] = [*RuleReason, *KeeperReason, *NoTour]
 
 
-class GermanSeat(Seat):
+class GermanSeat(ScreenPlayer):
     """A participant who reads every screen, and finds nothing English on it."""
 
     def __init__(self, **stage) -> None:
@@ -209,7 +206,7 @@ def test_a_game_with_the_german_words_of_map_and_templates(templates):
     seat = GermanSeat(set_name=templates, briefing=build_briefing(setting), talk=talk)
     play(seat, lambda screen: read.update(shown(screen)))
     assert {*words.names.values(), "Farbe"} <= read
-    english = re.compile("|".join(rf"\b{re.escape(word)}\b" for word in sorted(english_in(setting))), re.IGNORECASE)
+    english = re.compile("|".join(rf"\b{re.escape(word)}\b" for word in sorted(english_names(setting))), re.IGNORECASE)
     assert [words for words in sorted(read) if english.search(words)] == []
 
 

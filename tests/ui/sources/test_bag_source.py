@@ -1,5 +1,5 @@
 import random
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from rosbags.rosbag1 import Writer
 
 from sim.common.grid import OccupancyGrid
 from tests.support.bags.foreign_bags import Robot, write
-from tests.ui.sources.conftest import TICKS
+from tests.ui.sources.scanned_bags import TICKS, opened, scanned
 from thbridge.analysis.measured.gathering import read_report
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.reading import reader as bag_reader
@@ -20,29 +20,10 @@ from ui.model.watching.curves import Curve
 from ui.model.watching.live import LiveSource
 from ui.model.watching.robot_scene_builder import THINNED
 from ui.model.watching.scene import RobotScene, Scene, ShownLayers
-from ui.sources.bag import TICK_NS, BagSource, open_bag
+from ui.sources.bag import TICK_NS, BagSource
 from ui.windows.map.points import pieces
 
 ALL = ShownLayers(selected=0, global_costmap=True, local_costmap=True)
-
-
-def opened(path: Path) -> BagSource:
-    work: Generator[float, None, BagSource] = open_bag(path)
-    while True:
-        try:
-            next(work)
-        except StopIteration as done:
-            source = done.value
-            assert isinstance(source, BagSource)
-            return source
-
-
-def scanned(path: Path) -> BagSource:
-    source = opened(path)
-    shares = list(source.scan())
-    assert shares == sorted(shares)
-    assert shares[-1] == pytest.approx(1.0)
-    return source
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,6 @@
 from pathlib import Path
 
-from tests.ui.sources.conftest import STUDY, record
-from tests.ui.sources.test_bag_source import scanned
+from tests.ui.sources.scanned_bags import STUDY, record, scanned
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.shared.robot_requests import Request, WizardMode
 from ui.model.watching.scene import Scene, ShownLayers

@@ -6,9 +6,8 @@ from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
 from tests.support.windows import sample_screens
+from tests.support.windows.participant_windows import STATES, Open, Opened, opened
 from tests.support.windows.screen_reader import against_the_eye, nameless, stops
-from tests.ui.windows.participant.conftest import Opened, opened
-from tests.ui.windows.participant.test_window import STATES, Open
 from thbridge.files.language_texts import shipped_texts
 from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant.widgets.focus import reachable

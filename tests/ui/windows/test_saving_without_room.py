@@ -11,9 +11,9 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 from pytestqt.qtbot import QtBot
 
 from tests.support.disks.small_disk import SmallDisk, why_not
-from tests.ui.windows.study.test_study_window import answering, leave, opened, retype
-from tests.ui.windows.templates.test_template_window import SHIPPED, append
-from tests.ui.windows.templates.test_template_window import opened as opened_templates
+from tests.support.windows.questions import answering
+from tests.support.windows.study_windows import leave_study, open_study, retype
+from tests.support.windows.template_windows import SHIPPED, append, open_templates
 
 
 @pytest.fixture
@@ -46,7 +46,7 @@ def told(qtbot: QtBot) -> Iterator[list[str]]:
 def test_a_study(qtbot: QtBot, disk: SmallDisk) -> None:
     file = disk.folder / "pilot.yaml"
     file.write_text("robots: 4\n")
-    window = opened(qtbot, file)
+    window = open_study(qtbot, file)
     retype(qtbot, window, "robots", "3")
     with told(qtbot) as full, disk.full():
         window.save()
@@ -60,13 +60,13 @@ def test_a_study(qtbot: QtBot, disk: SmallDisk) -> None:
     with qtbot.waitSignal(window.editor.saved):
         window.save()
     assert file.read_text() == "robots: 3\n"
-    leave(window)
+    leave_study(window)
 
 
 def test_a_set_of_templates(qtbot: QtBot, disk: SmallDisk) -> None:
     folder = Path(shutil.copytree(SHIPPED / "four-properties", disk.folder / "mine"))
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    window = opened_templates(qtbot, folder)
+    window = open_templates(qtbot, folder)
     append(window, "DialogueText", "\n")
     with told(qtbot) as full, disk.full():
         assert not window.save()

@@ -11,12 +11,11 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QPushButton, QToolTip, QWidget
 from pytestqt.qtbot import QtBot
 
+from tests.support.maps.three_rooms import FOUND, GRID
 from tests.support.windows import sample_screens
-from tests.ui.model.test_arena_draft import FOUND, GRID
-from tests.ui.windows.desk.test_desk_window import desk, state, study
-from tests.ui.windows.participant.conftest import Opened, opened
-from tests.ui.windows.participant.test_window import Open
-from tests.ui.windows.templates.test_template_window import opened as open_templates
+from tests.support.windows.desk_windows import desk, state, study
+from tests.support.windows.participant_windows import Open, Opened, opened
+from tests.support.windows.template_windows import open_templates
 from thbridge.hunt.rooms import RoomNames
 from ui.model.desk.messages import DeskState
 from ui.model.shared.theme import LIGHT

@@ -16,7 +16,7 @@ from sim.numerics.elementary import wrap_angle
 from sim.parameters import UkfParameters
 from sim.robot.localization.pose_filters import ExtendedPoseFilter, MeasuredMotion, UnscentedPoseFilter
 from tests.sim.robot.localization.portable_filters import digest_of, filters, random_steps
-from tests.system.test_portability import LIBM_WITHOUT_FMA, NUMPY_PLAIN
+from tests.support.programs.processor_features import LIBM_WITHOUT_FMA, NUMPY_PLAIN
 
 ROOT = Path(__file__).parents[4]
 HERE = Pose2(1.0, -2.0, 3.1)

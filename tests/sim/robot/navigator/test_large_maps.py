@@ -17,7 +17,7 @@ from sim.robot.global_planning.potential_planner import PotentialPlanner
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.navigator.states import Controlling, Planning
 from sim.team import Team
-from tests.sim.robot.navigator.test_move_base import ROOMS, Rig, everybody_arrived
+from tests.sim.robot.navigator.ideal_robots import ROOMS, IdealRobots, everybody_arrived
 from tests.support.maps.large_office import large_office
 
 OFFICE = large_office()
@@ -91,7 +91,7 @@ def small_portions(monkeypatch):
 
 @pytest.mark.usefixtures("small_portions")
 def test_a_goal_that_comes_while_another_is_searched_takes_its_place():
-    rig = Rig([(0, 0, 0)])
+    rig = IdealRobots([(0, 0, 0)])
     rig.go(0, *ROOMS[5])
     rig.run(1, lambda rig: rig.tick == 4)
     assert isinstance(rig.navigators[0]._execution.state, Planning)
@@ -105,7 +105,7 @@ def test_a_goal_that_comes_while_another_is_searched_takes_its_place():
 def test_a_robot_drives_on_while_it_searches_a_better_plan():
     software = RobotParameters()
     software = replace(software, move_base=replace(software.move_base, planner_frequency=1.0))
-    rig = Rig([(0, 0, 0)], parameters=software)
+    rig = IdealRobots([(0, 0, 0)], parameters=software)
     rig.go(0, *ROOMS[5])
     rig.run(5, lambda rig: isinstance(rig.navigators[0]._execution.state, Controlling))
     followers, slowest = [], 1.0
@@ -122,7 +122,7 @@ def test_a_robot_drives_on_while_it_searches_a_better_plan():
 
 @pytest.mark.usefixtures("small_portions")
 def test_a_robot_in_the_way_of_a_long_search_is_driven_around_or_asked():
-    rig = Rig([(0, -4, 1.57), (0, 6, -1.57)])
+    rig = IdealRobots([(0, -4, 1.57), (0, 6, -1.57)])
     rig.go(0, 0, 6, 1.57)
     rig.go(1, 0, -4, -1.57)
     rig.run(90, everybody_arrived)

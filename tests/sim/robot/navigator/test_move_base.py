@@ -11,33 +11,27 @@ from scipy.stats import spearmanr
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.observations import STANDSTILL, TICK, LaserMount, Neighbour, Scan, Twist
+from sim.common.observations import STANDSTILL, TICK, LaserMount, Neighbour, Scan
 from sim.common.polygons import placed_at
 from sim.inputs import PutThing, RemoveThing, ScheduledInput, SendGoal
 from sim.numerics.elementary import wrap_angle
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.costs import LETHAL
-from sim.robot.costmap.footprint import outline
-from sim.robot.local_planning.braking import gap
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
-from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.progress import PROGRESS_DISTANCE, PROGRESS_TIMEOUT
 from sim.team import Team
 from sim.world.thing import Thing
+from tests.sim.robot.navigator.ideal_robots import (
+    ARENA,
+    FOOTPRINT,
+    OUTLINE,
+    ROOMS,
+    IdealRobots,
+    dead_end,
+    everybody_arrived,
+)
 from thbridge.files.map_files import read_map
 
-STUDY = np.array(WorldParameters().footprint)
-OUTLINE = outline(STUDY, 0.05)
-ROOMS = [
-    (-2.671, 4.692),
-    (-2.735, 1.442),
-    (-2.869, -2.970),
-    (3.110, 4.857),
-    (2.612, -2.758),
-    (8.744, 5.440),
-    (9.002, 1.457),
-    (9.084, -2.518),
-]
 SECONDS_OF_2016 = [
     [99, 17, 14, 17, 13, 13, 16, 13, 15],
     [99, 99, 18, 23, 10, 19, 21, 18, 21],
@@ -51,109 +45,7 @@ SECONDS_OF_2016 = [
 ]
 
 
-WALLS_ACROSS_X = [
-    (-5, -5, 7), (11, -5, 7), (5, 3, 7), (-1, 3, 5), (1, 3, 5), (7, 3, 5),
-    (-1, -3, 1), (1, -3, -1), (5, -5, -1), (7, -3, 1),
-]  # fmt: skip
-WALLS_ACROSS_Y = [
-    (-5, -5, 11), (7, -5, 11), (3, -5, -1), (3, 1, 5), (3, 7, 11), (-1, -5, -1), (1, -5, -1), (-1, 1, 5), (-1, 7, 11),
-]  # fmt: skip
-
-
-def arena8():
-    """The arena of 2016: sixteen metres by twelve, walls 0.12 m thick."""
-    x = -5 + (np.arange(320) + 0.5) * 0.05
-    y = -5 + (np.arange(240) + 0.5) * 0.05
-    cells = np.zeros((240, 320), np.int8)
-    for at, low, high in WALLS_ACROSS_X:
-        cells[np.ix_((y >= low - 0.06) & (y <= high + 0.06), abs(x - at) <= 0.06)] = 100
-    for at, low, high in WALLS_ACROSS_Y:
-        cells[np.ix_(abs(y - at) <= 0.06, (x >= low - 0.06) & (x <= high + 0.06))] = 100
-    return OccupancyGrid(cells, 0.05, Pose2(-5.0, -5.0, 0.0))
-
-
-ARENA = arena8()
 WAREHOUSE = read_map(Path(__file__).parents[4] / "maps" / "warehouse12")
-
-
-class Rig:
-    """Robots on ideal wheels; any touch of a wall or of each other fails the test."""
-
-    def __init__(self, starts, grid=ARENA, parameters=None):
-        self.grid = grid
-        self.navigators = [Navigator(parameters or RobotParameters(), STUDY, grid, i) for i in range(len(starts))]
-        self.poses = [Pose2(*start) for start in starts]
-        self.twists = [STANDSTILL] * len(starts)
-        self.said = [None] * len(starts)
-        self.heard = []
-        self.tick = 0
-        self.results = [[] for _ in starts]
-        self.scans = lambda pose: None
-        self.strangers = []
-        self.broken = set()
-        self.waits = set()
-        self.ways_made = []
-        self.lost = set()
-
-    def step(self):
-        self.tick += 1
-        for i, said in enumerate(self.said):
-            wanted = said.command if said and i not in self.broken else STANDSTILL
-            old = self.twists[i]
-            v = old.linear + min(0.2, max(-0.2, wanted.linear - old.linear))
-            w = old.angular + min(0.2, max(-0.2, wanted.angular - old.angular))
-            x, y, theta = self.poses[i].array()
-            middle = theta + 0.5 * w * TICK
-            self.poses[i] = Pose2(
-                x + v * TICK * math.cos(middle), y + v * TICK * math.sin(middle), wrap_angle(theta + w * TICK)
-            )
-            self.twists[i] = Twist(v, w)
-        self.touch()
-        for i, navigator in enumerate(self.navigators):
-            others = [other for other in self.heard + self.strangers if other.robot != i]
-            scan = self.scans(self.poses[i])
-            self.said[i] = navigator.step(self.tick, self.poses[i], self.twists[i], scan, others, i in self.lost)
-            if self.said[i].result:
-                self.results[i].append(self.said[i].result)
-            if self.said[i].waits_for is not None:
-                assert self.said[i].command == STANDSTILL
-                self.waits.add((i, self.said[i].waits_for))
-            way_made = (i, self.said[i].makes_way_for)
-            if way_made != next((made for made in reversed(self.ways_made) if made[0] == i), (i, None)):
-                self.ways_made.append(way_made)
-        self.heard = [
-            Neighbour(i, self.poses[i], self.twists[i], STUDY, said.plan[:, :2], said.times, said.claim)
-            for i, said in enumerate(self.said)
-        ]
-
-    def touch(self):
-        bodies = [placed_at(STUDY, *pose.array()) for pose in self.poses]
-        for i, pose in enumerate(self.poses):
-            rows, cols = self.grid.cells_of(pose.transform(OUTLINE)).T
-            assert (self.grid.cells[rows, cols] == 0).all(), f"robot {i} touches a wall at {pose}"
-            for j in range(i):
-                if pose.distance(self.poses[j]) < 0.75:
-                    assert gap(bodies[i], bodies[j]) > 0, f"robots {j} and {i} touch at {pose}"
-
-    def go(self, robot, x, y, theta=0.0):
-        self.navigators[robot].go(Goal(self.tick, Pose2(x, y, theta)))
-
-    def run(self, seconds, until=lambda rig: False):
-        """Simulated seconds until `until`, or fail."""
-        begun = self.tick
-        while not until(self):
-            assert (self.tick - begun) * TICK < seconds, self.describe()
-            self.step()
-        return (self.tick - begun) * TICK
-
-    def describe(self):
-        return [
-            (said.state, pose, result) for said, pose, result in zip(self.said, self.poses, self.results, strict=True)
-        ]
-
-
-def everybody_arrived(rig):
-    return all(results and isinstance(results[-1], GoalReached) for results in rig.results)
 
 
 def hunt(rig, legs, seed, places=ROOMS, patience=150):
@@ -178,7 +70,7 @@ def hunt(rig, legs, seed, places=ROOMS, patience=150):
 
 
 def test_a_robot_arrives_at_the_pose_asked_for():
-    rig = Rig([(0, 0, 0)])
+    rig = IdealRobots([(0, 0, 0)])
     rig.go(0, *ROOMS[3], 2.0)
     rig.run(60, everybody_arrived)
     assert rig.poses[0].distance(Pose2(*ROOMS[3], 0)) <= 0.1
@@ -189,7 +81,7 @@ def test_a_robot_arrives_at_the_pose_asked_for():
 
 
 def test_navigation_tells_plan_times_and_what_is_left():
-    rig = Rig([(0, 0, 0)])
+    rig = IdealRobots([(0, 0, 0)])
     rig.go(0, *ROOMS[3])
     rig.run(5, lambda rig: rig.said[0] is not None and rig.said[0].state == "controlling")
     first = rig.said[0]
@@ -202,7 +94,7 @@ def test_navigation_tells_plan_times_and_what_is_left():
 
 @pytest.mark.slow
 def test_times_rank_like_those_of_2016():
-    rig = Rig([(0, 0, 0)])
+    rig = IdealRobots([(0, 0, 0)])
     ours, theirs = [], []
     here = 0
     # One drive through forty of the matrix's entries.
@@ -219,7 +111,7 @@ def test_times_rank_like_those_of_2016():
 
 
 def test_a_new_goal_takes_the_place_of_the_old_and_cancelling_stops():
-    rig = Rig([(0, 0, 0)])
+    rig = IdealRobots([(0, 0, 0)])
     rig.go(0, *ROOMS[0])
     rig.run(3, lambda rig: rig.tick == 100)
     rig.go(0, *ROOMS[3])
@@ -237,7 +129,7 @@ def test_a_new_goal_takes_the_place_of_the_old_and_cancelling_stops():
     ("goal", "reason"), [((-1.0, 0.0), "goal_occupied"), ((40.0, 0.0), "goal_outside"), ((-0.9, 0.0), "goal_occupied")]
 )
 def test_a_goal_that_cannot_be_is_refused_with_its_reason(goal, reason):
-    rig = Rig([(0, 0, 0)])
+    rig = IdealRobots([(0, 0, 0)])
     rig.go(0, *goal)
     rig.run(2, lambda rig: rig.results[0])
     result = rig.results[0][0]
@@ -249,7 +141,7 @@ def test_a_goal_that_cannot_be_is_refused_with_its_reason(goal, reason):
 def test_a_room_without_a_door_is_refused():
     cells = np.zeros((100, 100), np.int8)
     cells[:, 50] = cells[0] = cells[-1] = 100
-    rig = Rig([(1, 2, 0)], OccupancyGrid(cells, 0.05, Pose2(0, 0, 0)))
+    rig = IdealRobots([(1, 2, 0)], OccupancyGrid(cells, 0.05, Pose2(0, 0, 0)))
     rig.go(0, 4, 2)
     rig.run(10, lambda rig: rig.results[0])
     assert rig.results[0][0].reason == "no_way"
@@ -269,7 +161,7 @@ def test_an_obstacle_that_the_map_does_not_know_is_driven_around():
         depth = distance * np.cos(angles) - np.sqrt(np.maximum(0.04 - aside**2, 0))
         return Scan(0, mount, np.where(hit, depth, np.inf).astype(np.float32))
 
-    rig = Rig([(0, 0, 0)])
+    rig = IdealRobots([(0, 0, 0)])
     rig.scans = scan_of
     rig.go(0, 5.8, 0.1)
     closest = 9.0
@@ -303,14 +195,14 @@ def test_an_obstacle_that_the_map_does_not_know_is_driven_around():
     ],
 )
 def test_meetings_end_with_everybody_there(starts, goals):
-    rig = Rig(starts)
+    rig = IdealRobots(starts)
     for i, goal in enumerate(goals):
         rig.go(i, *goal)
     rig.run(90, everybody_arrived)
 
 
 def test_one_that_rests_in_a_door_makes_way():
-    rig = Rig([(0, 0, 0), (-1.0, 2.0, 0)])
+    rig = IdealRobots([(0, 0, 0), (-1.0, 2.0, 0)])
     rig.go(0, *ROOMS[1])
     rig.run(60, lambda rig: rig.results[0])
     assert isinstance(rig.results[0][0], GoalReached)
@@ -328,8 +220,10 @@ def bounded(rig, robot):
 
 
 def test_who_has_the_right_of_way_and_never_goes_cannot_hold_up_a_goal_for_ever():
-    rig = Rig([(0, 0, 0)])
-    rig.strangers = [Neighbour(1, Pose2(0, 3, 0), STANDSTILL, STUDY, np.array([[0.0, 3.0], [3.0, 2.0]]), np.zeros(2))]
+    rig = IdealRobots([(0, 0, 0)])
+    rig.strangers = [
+        Neighbour(1, Pose2(0, 3, 0), STANDSTILL, FOOTPRINT, np.array([[0.0, 3.0], [3.0, 2.0]]), np.zeros(2))
+    ]
     rig.go(0, 0, 6)
     assert bounded(rig, 0) < 3 * PROGRESS_TIMEOUT
     assert rig.results[0][0].reason == "robots_in_the_way"
@@ -339,7 +233,7 @@ def test_who_has_the_right_of_way_and_never_goes_cannot_hold_up_a_goal_for_ever(
 def test_one_that_cannot_make_way_ends_a_goal_with_its_reason():
     cells = np.zeros((24, 160), np.int8)
     cells[0], cells[-1], cells[:, 0], cells[:, -1] = 100, 100, 100, 100
-    rig = Rig([(1, 0.6, 0), (4, 0.6, 0)], OccupancyGrid(cells, 0.05, Pose2(0, 0, 0)))
+    rig = IdealRobots([(1, 0.6, 0), (4, 0.6, 0)], OccupancyGrid(cells, 0.05, Pose2(0, 0, 0)))
     rig.go(0, 7, 0.6)
     bounded(rig, 0)
     assert rig.results[0][0].reason == "robots_in_the_way"
@@ -348,7 +242,7 @@ def test_one_that_cannot_make_way_ends_a_goal_with_its_reason():
 
 
 def test_who_waits_stands_and_says_for_whom():
-    rig = Rig([(-2, 2, 0), (0, 4, -1.57)])
+    rig = IdealRobots([(-2, 2, 0), (0, 4, -1.57)])
     rig.go(0, 3, 2)
     rig.go(1, 0, -3)
     rig.run(3, lambda rig: rig.tick == 100)
@@ -362,7 +256,7 @@ def test_who_waits_stands_and_says_for_whom():
 
 
 def test_who_drives_round_another_one_says_for_whom_until_it_goes_on_as_if_alone():
-    rig = Rig([(-2, 2, 0), (0, 4, -1.57)])
+    rig = IdealRobots([(-2, 2, 0), (0, 4, -1.57)])
     rig.go(0, 3, 2)
     rig.go(1, 0, -3)
     rig.run(10, lambda rig: rig.twists[1].linear > 0.1)
@@ -373,14 +267,14 @@ def test_who_drives_round_another_one_says_for_whom_until_it_goes_on_as_if_alone
 
 
 def test_who_is_alone_makes_way_for_nobody():
-    rig = Rig([(0, 0, 0)])
+    rig = IdealRobots([(0, 0, 0)])
     rig.go(0, *ROOMS[3])
     rig.run(60, everybody_arrived)
     assert not rig.ways_made
 
 
 def test_a_robot_whose_wheels_do_not_turn_gives_up():
-    rig = Rig([(0, 0, 0)])
+    rig = IdealRobots([(0, 0, 0)])
     rig.go(0, 0, 6)
     rig.broken = {0}
     bounded(rig, 0)
@@ -390,13 +284,13 @@ def test_a_robot_whose_wheels_do_not_turn_gives_up():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_six_robots_hunt(seed):
-    hunt(Rig([(0, -1.5 + 0.9 * i, 0) for i in range(6)]), 3, seed)
+    hunt(IdealRobots([(0, -1.5 + 0.9 * i, 0) for i in range(6)]), 3, seed)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
 def test_one_to_six_robots_hunt_long(seed):
-    hunt(Rig([(0, -1.5 + 0.9 * i, 0) for i in range(1 + seed % 6)]), 6, seed)
+    hunt(IdealRobots([(0, -1.5 + 0.9 * i, 0) for i in range(1 + seed % 6)]), 6, seed)
 
 
 @pytest.mark.slow
@@ -404,13 +298,18 @@ def test_one_to_six_robots_hunt_long(seed):
 def test_ten_robots_hunt(seed):
     starts = [(0, 0), (1.5, 2.45), (2.5, 2.45), (3.5, 2.45), (1.5, -0.45), (2.5, -0.45), (3.5, -0.45)]
     starts += [(5.55, 3.6), (5.55, 4.6), (5.55, -1.6)]
-    hunt(Rig([(*start, 0) for start in starts]), 2, seed, [*ROOMS, (1.5, 2.4), (3.5, 2.4), (2.0, -0.4), (4.0, -0.4)])
+    hunt(
+        IdealRobots([(*start, 0) for start in starts]),
+        2,
+        seed,
+        [*ROOMS, (1.5, 2.4), (3.5, 2.4), (2.0, -0.4), (4.0, -0.4)],
+    )
 
 
 def test_the_same_twice():
     ends = []
     for _ in range(2):
-        rig = Rig([(0, -1.5 + 0.9 * i, 0) for i in range(3)])
+        rig = IdealRobots([(0, -1.5 + 0.9 * i, 0) for i in range(3)])
         for i in range(3):
             rig.go(i, *ROOMS[i])
         rig.run(20, lambda rig: rig.tick == 500)
@@ -456,7 +355,7 @@ def test_ten_robots_in_twelve_rooms_touch_nothing_on_noisy_wheels():
 
 def test_a_map_whose_origin_is_turned_is_driven_like_any_other():
     turn = Pose2(4.0, -1.0, 0.6)
-    rig = Rig([(0, 0, 0)], OccupancyGrid(ARENA.cells, 0.05, turn.compose(ARENA.origin)))
+    rig = IdealRobots([(0, 0, 0)], OccupancyGrid(ARENA.cells, 0.05, turn.compose(ARENA.origin)))
     rig.poses = [turn.compose(Pose2(0, 0, 0))]
     goal = turn.compose(Pose2(*ROOMS[3], 1.0))
     rig.navigators[0].go(Goal(1, goal))
@@ -468,7 +367,7 @@ def test_a_map_whose_origin_is_turned_is_driven_like_any_other():
 
 
 def test_goals_that_change_under_way_end_once_each_and_hardly_slow_the_robot_down():
-    rig = Rig([(0, -4, 1.57)])
+    rig = IdealRobots([(0, -4, 1.57)])
     rig.go(0, 0, 6, 1.57)
     rig.run(10, lambda rig: rig.poses[0].y > -2.5)
     slowest = rig.twists[0].linear
@@ -484,7 +383,7 @@ def test_goals_that_change_under_way_end_once_each_and_hardly_slow_the_robot_dow
 
 
 def test_a_lost_robot_that_sees_nothing_stands_until_it_knows_its_place_and_not_for_ever():
-    rig = Rig([(0, -4, 1.57)])
+    rig = IdealRobots([(0, -4, 1.57)])
     rig.go(0, 0, 6, 1.57)
     rig.run(10, lambda rig: rig.poses[0].y > -3)
     rig.lost = {0}
@@ -501,7 +400,7 @@ def test_a_lost_robot_that_sees_nothing_stands_until_it_knows_its_place_and_not_
 
 
 def test_a_lost_robot_with_a_goal_turns_on_the_spot_whatever_it_believes():
-    rig = Rig([(0, -4, 1.57)])
+    rig = IdealRobots([(0, -4, 1.57)])
     mount = LaserMount(Pose2(0.1, 0.0, 0.0), -2.3, 0.05, 93, 0.05, 8.0)
     rig.scans = lambda pose: Scan(0, mount, np.full(93, 2.0, np.float32))
     rig.lost = {0}
@@ -515,7 +414,7 @@ def test_a_lost_robot_with_a_goal_turns_on_the_spot_whatever_it_believes():
 
 @pytest.mark.parametrize("heading", [0.0, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.6, 0.95, 1.2))])
 def test_a_lost_robot_with_no_room_to_turn_stays_off_the_wall_ahead_however_noisy_its_scans(heading):
-    rig = Rig([(0, -4, heading)])
+    rig = IdealRobots([(0, -4, heading)])
     mount = LaserMount(Pose2(0.1, 0.0, 0.0), -2.35619449, 4.71238898 / 180, 181, 0.05, 8.0)
     along, chance = np.cos(mount.angles()), np.random.default_rng(4)
 
@@ -530,12 +429,12 @@ def test_a_lost_robot_with_no_room_to_turn_stays_off_the_wall_ahead_however_nois
     rig.scans, rig.lost = beside_a_wall, {0}
     rig.go(0, 0, 6, 0.5 * math.pi)
     rig.run(150, lambda rig: rig.tick * TICK >= 100)
-    left = 1.0 - placed_at(STUDY, *rig.poses[0].array())[:, 0].max()
+    left = 1.0 - placed_at(FOOTPRINT, *rig.poses[0].array())[:, 0].max()
     assert 0.04 < left < 0.2
 
 
 def test_a_lost_robot_turns_on_when_what_barred_its_turn_was_seen_once_only():
-    rig = Rig([(0, -4, 0.5 * math.pi)])
+    rig = IdealRobots([(0, -4, 0.5 * math.pi)])
     mount = LaserMount(Pose2(0.1, 0.0, 0.0), -2.3, 0.05, 93, 0.05, 8.0)
     free = np.full(93, 2.0, np.float32)
     # Something beside each corner in front, where a turn either way would bring it.
@@ -551,7 +450,7 @@ def test_a_lost_robot_turns_on_when_what_barred_its_turn_was_seen_once_only():
 @pytest.mark.parametrize(("frequency", "plans"), [(0.0, (1, 1)), (2.0, (8, 11))])
 def test_planner_frequency_makes_new_plans_under_way(frequency, plans):
     parameters = RobotParameters()
-    rig = Rig(
+    rig = IdealRobots(
         [(0, -4, 1.57)],
         parameters=replace(parameters, move_base=replace(parameters.move_base, planner_frequency=frequency)),
     )
@@ -565,16 +464,8 @@ def test_planner_frequency_makes_new_plans_under_way(frequency, plans):
     assert plans[0] <= len(made) <= plans[1]
 
 
-def dead_end():
-    """A corridor of 1.2 m that opens into a room on its right: who stands in the corridor can only go into the room."""
-    cells = np.full((80, 200), 100, np.int8)
-    cells[28:52, 4:120] = 0
-    cells[10:70, 120:196] = 0
-    return OccupancyGrid(cells, 0.05, Pose2(0, 0, 0))
-
-
 def test_those_in_the_way_of_those_in_the_way_are_asked_in_the_name_of_whoever_waits_longest():
-    rig = Rig([(1, 2, 0), (4, 2, 0), (5.2, 2, 0)], dead_end())
+    rig = IdealRobots([(1, 2, 0), (4, 2, 0), (5.2, 2, 0)], dead_end())
     rig.run(1, lambda rig: rig.tick == 10)
     rig.go(0, 8, 1.2)
     rig.run(10, lambda rig: rig.tick == 100)
@@ -631,7 +522,7 @@ def test_costmaps_that_are_shut_down_take_no_notice_of_obstacles_without_a_goal(
         move_base=replace(parameters.move_base, shutdown_costmaps=shut_down),
         global_costmap=replace(parameters.global_costmap, publish_frequency=50.0),
     )
-    rig = Rig([(0, 0, 0)], parameters=parameters)
+    rig = IdealRobots([(0, 0, 0)], parameters=parameters)
     mount = LaserMount(Pose2(0.0, 0.0, 0.0), -0.1, 0.1, 3, 0.05, 8.0)
     rig.scans = lambda pose: Scan(0, mount, np.full(3, 0.7, np.float32))
 

@@ -11,7 +11,7 @@ from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.parameters import RecoveryBehavior, RobotParameters
 from sim.robot.local_planning.local_planner import LocalPlanner, PlannedCommand
 from sim.robot.navigator.progress import STAY_DISTANCE, STAY_TIMEOUT, GoalProgress
-from tests.sim.robot.navigator.test_move_base import Rig
+from tests.sim.robot.navigator.ideal_robots import IdealRobots
 
 NO_POSES = np.empty((0, 3))
 
@@ -21,7 +21,7 @@ def rig_by(monkeypatch, follow, **move_base):
     monkeypatch.setattr(LocalPlanner, "follow", lambda self, pose, *_: follow(pose))
     parameters = RobotParameters()
     parameters = replace(parameters, move_base=replace(parameters.move_base, **move_base))
-    rig = Rig([(0, -4, 0.5 * math.pi)], parameters=parameters)
+    rig = IdealRobots([(0, -4, 0.5 * math.pi)], parameters=parameters)
     rig.step()
     rig.go(0, 0, 6, 0.5 * math.pi)
     return rig

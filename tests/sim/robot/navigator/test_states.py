@@ -14,7 +14,7 @@ from sim.robot.local_planning.local_planner import PlannedCommand
 from sim.robot.navigator import follower, goal_execution, move_base
 from sim.robot.navigator.follower import NO_POSES, Follower
 from sim.robot.navigator.states import TRANSITIONS, Clearing, Controlling, Idle, Planning
-from tests.sim.robot.navigator.test_move_base import ARENA, STUDY, Rig, dead_end
+from tests.sim.robot.navigator.ideal_robots import ARENA, FOOTPRINT, IdealRobots, dead_end
 
 NO_TIMES = np.empty(0)
 
@@ -37,18 +37,18 @@ def rig_at(start, grid=ARENA, **move_base):
     rotation = (RecoveryBehavior("rotate_recovery"),)
     parameters = RobotParameters()
     parameters = replace(parameters, move_base=replace(parameters.move_base, recovery_behaviors=rotation, **move_base))
-    rig = Rig([start], grid, parameters)
+    rig = IdealRobots([start], grid, parameters)
     rig.step()
     return rig
 
 
 def asking(begin, end):
     """A robot with an older goal than anybody's that wants a straight path."""
-    return Neighbour(9, Pose2(*begin, 0.0), STANDSTILL, STUDY, np.linspace(begin, end, 20), NO_TIMES, Claim(-1, 9))
+    return Neighbour(9, Pose2(*begin, 0.0), STANDSTILL, FOOTPRINT, np.linspace(begin, end, 20), NO_TIMES, Claim(-1, 9))
 
 
 def resting(x, y):
-    return Neighbour(8, Pose2(x, y, 0.0), STANDSTILL, STUDY, np.empty((0, 2)), NO_TIMES)
+    return Neighbour(8, Pose2(x, y, 0.0), STANDSTILL, FOOTPRINT, np.empty((0, 2)), NO_TIMES)
 
 
 def until(rig, state, seconds=30):
@@ -171,7 +171,7 @@ def test_a_change_that_is_not_declared_raises():
 def test_the_follower_changes_its_state_as_its_transition_table_says(occurred, monkeypatch):
     parameters = RobotParameters()
     planner = replace(parameters.TrajectoryPlannerROS, latch_xy_goal_tolerance=False)
-    navigator = move_base.Navigator(replace(parameters, TrajectoryPlannerROS=planner), STUDY, ARENA)
+    navigator = move_base.Navigator(replace(parameters, TrajectoryPlannerROS=planner), FOOTPRINT, ARENA)
     points = np.column_stack([np.zeros(11), np.linspace(0.0, 1.0, 11)])
     driven = Follower(
         navigator._controller, navigator._itinerary_planner, 0, timed_itinerary(points, 0.0), 1.57, turns_at_end=True

@@ -11,8 +11,8 @@ import pytest
 
 from sim.common.observations import Twist
 from sim.inputs import NomotionUpdate
+from tests.support.ros.packed_messages import stamped
 from tests.thbridge.app.live_graph.visited_session import Visited, asked, cancel, goal
-from tests.thbridge.ros.test_clients import stamped
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.live_graph.rate_limiter import REQUESTS_PER_TICK
 from thbridge.app.session.inputs import FrameReceived

@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from sim.robot.navigator.goals import GoalReached
+from tests.support.hunts.replayed_hunts import equal
+from tests.support.ros.packed_messages import STORE, header, packed, pose, stamped
 from tests.thbridge.app.live_graph.visited_session import Visited, cancel, goal
-from tests.thbridge.app.replay.test_replay import equal
-from tests.thbridge.ros.test_clients import STORE, header, packed, pose, stamped
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.rosgraph.wire.xmlrpc import XmlRpcValue
 from thbridge.study.study_file import Study

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sim.team import TeamSnapshot
-from tests.thbridge.ros.test_clients import STORE, header, packed, pose
+from tests.support.ros.packed_messages import STORE, header, packed, pose
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_team_description, build_writer
 from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.hunts.replayed_hunts import STUDY, equal, record
 from tests.support.slow import slow
-from tests.thbridge.app.replay.test_replay import STUDY, equal, record
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.recording.bag.reading.reader import messages

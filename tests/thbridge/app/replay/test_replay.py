@@ -25,17 +25,16 @@ from sim.inputs import (
 )
 from sim.parameters import WorldParameters
 from sim.world.thing import Thing
-from thbridge.app.compose.game import build_bot, build_hider, build_keeper
+from tests.support.hunts.replayed_hunts import STUDY, again, bot_of, equal, record, setting_of
+from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_recorder, build_writer
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.session import SessionRecording, build_programs, open_session
-from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import PLAY, HuntUnfinished, PlayOptions, play
 from thbridge.app.programs import SIMR
 from thbridge.app.replay.replay import (
     NOT_IN_OLDER,
-    Replayed,
     ReplayOptions,
     recorded_study,
     replay,
@@ -64,7 +63,6 @@ from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.roles.participant.bot_strategy import BotStrategy
-from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.shared.notices import KEEPER, MoveOrder, Orders, Subscribe
 from thbridge.roles.shared.robot_requests import (
     PaceRequest,
@@ -84,7 +82,7 @@ from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.study.overrides import StudyChange, with_changes
+from thbridge.study.overrides import StudyChange
 from thbridge.study.study_file import DialogueSection, RecordingSection, Study, read_study_text
 from thbridge.text_protocol.sockets.client import TextClient
 from thbridge.text_protocol.wire import legacy
@@ -94,25 +92,6 @@ from thbridge.text_protocol.wire.notice import encode_notice
 from thbridge.text_protocol.wire.router import ConnectionId, RouterOutput, SendToClient
 from thbridge.watching import wire
 from thbridge.watching.sockets.client import WatchClient
-
-STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
-
-
-def setting_of(study: Study) -> StudySetting:
-    return read_setting(study, Path())
-
-
-def bot_of(setting: StudySetting) -> TabUI:
-    who = setting.study.participant
-    return TabUI(build_bot(setting.templates, who.strategy, setting.study.seed, who.attitude))
-
-
-def record(bag: Path, study: Study, seconds: float) -> None:
-    """A hunt with a simulated participant, given up after some time."""
-    setting = setting_of(study)
-    options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
-    with pytest.raises(HuntUnfinished):
-        asyncio.run(play(setting, bot_of(setting), options, lambda where: None, lambda tick_record: None))
 
 
 def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, Request | PaceRequest]]) -> list[type]:
@@ -170,20 +149,6 @@ def act(
         for tick in range(ticks):
             doing(tick, session)
             session.step()
-
-
-def again(bag: Path, *changes: StudyChange, to: Path | None = None, to_the_end: bool = False) -> Replayed:
-    study = with_changes(read_study_text(bag, session_of(bag).study), [], changes)
-    return asyncio.run(
-        replay(bag, setting_of(study), ReplayOptions(0.0, 0.0, to, to_the_end), lambda tick_record: None)
-    )
-
-
-def equal(bag: Path, ticks: int) -> None:
-    done = again(bag)
-    assert done.difference is None
-    assert (done.cut_off, done.finished, done.ticks) == (False, True, ticks)
-    assert done.messages == len(list(messages(bag))) - 1
 
 
 def subscription(name: str) -> bytes:

@@ -1,6 +1,6 @@
 """Who took part by which key, and what was asked by it, is in the journal of the game."""
 
-from tests.support.hunts.hunt_without_simulator import Stage
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
 from thbridge.app.session.input_records import to_record
 from thbridge.app.session.inputs import ConnectionOpened
 from thbridge.credentials import Credentials, Right
@@ -9,7 +9,7 @@ from thbridge.text_protocol.wire.router import TurnedAway
 
 
 def test_a_game_has_the_keys_of_its_programs_and_what_was_asked_by_others() -> None:
-    stage = Stage(run="run")
+    stage = HuntWithoutSimulator(run="run")
     early = stage.session.router.connect(0.0, Credentials("maria", (Right.PARTICIPANT,)))
     assert not isinstance(early, TurnedAway)
     stage.session.router.receive_data(early, b"%%setid Anna extended\n", 0.0)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sim.parameters import RobotParameters, WorldParameters
-from tests.thbridge.app.replay.test_mavlink_replay import STUDY, Station, by_frames, record
-from tests.thbridge.app.replay.test_replay import equal
+from tests.support.hunts.replayed_hunts import equal
+from tests.support.mavlink.recorded_stations import STUDY, Station, by_frames, record
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.session import build_programs, open_session
 from thbridge.app.compose.setting import read_setting

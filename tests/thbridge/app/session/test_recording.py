@@ -5,6 +5,7 @@ from sim.common.geometry import Pose2
 from sim.world.thing import Thing
 from sim.world.things import ThingState
 from tests.support.bags.drawn_team import snapshots
+from tests.support.bags.remembering_recorder import RememberingRecorder
 from tests.support.dialogue.recorded_dialogues import LEAVES, STUBBORN, TOPIC, recorded, utterances
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import TickRecord
@@ -22,18 +23,8 @@ from thbridge.ros.messages.session_records import (
 CRATE = ThingState(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(1.0, 2.0, 0.0)))
 
 
-class Tape:
-    """A recorder that remembers."""
-
-    def __init__(self):
-        self.records = []
-
-    def record(self, snapshot, records):
-        self.records += records
-
-
 def test_a_robot_that_is_put_elsewhere_is_an_event_and_one_that_drives_is_not():
-    tape = Tape()
+    tape = RememberingRecorder()
     recorder = BagRecorder(tape)
     for snapshot in snapshots(2, 100):
         poses = snapshot.world.poses.copy()
@@ -44,7 +35,7 @@ def test_a_robot_that_is_put_elsewhere_is_an_event_and_one_that_drives_is_not():
 
 
 def test_what_befalls_robots_and_things_is_an_event():
-    tape = Tape()
+    tape = RememberingRecorder()
     recorder = BagRecorder(tape)
     (snapshot,) = snapshots(2, 1)
     for things, dead in (((CRATE,), ()), ((replace(CRATE, appeared=True),), (1,)), ((), (1,)), ((), ())):

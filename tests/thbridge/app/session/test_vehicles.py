@@ -10,7 +10,7 @@ import pytest
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import KillRobot
 from tests.support.bags.drawn_team import snapshots
-from tests.thbridge.app.session.test_recording import Tape
+from tests.support.bags.remembering_recorder import RememberingRecorder
 from thbridge.app.compose.recording import build_publisher, build_record
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.session import Programs, SessionRecording, open_session
@@ -166,7 +166,7 @@ def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Sessio
 
 
 def test_states_are_said_when_they_change_and_every_second():
-    tape = Tape()
+    tape = RememberingRecorder()
     recorder = BagRecorder(tape)
     rest, armed = (
         VehicleStatus(True, False, False, False, "HOLD", 4),

@@ -14,14 +14,11 @@ from hypothesis import strategies as st
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.inputs import (
-    CancelGoal,
     ClearCostmaps,
     DriveManually,
     GlobalLocalization,
     KidnapRobot,
     KillRobot,
-    NomotionUpdate,
-    PlaceRobot,
     PutThing,
     RemoveThing,
     ReviveRobot,
@@ -34,7 +31,7 @@ from sim.inputs import (
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
 from sim.team import Team
-from sim.world.thing import Thing
+from tests.support.hunts.watch_requests import CRATE, GRANTED, HERE, SURE
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.input_records import decode_request
@@ -55,35 +52,9 @@ from thbridge.roles.shared.robot_requests import (
 )
 from thbridge.roles.simr.controls import RobotControls
 from thbridge.ros.messages.goal_owners import GoalOwner
-from thbridge.ros.messages.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.ros.messages.records import InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.study_file import Study
 from thbridge.timing.pacer import Pacer
-
-HERE = Pose2(1.0, 0.5, 0.1)
-SURE = np.diag([0.1, 0.1, 0.01])
-CRATE = Thing("crate", ((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), HERE)
-GRANTED: list[WatchRequest] = [
-    SendGoal(0, Goal(3, HERE)),
-    CancelGoal(1),
-    SimpleGoal(0, HERE, 3),
-    CancelRequest(0, "", 0),
-    VelocityCommand(1, Twist(0.2, 0.0)),
-    InitialPose(0, HERE, SURE),
-    SetPoseEstimate(1, HERE, SURE),
-    GlobalLocalization(0),
-    NomotionUpdate(0),
-    ClearCostmaps(1),
-    SetParameters(0, (("amcl.kld_err", 0.02), ("amcl.recovery_alpha_fast", 0.1), ("world.laser.range_noise", 0.3))),
-    PutThing(CRATE),
-    RemoveThing("crate"),
-    KidnapRobot(1, HERE),
-    PlaceRobot(0, HERE),
-    KillRobot(1),
-    ReviveRobot(1),
-    WizardMode(1, on=True),
-    WizardMove(3, 0, 0, "Off I go!"),
-    WizardAdvice(0, 4),
-]
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.support.dialogue.derivations import derives
 from thbridge.dialogue.argumentation.arguments import (
     Argument,
     Belief,
@@ -132,17 +133,6 @@ NAMES = [fact(name) for name in "abcd"]
 LITERALS = st.sampled_from([*NAMES, *(~name for name in NAMES)])
 PREMISES = st.lists(LITERALS, min_size=1, max_size=2, unique=True).map(tuple)
 RULES = st.builds(Rule, PREMISES, LITERALS, st.just(True))
-
-
-def derives(support: frozenset[Literal | Rule], conclusion: Literal, granted: frozenset[Literal]) -> bool:
-    """Whether a conclusion follows, by applying rules until nothing new comes."""
-    known = {each for each in support if isinstance(each, Literal)} | granted
-    rules = [each for each in support if isinstance(each, Rule)]
-    while True:
-        new = {rule.conclusion for rule in rules if set(rule.premises) <= known} - known
-        if not new:
-            return conclusion in known
-        known |= new
 
 
 @given(

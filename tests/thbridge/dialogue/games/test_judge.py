@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.thbridge.dialogue.games import test_dialogue_machine as machine
+from tests.thbridge.dialogue.games import dialogue_machine as machine
 from thbridge.dialogue.argumentation import arguments, beliefs
 from thbridge.dialogue.argumentation.arguments import Argument, Belief, arguments_for
 from thbridge.dialogue.argumentation.propositions import Literal, Rule

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.argumentation.test_arguments import derives
+from tests.support.dialogue.derivations import derives
+from tests.thbridge.dialogue.games.dialogue_machine import judged, keeps_promises
 from tests.thbridge.dialogue.games.judge import Fact, Judge, Party
 from tests.thbridge.dialogue.games.random_talk import GAMES, random_start, random_topic
-from tests.thbridge.dialogue.games.test_dialogue_machine import judged, keeps_promises
-from tests.thbridge.dialogue.games.test_readings import (
+from tests.thbridge.dialogue.games.small_conversations import (
     HUMAN,
     IMPLIES,
     ROBOT,

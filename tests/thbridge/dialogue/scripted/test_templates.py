@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.hunts.hunt_without_simulator import Stage, engine
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator, scripted_engine
 from thbridge.dialogue.moves import Ask, Dialogue, DialogueTopic, Scenario
 from thbridge.dialogue.scripted.reserved_words import WORDS, word_fault, words_of
 from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template, TemplatePhrasing
@@ -98,10 +98,10 @@ def test_confidence_is_said_where_the_wording_wants_it_or_else_before_it():
 
 def test_a_room_is_called_by_its_own_name_or_else_by_its_number():
     names = RoomNames.of([(3, "Kitchen"), (4, "Room 4")])
-    played = Stage(set_name="four-properties")
+    played = HuntWithoutSimulator(set_name="four-properties")
     said = {}
     for room in (3, 4):
-        dialogues = GameDialogues(engine(played.templates), room_names=names)
+        dialogues = GameDialogues(scripted_engine(played.templates), room_names=names)
         played.run(6)
         dialogues.open(played.session.game, Scenario.SPECIFIC_ROOM, 0, Room(room))
         said[room] = dialogues.take_utterances()[0].text

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.experiment.test_backup import play
-from tests.thbridge.experiment.test_design import write
+from tests.support.studies.experiment_files import write_experiment
+from tests.support.studies.participants import play_a_game
 from thbridge.credentials import Right
 from thbridge.experiment.backup import back_up
 from thbridge.experiment.folder import ExperimentFolder
@@ -54,8 +54,8 @@ def _claim(path: Path) -> None:
 def _back_up(to: Path) -> None:
     study = ExperimentFolder(to.parents[1] / "study")
     study.log.parent.mkdir(parents=True)
-    write(study.root, "title: x\nquota: 3\nsteps:\n  - {step: trial}\n")
-    play(study)
+    write_experiment(study.root, "title: x\nquota: 3\nsteps:\n  - {step: trial}\n")
+    play_a_game(study)
     back_up(study, to)
 
 

@@ -1,7 +1,6 @@
 """At the helm of real (simulated) robots in a real game: what becomes of what a ground station asks."""
 
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +12,10 @@ from sim.common.observations import Twist
 from sim.inputs import KillRobot, SendGoal
 from sim.parameters import NavfnParameters, RobotParameters
 from sim.robot.navigator.goals import Goal
-from sim.team import TeamSnapshot
-from tests.support.hunts.hunt_without_simulator import Log
-from tests.thbridge.roles.test_hunt import Script
-from thbridge.app.compose.game import build_briefing, build_hider, build_keeper
-from thbridge.app.compose.robots import build_game_setup, build_simr
-from thbridge.app.compose.setting import StudySetting, read_setting
-from thbridge.app.session.session import Session, TickRecord
+from tests.support.mavlink.piloted_hunt import STATION, Parameters, PilotedHunt, setting
+from thbridge.app.compose.game import build_briefing
+from thbridge.app.compose.robots import build_game_setup
+from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
     Commander,
@@ -38,32 +34,14 @@ from thbridge.hunt.rooms import Room
 from thbridge.mavlink.role.pilot import Pilot
 from thbridge.mavlink.role.speed_limit import SpeedLimit
 from thbridge.mavlink.role.station_texts import game_texts, handback_texts
-from thbridge.mavlink.values.vehicle_interface import DenialKind, Denied, LegState, RobotReadings, Station, Target
-from thbridge.mavlink.values.vehicle_interface import ParameterSetting as Parameter
-from thbridge.roles.participant.tabui import TabUI
+from thbridge.mavlink.values.vehicle_interface import DenialKind, Denied, LegState, Target
 from thbridge.roles.shared.failure_reasons import failure_sentence
-from thbridge.roles.shared.robot_requests import GameRequest, Request, SetParameters
-from thbridge.roles.shared.view import AnswerDialogue, ParticipantRequest, RequestHandback, SelectRoom, SendRobot
+from thbridge.roles.shared.robot_requests import SetParameters
+from thbridge.roles.shared.view import RequestHandback
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
-from thbridge.roles.simr.simr import SimR
 from thbridge.ros.messages.records import SimpleGoal
-from thbridge.study.study_file import Study
 
-STATION = Station(255, 190)
 UNDER_WAY, ARRIVED, FAILED = LegState.UNDER_WAY, LegState.ARRIVED, LegState.FAILED
-
-
-class Parameters:
-    """One parameter, as a pilot passes it on."""
-
-    def settings(self):
-        return [Parameter("ONE", 1.0)]
-
-    def setting(self, name):
-        return Parameter(name, 1.0) if name == "ONE" else None
-
-    def change(self, name, value):
-        return Parameter(name, value)
 
 
 class RealRobots:
@@ -79,104 +57,17 @@ class RealRobots:
 OF_OTHERS = SpeedLimit(0, RobotParameters(), RealRobots())
 
 
-@cache
-def setting(energy: float = 100.0) -> StudySetting:
-    study = Study(robots=2)
-    software = replace(study.robot, localization="truth")
-    return read_setting(replace(study, robot=software, game=replace(study.game, energy=energy)), Path())
-
-
-class Flight:
-    """A session with a silent participant and a pilot at each robot's helm."""
-
-    def __init__(self, energy: float = 100.0, participant: TabUI | None = None) -> None:
-        made = setting(energy)
-        self.setting = made
-        self.log = Log()
-        self.player = Script()
-        self.simr: SimR = build_simr(made)
-        self.keeper = build_keeper(made)
-        self.tabui = participant or TabUI(self.player)
-        self.session = Session(
-            self.keeper,
-            [self.simr, build_hider(made.templates, made.study.seed), self.tabui],
-            log=self.log,
-        )
-        self.asked: list[Request] = []
-        setup = build_game_setup(made)
-        software = made.study.software(1)
-        self.pilots = [
-            Pilot(robot, setup, made.map.starts[robot], SpeedLimit(robot, software, self.simr), Parameters(), self.ask)
-            for robot in range(2)
-        ]
-        self.pilot = self.pilots[0]
-        self.readings: list[RobotReadings] = []
-        self.tick_records: list[TickRecord] = []
-        self.news: list[str] = []
-        self.run(10)
-
-    def ask(self, request: Request) -> None:
-        self.asked.append(request)
-        if isinstance(request, GameRequest):
-            self.keeper.ask(request)
-        else:
-            self.simr.ask(request)
-
-    def run(self, ticks: int = 1) -> RobotReadings:
-        for _ in range(ticks):
-            tick_record = self.session.step()
-            self.tick_records.append(tick_record)
-            self.readings = [pilot.follow(tick_record.snapshot, tick_record.game) for pilot in self.pilots]
-            self.news += self.readings[0].announcements
-        return self.readings[0]
-
-    def until(self, state: LegState, ticks: int = 4000) -> RobotReadings:
-        for _ in range(ticks):
-            if self.run().leg.state is state:
-                return self.readings[0]
-        raise TimeoutError(f"the leg is {self.readings[0].leg}")
-
-    def taken(self) -> "Flight":
-        assert self.pilot.take(STATION) is None
-        self.run()
-        return self
-
-    def send_as_participant(self, room: int) -> None:
-        self._wish(SelectRoom(0, room))
-        while not self.tabui.view.consents:
-            (dialogue,) = self.tabui.view.dialogues
-            self._wish(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0))
-        self._wish(SendRobot(0, room))
-
-    def _wish(self, wish: ParticipantRequest) -> None:
-        self.player.wish = (wish,)
-        self.tabui.poll_player()
-        self.run(6)
-        self.player.wish = ()
-
-    def goal_of(self, room: int) -> tuple[float, float]:
-        goal = self.setting.map.rooms[room - 1].goal
-        return goal.x, goal.y
-
-    @property
-    def session_snapshot(self) -> TeamSnapshot:
-        return self.tick_records[-1].snapshot
-
-    def events(self, *kinds: type) -> list:
-        return [event for event in self.log.events if isinstance(event, kinds)]
+@pytest.fixture
+def flight() -> PilotedHunt:
+    return PilotedHunt()
 
 
 @pytest.fixture
-def flight() -> Flight:
-    return Flight()
-
-
-@pytest.fixture
-def taken(flight: Flight) -> Flight:
+def taken(flight: PilotedHunt) -> PilotedHunt:
     return flight.taken()
 
 
-def test_readings_before_anybody_has_come(flight: Flight) -> None:
+def test_readings_before_anybody_has_come(flight: PilotedHunt) -> None:
     readings = flight.run()
     assert readings.responsive and not readings.lost and not readings.under_way
     assert (readings.commander, readings.commanded_by, readings.leg) == (None, "participant", None)
@@ -184,7 +75,7 @@ def test_readings_before_anybody_has_come(flight: Flight) -> None:
     assert readings.base_in_map.distance(flight.pilot.start()) < 0.01
 
 
-def test_taking_and_releasing_is_seen_with_the_next_tick(flight: Flight) -> None:
+def test_taking_and_releasing_is_seen_with_the_next_tick(flight: PilotedHunt) -> None:
     flight.pilot.take(STATION)
     readings = flight.run()
     assert (readings.commander, readings.commanded_by) == ("ground station 255", "ground station 255")
@@ -193,7 +84,7 @@ def test_taking_and_releasing_is_seen_with_the_next_tick(flight: Flight) -> None
     assert (readings.commander, readings.commanded_by) == (None, "participant")
 
 
-def test_only_who_commands_drives(flight: Flight) -> None:
+def test_only_who_commands_drives(flight: PilotedHunt) -> None:
     refused = Denied("Robot 1 is commanded by the participant just now.")
     assert flight.pilot.go_to(Target(*flight.goal_of(3))) == refused
     assert flight.pilot.drive(Twist(0.1, 0.0)) == refused
@@ -205,7 +96,7 @@ def test_only_who_commands_drives(flight: Flight) -> None:
     assert flight.pilot.drive(Twist(0.1, 0.0)) == refused
 
 
-def test_a_point_in_a_room_is_a_move_of_the_game(taken: Flight) -> None:
+def test_a_point_in_a_room_is_a_move_of_the_game(taken: PilotedHunt) -> None:
     x, y = taken.goal_of(4)
     number = taken.pilot.go_to(Target(x + 0.1, y - 0.1, 1.0))
     readings = taken.run(3)
@@ -220,7 +111,7 @@ def test_a_point_in_a_room_is_a_move_of_the_game(taken: Flight) -> None:
     assert taken.session.game.room(Room(4)).sensed is not None
 
 
-def test_rules_answer_at_once(taken: Flight) -> None:
+def test_rules_answer_at_once(taken: PilotedHunt) -> None:
     taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.pilots[1].take(STATION)
     taken.run(2)
@@ -230,13 +121,13 @@ def test_rules_answer_at_once(taken: Flight) -> None:
 
 
 def test_too_little_energy_is_said_at_once() -> None:
-    taken = Flight(energy=15.0).taken()
+    taken = PilotedHunt(energy=15.0).taken()
     denied = taken.pilot.go_to(Target(*taken.goal_of(3)))
     assert isinstance(denied, Denied) and "energy left, but the way to room 3 costs" in denied.sentence
     assert not taken.events(RobotDeparted)
 
 
-def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None:
+def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: PilotedHunt) -> None:
     home = taken.pilot.start()
     number = taken.pilot.go_to(Target(home.x + 0.6, home.y, 0.5))
     readings = taken.until(ARRIVED)
@@ -246,14 +137,14 @@ def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None
     assert [event.by for event in taken.events(CommanderChanged)] == [Commander.GROUND_STATION]
 
 
-def _wall(taken: Flight) -> tuple[float, float]:
+def _wall(taken: PilotedHunt) -> tuple[float, float]:
     """The middle of a wall outside of all rooms."""
     grid, setup = taken.setting.map.grid, build_game_setup(taken.setting)
     walls = (grid.centre_of(int(row), int(col)) for row, col in np.argwhere(grid.cells == OCCUPIED))
     return next(point for point in walls if setup.room_at(*point) is None)
 
 
-def test_a_place_where_no_robot_can_stand_is_denied_at_once_with_the_navigators_words(taken: Flight) -> None:
+def test_a_place_where_no_robot_can_stand_is_denied_at_once_with_the_navigators_words(taken: PilotedHunt) -> None:
     wall = _wall(taken)
     number = taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(5)
@@ -270,7 +161,7 @@ def test_a_place_where_no_robot_can_stand_is_denied_at_once_with_the_navigators_
         taken.run()
 
 
-def test_a_place_of_which_the_map_knows_nothing_is_denied_and_one_beside_it_is_not(taken: Flight) -> None:
+def test_a_place_of_which_the_map_knows_nothing_is_denied_and_one_beside_it_is_not(taken: PilotedHunt) -> None:
     setup, start = build_game_setup(taken.setting), taken.setting.map.starts[0]
     x, y = start.x + 0.6, start.y
     cells = setup.floor.grid.cells.copy()
@@ -281,7 +172,7 @@ def test_a_place_of_which_the_map_knows_nothing_is_denied_and_one_beside_it_is_n
     assert pilot.misplaced(x - 0.1, y) is None
 
 
-def test_where_plans_may_end_apart_from_their_goal_the_navigator_has_the_last_word(taken: Flight) -> None:
+def test_where_plans_may_end_apart_from_their_goal_the_navigator_has_the_last_word(taken: PilotedHunt) -> None:
     software = replace(taken.setting.study.robot, NavfnROS=NavfnParameters(default_tolerance=1.0))
     study = replace(taken.setting.study, robot=software)
     setup = build_game_setup(read_setting(study, Path()))
@@ -290,7 +181,7 @@ def test_where_plans_may_end_apart_from_their_goal_the_navigator_has_the_last_wo
     assert pilot.misplaced(500.0, 500.0) is not None
 
 
-def test_points_in_rooms_are_for_the_game_to_judge_and_one_that_was_visited_is_done(taken: Flight) -> None:
+def test_points_in_rooms_are_for_the_game_to_judge_and_one_that_was_visited_is_done(taken: PilotedHunt) -> None:
     place = Target(*taken.goal_of(4))
     assert taken.pilot.unreachable(place.x, place.y) is None
     taken.pilot.go_to(place)
@@ -302,11 +193,11 @@ def test_points_in_rooms_are_for_the_game_to_judge_and_one_that_was_visited_is_d
 
 
 @pytest.mark.parametrize("point", [(float("nan"), 0.0), (0.0, float("inf"))])
-def test_no_point_at_all_is_refused(taken: Flight, point: tuple[float, float]) -> None:
+def test_no_point_at_all_is_refused(taken: PilotedHunt, point: tuple[float, float]) -> None:
     assert isinstance(taken.pilot.go_to(Target(*point)), Denied)
 
 
-def test_a_move_under_way_is_called_back_before_the_next_and_gives_its_energy_back(taken: Flight) -> None:
+def test_a_move_under_way_is_called_back_before_the_next_and_gives_its_energy_back(taken: PilotedHunt) -> None:
     first = taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(60)
     second = taken.pilot.go_to(Target(*taken.goal_of(3)))
@@ -318,7 +209,7 @@ def test_a_move_under_way_is_called_back_before_the_next_and_gives_its_energy_ba
     assert happened[1].refund > 0.0 and happened[3].room == Room(3)
 
 
-def test_legs_asked_for_within_one_tick_leave_the_last_one(taken: Flight) -> None:
+def test_legs_asked_for_within_one_tick_leave_the_last_one(taken: PilotedHunt) -> None:
     home = taken.pilot.start()
     taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.pilot.go_to(Target(home.x + 0.5, home.y))
@@ -327,7 +218,7 @@ def test_legs_asked_for_within_one_tick_leave_the_last_one(taken: Flight) -> Non
     assert readings.leg.number == last and taken.events(RobotArrived) == [RobotArrived(0, Room(3))]
 
 
-def test_the_same_room_again_goes_on(taken: Flight) -> None:
+def test_the_same_room_again_goes_on(taken: PilotedHunt) -> None:
     taken.pilot.go_to(Target(*taken.goal_of(3)))
     taken.run(30)
     number = taken.pilot.go_to(Target(*taken.goal_of(3)))
@@ -336,7 +227,7 @@ def test_the_same_room_again_goes_on(taken: Flight) -> None:
 
 
 @pytest.mark.parametrize("ticks", [0, 1, pytest.param(2, marks=pytest.mark.slow), 3, 40])
-def test_halt_ends_whatever_is_under_way(taken: Flight, ticks: int) -> None:
+def test_halt_ends_whatever_is_under_way(taken: PilotedHunt, ticks: int) -> None:
     number = taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(ticks)
     taken.pilot.halt()
@@ -347,7 +238,7 @@ def test_halt_ends_whatever_is_under_way(taken: Flight, ticks: int) -> None:
     assert taken.until(ARRIVED).leg.number == again
 
 
-def test_anybody_at_the_helm_may_halt_what_the_participant_ordered(flight: Flight) -> None:
+def test_anybody_at_the_helm_may_halt_what_the_participant_ordered(flight: PilotedHunt) -> None:
     flight.taken()
     flight.pilot.go_to(Target(*flight.goal_of(4)))
     flight.run(20)
@@ -358,14 +249,14 @@ def test_anybody_at_the_helm_may_halt_what_the_participant_ordered(flight: Fligh
     assert [event.room for event in flight.events(MoveFailed)] == [Room(4)]
 
 
-def test_a_robot_goes_on_when_it_is_given_back(taken: Flight) -> None:
+def test_a_robot_goes_on_when_it_is_given_back(taken: PilotedHunt) -> None:
     taken.pilot.go_to(Target(*taken.goal_of(3)))
     taken.run(5)
     taken.pilot.release()
     assert taken.until(ARRIVED).commanded_by == "participant"
 
 
-def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: Flight) -> None:
+def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: PilotedHunt) -> None:
     taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(60)
     home = taken.pilot.start()
@@ -377,7 +268,7 @@ def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: Fligh
     assert [event.room for event in taken.events(MoveFailed)] == [Room(4)]
 
 
-def test_a_way_home_ends_where_the_participant_sends_the_robot_elsewhere(taken: Flight) -> None:
+def test_a_way_home_ends_where_the_participant_sends_the_robot_elsewhere(taken: PilotedHunt) -> None:
     home = taken.pilot.start()
     taken.pilot.go_to(Target(home.x + 1.5, home.y))
     taken.pilot.release()
@@ -387,7 +278,7 @@ def test_a_way_home_ends_where_the_participant_sends_the_robot_elsewhere(taken: 
     assert (readings.leg.state, readings.leg.reason) == (FAILED, "It was sent elsewhere, or stopped.")
 
 
-def test_hand_driving_needs_repeating_and_takes_the_place_of_a_leg(taken: Flight) -> None:
+def test_hand_driving_needs_repeating_and_takes_the_place_of_a_leg(taken: PilotedHunt) -> None:
     number = taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(30)
     for _ in range(10):
@@ -401,7 +292,7 @@ def test_hand_driving_needs_repeating_and_takes_the_place_of_a_leg(taken: Flight
     assert taken.readings[0].commanded_by == "ground station 255"
 
 
-def test_a_researcher_goes_before_and_is_named(taken: Flight) -> None:
+def test_a_researcher_goes_before_and_is_named(taken: PilotedHunt) -> None:
     home = taken.pilot.start()
     taken.session.ask("/rviz", SimpleGoal(0, Pose2(home.x, home.y, home.theta + 2.0), 1_000_000_000))
     taken.run(3)
@@ -420,7 +311,7 @@ def test_a_researcher_goes_before_and_is_named(taken: Flight) -> None:
     ]
 
 
-def test_a_dead_robot_says_so_and_is_refused(taken: Flight) -> None:
+def test_a_dead_robot_says_so_and_is_refused(taken: PilotedHunt) -> None:
     home = taken.pilot.start()
     taken.pilot.go_to(Target(home.x + 0.6, home.y))
     taken.run(5)
@@ -434,7 +325,7 @@ def test_a_dead_robot_says_so_and_is_refused(taken: Flight) -> None:
     assert taken.pilot.take(STATION) == refused
 
 
-def test_treasures_are_pictured_named_and_left_from_the_helm(taken: Flight) -> None:
+def test_treasures_are_pictured_named_and_left_from_the_helm(taken: PilotedHunt) -> None:
     assert taken.pilot.photograph() == Denied("The corridor is not a room of this game; it has 1 to 8.")
     taken.pilot.go_to(Target(*taken.goal_of(3)))
     taken.until(ARRIVED)
@@ -457,7 +348,7 @@ def test_treasures_are_pictured_named_and_left_from_the_helm(taken: Flight) -> N
     assert not taken.events(TreasureLeft)
 
 
-def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken: Flight) -> None:
+def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken: PilotedHunt) -> None:
     taken.pilots[1].take(STATION)
     taken.run(2)
     asked = []
@@ -491,7 +382,7 @@ def test_a_station_is_told_that_the_participant_leaves_a_find_and_takes_it_up_ag
     assert [*game_texts(0, left, state)] == ["Room 1: what is there is taken up again."]
 
 
-def test_speed_is_limited_and_as_the_study_says_again(taken: Flight) -> None:
+def test_speed_is_limited_and_as_the_study_says_again(taken: PilotedHunt) -> None:
     assert taken.pilot.limit_speed(0.2) is None
     assert taken.asked[-1] == SetParameters(0, (("TrajectoryPlannerROS.max_vel_x", 0.2),))
     taken.pilot.limit_speed(50.0)
@@ -504,7 +395,7 @@ def test_speed_is_limited_and_as_the_study_says_again(taken: Flight) -> None:
     assert len(taken.asked) == count
 
 
-def test_a_limit_holds_for_hand_driving_too(taken: Flight) -> None:
+def test_a_limit_holds_for_hand_driving_too(taken: PilotedHunt) -> None:
     taken.pilot.limit_speed(0.2)
     for _ in range(4):
         taken.pilot.drive(Twist(0.9, 0.0))
@@ -512,7 +403,7 @@ def test_a_limit_holds_for_hand_driving_too(taken: Flight) -> None:
     assert 0.15 < taken.readings[0].twist.linear < 0.25
 
 
-def test_who_changes_the_local_planner_by_a_parameter_has_the_other_ones_speed_limited(taken: Flight) -> None:
+def test_who_changes_the_local_planner_by_a_parameter_has_the_other_ones_speed_limited(taken: PilotedHunt) -> None:
     taken.simr.ask(SetParameters(0, (("move_base.base_local_planner", "dwa_local_planner/DWAPlannerROS"),)))
     assert taken.pilot.limit_speed(0.2) is None
     assert taken.asked[-1] == SetParameters(0, (("DWAPlannerROS.max_vel_x", 0.2), ("DWAPlannerROS.max_vel_trans", 0.2)))
@@ -520,13 +411,13 @@ def test_who_changes_the_local_planner_by_a_parameter_has_the_other_ones_speed_l
     assert taken.pilot.fastest().linear == 0.2
 
 
-def test_who_changes_a_speed_by_a_parameter_finds_it_changed(taken: Flight) -> None:
+def test_who_changes_a_speed_by_a_parameter_finds_it_changed(taken: PilotedHunt) -> None:
     taken.simr.ask(SetParameters(0, (("TrajectoryPlannerROS.max_vel_x", 0.4),)))
     assert taken.pilot.fastest().linear == 0.4
 
 
 def test_real_robots_speeds_are_not_ours() -> None:
-    flight = Flight()
+    flight = PilotedHunt()
     pilot = Pilot(0, build_game_setup(setting()), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
     denied = pilot.limit_speed(0.5)
     assert isinstance(denied, Denied) and denied.kind is DenialKind.UNSUPPORTED

@@ -3,67 +3,30 @@
 import asyncio
 import errno
 import socket
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.support.mavlink.answering_exchange import ANSWER, AnsweringExchange, frame
 from thbridge.mavlink.sockets import links as mavlink_links
 from thbridge.mavlink.sockets import tcp as mavlink_tcp
 from thbridge.mavlink.sockets import udp as mavlink_udp
 from thbridge.mavlink.sockets.links import GARBAGE_LIMIT
 from thbridge.mavlink.sockets.server import MavlinkPorts, MavlinkServer
-from thbridge.mavlink.wire.dialect import crc_extra, mav, payload_of
-from thbridge.mavlink.wire.frames.frame import Frame
+from thbridge.mavlink.wire.dialect import mav
 from thbridge.mavlink.wire.frames.framer import FrameParser
-from thbridge.mavlink.wire.links import DropReason, HubLink
-from thbridge.mavlink.wire.outgoing import LinkId
-from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame
+from thbridge.mavlink.wire.links import DropReason
 from thbridge.sockets.addresses import Address, UdpTarget, parse_target
 from thbridge.sockets.errors import CannotListen
 
 PATIENCE = 120
 
 
-def frame(message: mav.MAVLink_message, system: int = 255, sequence: int = 0) -> Frame:
-    number = message.get_msgId()
-    return Frame(system, 190, sequence, number, payload_of(message), crc_extra(number) or 0)
-
-
 PING = frame(mav.MAVLink_ping_message(7, 1, 0, 0))
-ANSWER = frame(mav.MAVLink_ping_message(7, 1, 255, 190), system=1)
 HEARTBEAT = frame(mav.MAVLink_heartbeat_message(10, 0, 0, 0, 4, 3), system=1)
-
-
-class Exchange:
-    """Answers each frame that it hears."""
-
-    def __init__(self) -> None:
-        self.names: dict[LinkId, str] = {}
-        self.robots: dict[str, int | None] = {}
-        self.gone: list[str] = []
-        self.received: list[tuple[str, Frame]] = []
-        self.transmit: Callable[[Sequence[OutgoingFrame]], None] = lambda sent: None
-
-    def open_link(self, name: str, robot: int | None = None) -> LinkId:
-        link = LinkId(len(self.names) + len(self.gone))
-        self.names[link], self.robots[name] = name, robot
-        return link
-
-    def close_link(self, link: LinkId) -> None:
-        self.gone.append(self.names.pop(link))
-
-    def link(self, link: LinkId) -> HubLink | None:
-        return None
-
-    def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
-        self.received.append((self.names[link], frame))
-        return FrameOutcome(DropReason.OURS if frame.system == 1 else None, [OutgoingFrame(link, ANSWER)])
-
-    def say(self, *frames: Frame) -> None:
-        self.transmit([OutgoingFrame(link, each) for each in frames for link in self.names])
 
 
 class Station:
@@ -98,9 +61,9 @@ def station():
 @asynccontextmanager
 async def served(
     *udp: Address | UdpTarget, tcp: Address | None = None, listen: Address | None = None
-) -> AsyncIterator[tuple[Exchange, list[str]]]:
+) -> AsyncIterator[tuple[AnsweringExchange, list[str]]]:
     targets = tuple(there if isinstance(there, UdpTarget) else UdpTarget(there) for there in udp)
-    server, exchange = MavlinkServer(MavlinkPorts(targets, tcp, None, listen)), Exchange()
+    server, exchange = MavlinkServer(MavlinkPorts(targets, tcp, None, listen)), AnsweringExchange()
     try:
         names = await server.open()
         assert not isinstance(names, CannotListen), names

@@ -7,31 +7,16 @@ from pathlib import Path
 
 import pytest
 import zstandard
-from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
+from tests.support.bags.ros2_bags import written
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag import ros2_storage
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.recording.bag.ros2_storage import METADATA
 
-TYPES = get_typestore(Stores.ROS2_HUMBLE)
-TEXT = "std_msgs/msg/String"
 BOTH = pytest.mark.parametrize("storage", StoragePlugin)
 MODES = [CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE]
-
-
-def written(folder: Path, storage: StoragePlugin, mode: CompressionMode) -> Path:
-    """A recording of three short messages."""
-    writer = Writer(folder, version=9, storage_plugin=storage)
-    if mode is not CompressionMode.NONE:
-        writer.set_compression(mode, CompressionFormat.ZSTD)
-    with writer:
-        connection = writer.add_connection("/said", TEXT, typestore=TYPES)
-        for number in range(3):
-            message = TYPES.types[TEXT](data=f"word {number}")
-            writer.write(connection, 10**9 + number, TYPES.serialize_cdr(message, TEXT))
-    return folder
 
 
 @cache

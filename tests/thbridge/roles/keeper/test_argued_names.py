@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.thbridge.roles.keeper.test_arguing_robots import COLLABORATOR, Table, arguing_engine
+from tests.support.hunts.scripted_hunt import COLLABORATOR, ArguingHunt, arguing_engine
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import TreasureIdentified
 from thbridge.hunt.treasures import TreasureKind
@@ -25,7 +25,7 @@ ORANGE_OR_BLUE = (
 """Treasures that a robot cannot tell apart."""
 
 
-class AtTreasure(Table):
+class AtTreasure(ArguingHunt):
     """Robot 1 stands before a treasure that it has sensed."""
 
     def __init__(self, condition: DialogueCondition = COLLABORATOR, kinds: tuple[TreasureKind, ...] = ()) -> None:

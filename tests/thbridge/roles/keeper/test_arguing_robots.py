@@ -1,104 +1,35 @@
 """Robots that argue, in a game: what participants and robots agree upon is done, and nothing else."""
 
 import re
-from collections.abc import Sequence
 
 import pytest
 
-from tests.support.hunts.hunt_without_simulator import Stage
-from tests.thbridge.roles.test_hunt import Script
+from tests.support.hunts.scripted_hunt import COLLABORATOR, LANGUAGE, RULEBOOK, ArguingHunt
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.moves import Author, Conclude, DecideAlone
 from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.dialogue.wording.authors import WordingRequest
-from thbridge.files.game_files import read_rulebook
-from thbridge.files.word_files import read_language
-from thbridge.hunt.events import JournalEntry, RobotDeparted, TreasureLeft
-from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.participant.tabui import TabUI
+from thbridge.hunt.events import RobotDeparted, TreasureLeft
 from thbridge.roles.shared.robot_requests import WizardMode, WizardMove
 from thbridge.roles.shared.view import (
-    AnswerDialogue,
     Consent,
-    DialogueView,
     OpenDialogue,
-    ParticipantRequest,
     RequestSuggestion,
     SelectRoom,
     SendRobot,
     SenseTreasure,
-    View,
 )
-
-RULEBOOK, LANGUAGE = read_rulebook(), read_language()
-COLLABORATOR = DialogueCondition.COLLABORATOR
-
-
-def arguing_engine(condition: DialogueCondition) -> ArguingEngine:
-    return ArguingEngine(RULEBOOK, {None: Manner(condition)}, WordedPhrasing(LANGUAGE, condition, 7), 7)
-
-
-class Table:
-    """A stage with robots that argue and a participant who does what the test tells her."""
-
-    def __init__(
-        self,
-        condition: DialogueCondition = COLLABORATOR,
-        patience: int | None = None,
-        talk: ArguingEngine | None = None,
-        history: Sequence[JournalEntry] = (),
-        kinds: Sequence[TreasureKind] | None = None,
-    ) -> None:
-        self.player = Script()
-        self.talk = talk or arguing_engine(condition)
-        participant = TabUI(self.player)
-        self.stage = Stage(participant=participant, talk=self.talk, patience=patience, history=history, kinds=kinds)
-        self.stage.run(10)
-
-    def wish(self, *wishes: ParticipantRequest, ticks: int = 5) -> View:
-        self.player.wish = wishes
-        self.stage.tabui.poll_player()
-        self.stage.run(ticks)
-        self.player.wish = ()
-        return self.view
-
-    @property
-    def view(self) -> View:
-        view = self.stage.view()
-        assert view is not None
-        return view
-
-    def dialogue(self, robot: int = 0) -> DialogueView:
-        return next(each for each in self.view.dialogues if each.robot == robot)
-
-    def say(self, text: str, robot: int = 0) -> View:
-        """Make the first choice that contains a text."""
-        talk = self.dialogue(robot)
-        choice = next(number for number, sentence in enumerate(talk.choices) if text in sentence)
-        return self.wish(AnswerDialogue(talk.dialogue, talk.turn, choice))
-
-    def suggested(self, robot: int = 0) -> int:
-        """The room that a robot would go to by itself."""
-        self.wish(RequestSuggestion(robot))
-        room = self.dialogue(robot).room
-        self.say("Let us leave it", robot)
-        return room
-
-    def another_room(self, robot: int = 0) -> int:
-        suggested = self.suggested(robot)
-        costs = self.view.costs_from(self.view.robots[robot])
-        return next(room for room in range(1, 9) if room != suggested and costs[room] is not None)
 
 
 def test_a_supervised_robot_does_what_it_is_told_without_a_word() -> None:
-    table = Table(DialogueCondition.SUPERVISOR)
+    table = ArguingHunt(DialogueCondition.SUPERVISOR)
     view = table.wish(SelectRoom(0, 3))
     assert view.dialogues == () and view.consents == (Consent(0, "select-room", 3),)
 
 
 def test_a_collaborator_goes_nowhere_before_both_agree() -> None:
-    table = Table()
+    table = ArguingHunt()
     room = table.another_room()
     view = table.wish(SelectRoom(0, room))
     assert view.consents == ()
@@ -113,7 +44,7 @@ def test_a_collaborator_goes_nowhere_before_both_agree() -> None:
 
 
 def test_a_robot_that_was_persuaded_goes_there() -> None:
-    table = Table()
+    table = ArguingHunt()
     room = table.another_room()
     table.wish(SelectRoom(0, room))
     table.say("Why not")
@@ -127,7 +58,7 @@ def test_a_robot_that_was_persuaded_goes_there() -> None:
 
 
 def test_two_robots_ask_at_once_and_are_answered_in_any_order() -> None:
-    table = Table()
+    table = ArguingHunt()
     table.wish(RequestSuggestion(0), RequestSuggestion(1))
     assert {each.robot for each in table.view.dialogues} == {0, 1}
     first, second = table.dialogue(0).room, table.dialogue(1).room
@@ -138,7 +69,7 @@ def test_two_robots_ask_at_once_and_are_answered_in_any_order() -> None:
 
 
 def test_a_robot_that_finds_no_way_says_where_it_would_go_instead() -> None:
-    table = Table()
+    table = ArguingHunt()
     room = table.suggested()
     table.stage.puppets.stuck.add(0)
     table.wish(SelectRoom(0, room))
@@ -155,7 +86,7 @@ def test_a_robot_that_finds_no_way_says_where_it_would_go_instead() -> None:
 
 
 def test_neglected_robots_decide_by_themselves_and_say_so() -> None:
-    table = Table(patience=100)
+    table = ArguingHunt(patience=100)
     table.stage.run(90)
     assert all(robot.moving_to is None for robot in table.view.robots)
     seen = set()
@@ -176,7 +107,7 @@ def test_neglected_robots_decide_by_themselves_and_say_so() -> None:
 
 
 def test_a_robot_that_is_attended_to_waits() -> None:
-    table = Table(patience=100)
+    table = ArguingHunt(patience=100)
     table.wish(RequestSuggestion(0), RequestSuggestion(1))
     for at in range(20):
         for robot in (0, 1):
@@ -186,7 +117,7 @@ def test_a_robot_that_is_attended_to_waits() -> None:
 
 
 def test_a_robot_gives_time_to_read_what_it_has_said() -> None:
-    table = Table(patience=100)
+    table = ArguingHunt(patience=100)
     table.wish(RequestSuggestion(0))
     table.stage.run(600)
     assert table.view.robots[0].moving_to is None
@@ -199,7 +130,7 @@ def test_a_robot_gives_time_to_read_what_it_has_said() -> None:
 
 @pytest.mark.parametrize("condition", [DialogueCondition.ADVISER, DialogueCondition.AUTONOMOUS])
 def test_who_has_the_last_word(condition: DialogueCondition) -> None:
-    table = Table(condition)
+    table = ArguingHunt(condition)
     room = table.another_room()
     view = table.wish(SelectRoom(0, room))
     if condition is DialogueCondition.ADVISER:
@@ -213,7 +144,7 @@ def test_who_has_the_last_word(condition: DialogueCondition) -> None:
 
 
 def test_a_wizard_is_offered_the_legal_moves_of_the_robot() -> None:
-    table = Table()
+    table = ArguingHunt()
     room = table.another_room()
     table.stage.session.ask("wizard", WizardMode(0, on=True))
     table.wish(SelectRoom(0, room))
@@ -229,7 +160,7 @@ def test_a_wizard_is_offered_the_legal_moves_of_the_robot() -> None:
 
 
 def test_what_is_agreed_instead_of_a_picture_is_what_is_done() -> None:
-    table = Table()
+    table = ArguingHunt()
     table.wish(RequestSuggestion(0))
     room = table.dialogue().room
     table.say("All right")
@@ -242,7 +173,7 @@ def test_what_is_agreed_instead_of_a_picture_is_what_is_done() -> None:
 
 
 def test_what_was_agreed_is_in_sight_until_the_robot_is_there() -> None:
-    table = Table()
+    table = ArguingHunt()
     table.wish(RequestSuggestion(0))
     room = table.dialogue().room
     (words,) = table.say("All right").last_words
@@ -256,7 +187,7 @@ def test_what_was_agreed_is_in_sight_until_the_robot_is_there() -> None:
 
 
 def test_what_was_not_agreed_is_in_sight_until_the_robot_is_talked_with_again() -> None:
-    table = Table()
+    table = ArguingHunt()
     room = table.another_room()
     table.wish(SelectRoom(0, room))
     (words,) = table.say("Let us leave it").last_words
@@ -268,7 +199,7 @@ def test_what_was_not_agreed_is_in_sight_until_the_robot_is_talked_with_again() 
 
 
 def test_a_look_at_the_questions_says_nothing() -> None:
-    table = Table()
+    table = ArguingHunt()
     table.wish(RequestSuggestion(0))
     said = table.dialogue().said
     table.say("I have a question")
@@ -279,7 +210,7 @@ def test_a_look_at_the_questions_says_nothing() -> None:
 
 
 def test_a_robot_that_is_supervised_has_no_last_words() -> None:
-    table = Table(DialogueCondition.SUPERVISOR)
+    table = ArguingHunt(DialogueCondition.SUPERVISOR)
     assert table.wish(SelectRoom(0, 3)).last_words == ()
 
 
@@ -289,7 +220,7 @@ def test_another_author_s_sentence_is_said_where_it_tells_the_same_and_recorded_
 
     phrasing = WordedPhrasing(LANGUAGE, COLLABORATOR, 7, author=author)
     talk = ArguingEngine(RULEBOOK, {None: Manner(persistence=0)}, phrasing, 7)
-    table = Table(talk=talk)
+    table = ArguingHunt(talk=talk)
     room = table.another_room()
     table.wish(SelectRoom(0, room))
     said = [each for record in table.stage.tick_records for each in record.utterances if each.authored]
@@ -300,7 +231,7 @@ def test_another_author_s_sentence_is_said_where_it_tells_the_same_and_recorded_
 
 
 def test_what_is_not_done_after_all_is_not_told() -> None:
-    table = Table(DialogueCondition.ADVISER)
+    table = ArguingHunt(DialogueCondition.ADVISER)
     table.wish(SelectRoom(1, table.another_room(1)))
     table.say("All right, not", robot=1)
     table.say("Where would you go, then?", robot=1)

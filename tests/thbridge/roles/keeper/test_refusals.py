@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.support.hunts.hunt_without_simulator import Stage
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
 from thbridge.app.session.session import SessionOutlets
 from thbridge.app.trouble_log import TroubleLog
 from thbridge.dialogue.moves import Author, DialogueTopic, DialogueUtterance, Leave, Scenario, Speaker
@@ -23,7 +23,9 @@ class Outsider:
     def __init__(self, *, tells_refusals: bool = False, robots: bool = True) -> None:
         outside = {legacy.TABUI} if robots else {legacy.TABUI, legacy.SIMR}
         self.heard: list[str] = []
-        self.stage = Stage(outside=outside, tells_refusals=tells_refusals, outlets=SessionOutlets(self._perform))
+        self.stage = HuntWithoutSimulator(
+            outside=outside, tells_refusals=tells_refusals, outlets=SessionOutlets(self._perform)
+        )
         self.session = self.stage.session
         self.connection = self.session.router.connect(0.0)
         self.say("%%setid TabUI")

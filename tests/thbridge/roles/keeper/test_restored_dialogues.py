@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import pytest
 from msgspec import structs
 
-from tests.support.hunts.hunt_without_simulator import RULES, Stage, engine, templates
-from tests.thbridge.roles.keeper.test_arguing_robots import LANGUAGE, RULEBOOK, Table
+from tests.support.hunts.hunt_without_simulator import RULES, HuntWithoutSimulator, scripted_engine, templates
+from tests.support.hunts.scripted_hunt import LANGUAGE, RULEBOOK, ArguingHunt
 from thbridge.app.compose.game import build_bot
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
@@ -45,7 +45,7 @@ class Standing:
         return cls(dialogues.views(), dialogues.agreements.all, conversations, dialogues.next_number)
 
 
-def restored(stage: Stage, talk: DialogueEngine, history: list[JournalEntry]) -> Keeper:
+def restored(stage: HuntWithoutSimulator, talk: DialogueEngine, history: list[JournalEntry]) -> Keeper:
     return Keeper(RULES, lambda _: talk, history, 1, stage.briefing)
 
 
@@ -55,11 +55,13 @@ def restored(stage: Stage, talk: DialogueEngine, history: list[JournalEntry]) ->
         pytest.param(arguing(DialogueCondition.COLLABORATOR, talkative=True, misheard=0.3), id="collaborator"),
         pytest.param(arguing(DialogueCondition.ADVISER, talkative=False), id="adviser"),
         pytest.param(arguing(DialogueCondition.AUTONOMOUS, talkative=True), id="autonomous", marks=pytest.mark.slow),
-        pytest.param(engine(templates()), id="script"),
+        pytest.param(scripted_engine(templates()), id="script"),
     ],
 )
 def test_a_keeper_that_is_restarted_at_any_moment_knows_what_was_said_and_agreed(talk):
-    stage = Stage(talk=talk, participant=TabUI(build_bot(templates(), BotStrategy.RANDOM, 3, Attitude.SCEPTICAL)))
+    stage = HuntWithoutSimulator(
+        talk=talk, participant=TabUI(build_bot(templates(), BotStrategy.RANDOM, 3, Attitude.SCEPTICAL))
+    )
     stands: dict[int, Standing] = {}
     while stage.session.game is None or stage.session.game.ended is None:
         stage.run(1)
@@ -75,11 +77,11 @@ def test_a_keeper_that_is_restarted_at_any_moment_knows_what_was_said_and_agreed
 
 
 def test_the_participant_answers_the_robot_after_a_restart_as_if_nothing_had_happened():
-    table = Table()
+    table = ArguingHunt()
     room = table.another_room()
     table.wish(SelectRoom(0, room))
     before = table.dialogue()
-    again = Table(history=table.stage.log.entries)
+    again = ArguingHunt(history=table.stage.log.entries)
     assert again.dialogue() == before
     again.say(f"All right, not room {room}")
     again.say("Where would you go, then?")
@@ -87,7 +89,7 @@ def test_the_participant_answers_the_robot_after_a_restart_as_if_nothing_had_hap
 
 
 def test_a_robot_whose_answer_was_not_written_any_more_answers_after_the_restart():
-    table = Table()
+    table = ArguingHunt()
     table.wish(SelectRoom(0, table.another_room()))
     talk = table.dialogue()
     table.wish(AnswerDialogue(talk.dialogue, talk.turn, talk.acts.index("challenge")))
@@ -99,13 +101,13 @@ def test_a_robot_whose_answer_was_not_written_any_more_answers_after_the_restart
     )
     cut = history[: answer + 1]
     assert history[answer + 1 :]
-    again = Table(history=cut)
+    again = ArguingHunt(history=cut)
     assert again.dialogue() == table.dialogue()
     assert again.stage.log.entries[: len(history)] == history
 
 
 def test_a_dialogue_that_the_rules_do_not_allow_any_more_is_withdrawn_and_told():
-    table = Table()
+    table = ArguingHunt()
     table.wish(SelectRoom(0, table.another_room()))
     *before, last = table.stage.log.entries
     assert isinstance(last, DialogueSaid)
@@ -116,7 +118,7 @@ def test_a_dialogue_that_the_rules_do_not_allow_any_more_is_withdrawn_and_told()
 
 
 def test_a_journal_has_every_sentence_with_its_speaker_and_author():
-    table = Table()
+    table = ArguingHunt()
     table.wish(SelectRoom(0, table.another_room()))
     opened = [entry for entry in table.stage.log.entries if isinstance(entry, DialogueOpened)][-1]
     said = [

@@ -3,6 +3,7 @@ from dataclasses import replace
 import pytest
 from msgspec import structs
 
+from tests.support.hunts.participant_views import view_of
 from thbridge.hunt.events import Condition
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import MAX_ATTEMPTS, MOST_TALKS, Bot, TreasureKnowledge
@@ -13,32 +14,10 @@ from thbridge.roles.shared.view import (
     EndGame,
     RefusalView,
     RequestSuggestion,
-    RobotView,
-    RoomView,
     SelectRoom,
     SendRobot,
     View,
 )
-
-COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), (None, 5.0, 5.0, None))
-
-
-def view_of(*moving_to: int | None) -> View:
-    """Three rooms that nobody has visited, and robots in the corridor that are bound for these."""
-    rooms = tuple(
-        RoomView(
-            room=number,
-            state="reserved" if number in moving_to else "unvisited",
-            robot=moving_to.index(number) if number in moving_to else None,
-            sensed=None,
-            picture=None,
-            verdict=None,
-            left=False,
-        )
-        for number in (1, 2, 3)
-    )
-    robots = tuple(RobotView(robot, 0, bound, 100.0, False, Condition.WELL) for robot, bound in enumerate(moving_to))
-    return View(1, True, COSTS, robots, rooms, (), (), 0, None, 5.0, 1.0, None)
 
 
 def bot(strategy: BotStrategy) -> Bot:

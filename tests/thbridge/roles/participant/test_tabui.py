@@ -2,8 +2,8 @@
 
 from msgspec import structs
 
-from tests.support.hunts.hunt_without_simulator import Stage
-from tests.thbridge.roles.test_hunt import Script
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
+from tests.support.hunts.scripted_hunt import ScriptedPlayer
 from thbridge.roles.participant.tabui import NUMBER_PERIOD, REJOIN_PERIOD, RETRY_PERIOD, TabUI
 from thbridge.roles.shared.notices import KEEPER
 from thbridge.roles.shared.view import RefusalView, RequestSuggestion, SendRobot, StopRobot, View
@@ -13,10 +13,10 @@ from thbridge.text_protocol.wire.notice import Notice, encode_notice, parse_noti
 UNSURE = RequestSuggestion(0)
 
 
-def begun() -> tuple[TabUI, Script]:
+def begun() -> tuple[TabUI, ScriptedPlayer]:
     """A participant's program that has its first view, and is not connected with anything from here on."""
-    player = Script()
-    stage = Stage(participant=(tabui := TabUI(player)))
+    player = ScriptedPlayer()
+    stage = HuntWithoutSimulator(participant=(tabui := TabUI(player)))
     stage.run(10)
     assert isinstance(tabui.view, View)
     return tabui, player

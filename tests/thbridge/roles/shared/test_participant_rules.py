@@ -7,8 +7,8 @@ from random import Random
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.support.hunts.hunt_without_simulator import RULES, Stage
-from tests.thbridge.roles.test_hunt import Script
+from tests.support.hunts.hunt_without_simulator import RULES, HuntWithoutSimulator
+from tests.support.hunts.scripted_hunt import ScriptedPlayer
 from thbridge.hunt.events import Condition
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.participant.tabui import TabUI
@@ -124,8 +124,8 @@ def keeper_refuses(stage, request):
 @given(st.integers(0, 10**9), st.sampled_from((25.0, 60.0, 100.0)))
 def test_what_the_view_says_is_possible_the_keeper_grants_and_nothing_else(seed, energy):
     chance = Random(seed)
-    player = Script()
-    stage = Stage(participant=TabUI(player), rules=replace(RULES, energy=energy))
+    player = ScriptedPlayer()
+    stage = HuntWithoutSimulator(participant=TabUI(player), rules=replace(RULES, energy=energy))
     stage.run(60)
     for _ in range(40):
         play(stage, player, any_step(chance, stage.view()))

@@ -9,7 +9,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import ParameterRejection
-from tests.thbridge.roles.simr.test_simr import Driver, orders
+from tests.thbridge.roles.simr.driven_simr import DrivenSimR, orders
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.roles.shared.notices import KEEPER, MoveOrder, Orders, TeamStatus
@@ -27,18 +27,18 @@ CLIENT = 10**6
 @pytest.fixture
 def driver():
     """Two robots; the first is under way for the game to room 2, its move 1."""
-    driver = Driver(build_simr(read_setting(replace(Study(), robots=2), Path())))
+    driver = DrivenSimR(build_simr(read_setting(replace(Study(), robots=2), Path())))
     driver.run(30, orders(1, MoveOrder(1, 2), None))
     assert goal_of(driver) == 1
     return driver
 
 
-def goal_of(driver: Driver) -> int | None:
+def goal_of(driver: DrivenSimR) -> int | None:
     goal = driver.simr.snapshot.robots[0].navigation.goal
     return None if goal is None else goal.id
 
 
-def ask_for(driver: Driver, number: int = CLIENT, goal: Pose2 | None = None) -> None:
+def ask_for(driver: DrivenSimR, number: int = CLIENT, goal: Pose2 | None = None) -> None:
     here = driver.simr.snapshot.robots[0].estimate.base_in_map
     target = goal or Pose2(here.x, here.y, here.theta + 1.0)
     driver.simr.ask(GoalRequest(0, f"client-{number}", 0, target, number))
@@ -164,7 +164,7 @@ def test_values_that_only_fit_together_come_in_any_order():
     assert isinstance(with_values(parameters, together[:1]), ParameterRejection)
 
 
-def researchers(driver: Driver) -> tuple[str | None, ...]:
+def researchers(driver: DrivenSimR) -> tuple[str | None, ...]:
     return driver.levels(TeamStatus)[-1].researchers
 
 

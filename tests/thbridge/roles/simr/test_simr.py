@@ -8,14 +8,13 @@ import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import Team, TeamSnapshot
+from tests.thbridge.roles.simr.driven_simr import DrivenSimR, orders
 from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.hunt.events import Condition
 from thbridge.roles.shared.notices import (
-    KEEPER,
     MoveOrder,
     MoveResult,
-    Orders,
     PoseTelemetry,
     RobotsReady,
     Subscribe,
@@ -23,12 +22,11 @@ from thbridge.roles.shared.notices import (
 )
 from thbridge.roles.shared.robot_requests import SetParameters
 from thbridge.roles.simr.pose_telemetry import POSE_PERIOD, SUBSCRIPTION_TICKS
-from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT, SimR
+from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT
 from thbridge.study.study_file import Study
 from thbridge.study.things import Mishap, MishapEntry, Shape, ThingEntry
 from thbridge.text_protocol.wire import canonical, legacy
-from thbridge.text_protocol.wire.lines import TextMessage
-from thbridge.text_protocol.wire.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.text_protocol.wire.notice import encode_notice
 
 
 @pytest.fixture(scope="module")
@@ -36,40 +34,9 @@ def setting() -> StudySetting:
     return read_setting(replace(Study(), robots=2), Path())
 
 
-class Driver:
-    """Steps one SimR and keeps what it says."""
-
-    def __init__(self, simr: SimR) -> None:
-        self.simr = simr
-        self.tick = 0
-        self.said: list[TextMessage] = []
-
-    def run(self, ticks: int, *messages: TextMessage) -> list[TextMessage]:
-        said = []
-        for step in range(ticks):
-            said += self.simr.step(self.tick, messages if step == 0 else ())
-            self.tick += 1
-        self.said += said
-        return said
-
-    def until(self, line: str, ticks: int = 3000) -> None:
-        for _ in range(ticks):
-            if any(message.line() == line for message in self.run(1)):
-                return
-        raise TimeoutError(line)
-
-    def levels(self, kind: type) -> list:
-        notices = [parse_notice(message) for message in self.said]
-        return [level for n in notices if isinstance(n, Notice) and (level := decode_notice(n, kind)) is not None]
-
-
 @pytest.fixture
 def driver(setting):
-    return Driver(build_simr(setting))
-
-
-def orders(game: int, *moves: MoveOrder | None, at=(0, 0), poses=None) -> TextMessage:
-    return encode_notice(KEEPER, legacy.SIMR, Orders(game, moves, (90.0, 80.0), at, poses))
+    return DrivenSimR(build_simr(setting))
 
 
 def test_it_introduces_itself_when_connected(driver):
@@ -168,9 +135,9 @@ def test_whereabouts_go_to_those_who_asked_for_as_long_as_they_ask(driver):
     assert len(driver.levels(PoseTelemetry)) == told
 
 
-def with_mishaps(setting: StudySetting, *mishaps: tuple[Mishap, float]) -> Driver:
+def with_mishaps(setting: StudySetting, *mishaps: tuple[Mishap, float]) -> DrivenSimR:
     entries = tuple(MishapEntry(robot=1, what=what, time=time) for what, time in mishaps)
-    return Driver(build_simr(replace(setting, study=replace(setting.study, mishaps=entries))))
+    return DrivenSimR(build_simr(replace(setting, study=replace(setting.study, mishaps=entries))))
 
 
 def test_the_move_of_a_robot_that_died_fails_with_its_reason(setting):
@@ -212,7 +179,7 @@ def test_a_robot_called_back_while_it_was_dead_for_a_moment_stays(setting):
 
 def test_a_room_behind_a_closed_door_is_told_of_in_words(setting):
     door = ThingEntry(name="door", shape=Shape.DOOR, at=(7.0, -4.0, math.pi / 2), size=(2.0, 0.1))
-    driver = Driver(build_simr(replace(setting, study=replace(setting.study, things=(door,)))))
+    driver = DrivenSimR(build_simr(replace(setting, study=replace(setting.study, things=(door,)))))
     driver.run(100 * TICKS_PER_SECOND, orders(1, MoveOrder(1, 8), None))
     result = driver.levels(TeamStatus)[-1].results[0]
     assert result.sentence == "Something that is not on the map blocks the way of robot 1."
@@ -232,7 +199,7 @@ class Real:
 
 
 def test_of_real_robots_it_tells_what_they_believe_and_sets_no_parameters(setting):
-    driver = Driver(build_simr(setting, Real(build_team(setting))))
+    driver = DrivenSimR(build_simr(setting, Real(build_team(setting))))
     driver.simr.ask(SetParameters(0, (("amcl.kld_err", 0.2),)))
     driver.run(2, orders(1, MoveOrder(1, 2), None))
     driver.until('%%error SimR TabUI "0;1" ')

@@ -1,15 +1,8 @@
 import pytest
 
+from tests.support.ros.nested_types import PART, nested
 from thbridge.ros.messages.foreign_types import MOST_FIELDS, register, store_of, types_in
 from thbridge.ros.messages.types import md5_of, plain_definition
-
-PART = "=" * 80 + "\nMSG: "
-
-
-def nested(deepest: int, fields: str = "T{0} a\nT{0} b\n") -> str:
-    """A type T0 with two T1, each with two T2, and so on."""
-    parts = [fields.format(index) for index in range(1, deepest + 1)] + ["int8 a\n"]
-    return parts[0] + "".join(f"{PART}a/T{index}\n{text}" for index, text in enumerate(parts[1:], 1))
 
 
 @pytest.mark.parametrize("name", ["", "/", "///", "9a/1b", "a", "a/b/c", "a/b\nint8 x", "a/" + "b" * 200, "a/б"])

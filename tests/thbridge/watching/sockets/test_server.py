@@ -5,12 +5,13 @@ import contextlib
 import json
 import socket
 import struct
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
 
+from tests.support.hunts.granting_house import GrantingHouse
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.files.ros.definitions import Definitions
 from thbridge.ros.messages import pack, types, unpack
@@ -25,7 +26,7 @@ from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.watching.sockets import server as watch_server
 from thbridge.watching.sockets.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.watching.sockets.history import MAX_BYTES, MAX_MESSAGES, MessageHistory
-from thbridge.watching.sockets.server import MAX_CONNECTIONS, MAX_WATCHERS, SessionPace, WatchServer
+from thbridge.watching.sockets.server import MAX_CONNECTIONS, MAX_WATCHERS, WatchServer
 from thbridge.watching.wire import MISTAKES, STATUS, BagStreamReader, SessionMessage, WatchStatus, parse_status
 
 PATIENCE = 120
@@ -41,30 +42,11 @@ def event(kind: str, room: int | None = None) -> GameEvent:
     return GameEvent(kind, None, room, "{}")
 
 
-class House:
-    """Grants everything but what begins with N."""
-
-    def __init__(self) -> None:
-        self.asked: list[tuple[str, Mapping[str, object]]] = []
-        self.paused = False
-        self.left_alone = 0
-
-    def ask(self, watcher: str, wish: Mapping[str, object], key: str = "") -> str | None:
-        self.asked.append((watcher, wish))
-        return "no" if str(wish.get("request", "N")).startswith("N") else None
-
-    def pace(self) -> SessionPace:
-        return SessionPace(self.paused, 1.0, 0.25)
-
-    def unwatched(self) -> None:
-        self.left_alone += 1
-
-
 class Door:
     """A door, and those who go through it in one test."""
 
     def __init__(self, key: str | None) -> None:
-        self.house = House()
+        self.house = GrantingHouse()
         keys = None if key is None else SingleKey(key)
         self.server = WatchServer(self.house, keys, Definitions(()), Path("hunt.bag"))
         self.where = ListeningAddress("", 0)
@@ -405,7 +387,7 @@ async def test_who_has_nothing_to_ask_may_still_listen() -> None:
 @run
 async def test_a_port_that_is_taken_is_told() -> None:
     async with serving() as door:
-        other = await WatchServer(House()).start("127.0.0.1", door.where.port)
+        other = await WatchServer(GrantingHouse()).start("127.0.0.1", door.where.port)
         assert isinstance(other, CannotListen)
 
 

@@ -7,36 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.programs.commands import output_of, refusal_of
-from tests.support.studies.kiosk_without_screen import Laboratory, Person
-from tests.thbridge.experiment.test_event_log import answer
-from tests.ui.commands.study.test_withdrawal import people, traces
+from tests.support.studies.participants import another_person, people, traces
+from tests.support.studies.study_events import answer
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import LoggedEvent, Tombstone
+from thbridge.experiment.store.events import Tombstone
 from ui.cli import app
-
-STUDY = """\
-title: A small study
-base: {map: practice, templates: practice, robots: 1, server.port: 0}
-quota: 9
-steps:
-  - {step: consent, text: consent.txt}
-  - {step: form, form: final.yaml, name: final}
-"""
-
-
-def another_person(study: Path, why: str) -> str:
-    """Let somebody take part, with a recording of a game; return their id."""
-    log = study / "store" / "log"
-    before = participants(log) if log.exists() else set()
-    Laboratory(study, STUDY).run(Person({"why": why}))
-    (new,) = participants(log) - before - {""}
-    (study / "recordings" / new).mkdir(parents=True)
-    (study / "recordings" / new / "step-9.bag").write_bytes(f"a game of {new}".encode())
-    return new
-
-
-def participants(log: Path) -> set[str]:
-    return {entry.event.participant for entry in read_log(log) if isinstance(entry, LoggedEvent)}
 
 
 @pytest.fixture

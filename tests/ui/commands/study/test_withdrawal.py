@@ -2,7 +2,6 @@
 
 import json
 import random
-import re
 import shutil
 from pathlib import Path
 
@@ -12,7 +11,8 @@ from typer.testing import CliRunner
 
 from tests.support.programs.commands import output_of, refusal_of
 from tests.support.studies.kiosk_without_screen import Laboratory, Person
-from tests.thbridge.experiment.test_event_log import NOON
+from tests.support.studies.participants import people, traces
+from tests.support.studies.study_events import NOON
 from thbridge.experiment.conductor import Conductor, sequences_of
 from thbridge.experiment.export.manifest import manifest_text
 from thbridge.experiment.folder import ExperimentFolder
@@ -51,21 +51,6 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def study(finished: Path, tmp_path: Path) -> Path:
     shutil.copytree(finished, tmp_path / "study")
     return tmp_path / "study"
-
-
-def people(study: Path) -> list[str]:
-    return re.findall(r"^  (P-\w+)  ", output_of("study", "status", study), re.MULTILINE)
-
-
-def traces(root: Path, words: list[str]) -> list[str]:
-    """Files below a folder that have one of the words: in their names, their bytes or their tables."""
-    found = []
-    for path in root.rglob("*"):
-        inside = path.read_bytes() if path.is_file() else b""
-        if path.suffix == ".parquet":
-            inside += pd.read_parquet(path).to_csv().encode()
-        found += [f"{word} in {path}" for word in words if word in path.name or word.encode() in inside]
-    return found
 
 
 def rows(export: Path, without: str) -> dict[str, pd.DataFrame]:

@@ -7,8 +7,8 @@ import pytest
 from pyarrow import csv, parquet
 from typer.testing import CliRunner, Result
 
+from tests.support.programs.inline_engine import InlineEngine
 from tests.support.slow import slow
-from tests.thbridge.batch.sweep_in_process import InlineEngine
 from thbridge.batch import tasks
 from ui.cli import app
 from ui.commands.sweep import engines

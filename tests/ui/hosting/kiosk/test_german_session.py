@@ -7,7 +7,7 @@ import msgspec
 import pytest
 
 from tests.support.studies.kiosk_without_screen import KilledError, Laboratory, Person, headings
-from tests.ui.languages import english_in, strings_in
+from tests.support.windows.english import english_in, strings_in
 from thbridge.experiment.design.steps import PracticeTerm
 from thbridge.experiment.folder import write_example
 from thbridge.experiment.store.events import EventKind, RunState

@@ -3,7 +3,7 @@
 import pytest
 from msgspec import structs
 
-from tests.support.hunts.participant_views import arguing, asking, view, with_robot, with_room
+from tests.support.hunts.participant_views import ANSWERS, argued, arguing, asking, ended, view, with_robot, with_room
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.shared.view import (
     AnswerDialogue,
@@ -28,17 +28,7 @@ from ui.model.playing.screen import (
     TypeDigit,
 )
 
-ANSWERS = ("accept", "challenge", "open-questions", "leave")
 QUESTIONS = ("enquire", "enquire", "close-questions")
-
-
-def argued(*dialogues, words=(), who="both", **changes) -> View:
-    """A view of a game in which robots argue."""
-    return view(dialogues=dialogues, last_words=words, has_last_word=who, **changes)
-
-
-def ended(*, agreed: bool, robot: int = 0, said=("No.", "Leave it."), number: int = 1) -> LastWords:
-    return LastWords(number, robot, "select-room", 2, said, ("robot", "person")[: len(said)], agreed)
 
 
 def model_of(seen: View) -> Participant:

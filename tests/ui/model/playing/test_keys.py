@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.support.hunts.screen_player import Seat
+from tests.support.hunts.screen_player import ScreenPlayer
 from thbridge.files.language_texts import shipped_texts
 from ui.model.playing.keys import (
     CONSENT,
@@ -53,7 +53,7 @@ def test_no_key_does_two_things_at_a_time():
 
 
 def test_a_whole_hunt_by_keys_alone():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
 
     def press(*keys):
         for key in keys:
@@ -107,18 +107,18 @@ def test_a_whole_hunt_by_keys_alone():
     ],
 )
 def test_keys_while_playing(key, act):
-    assert act_for(key, Seat().screen) == act
+    assert act_for(key, ScreenPlayer().screen) == act
 
 
 def test_a_question_hears_only_yes_no_and_help():
-    seat = Seat()
+    seat = ScreenPlayer()
     screen = seat.press(EndGameAct())
     assert [act_for(key, screen) for key in ("Y", "N", "Esc", "F1")] == [Confirm(), Cancel(), Cancel(), ShowHelp()]
     assert [act_for(key, screen) for key in ("3", "Tab", "Enter", "D", "E")] == [None] * 5
 
 
 def test_a_question_is_answered_by_the_letters_of_the_language_as_its_buttons_say():
-    seat = Seat(Participant(texts=shipped_texts("de")))
+    seat = ScreenPlayer(Participant(texts=shipped_texts("de")))
     question = seat.press(EndGameAct()).confirmation
     assert (question.yes.key, question.no.key) == ("J", "N")
     assert [act_for(key, seat.screen) for key in ("J", "N", "Esc", "Y")] == [Confirm(), Cancel(), Cancel(), None]
@@ -126,7 +126,7 @@ def test_a_question_is_answered_by_the_letters_of_the_language_as_its_buttons_sa
 
 
 def test_a_dialogue_takes_the_letters_on_its_buttons():
-    seat = Seat()
+    seat = ScreenPlayer()
     screen = seat.do(SelectRoomAct(3))
     assert [act_for(key, screen) for key in ("C", "S", "Enter")] == [
         AnswerDialogueAct(0),
@@ -137,7 +137,7 @@ def test_a_dialogue_takes_the_letters_on_its_buttons():
 
 
 def test_help_closes_by_esc_before_anything_else_hears_it():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.do(SelectRoomAct(3))
     screen = seat.press(ShowHelp())
     assert [act_for(key, screen) for key in ("Esc", "F1", "H")] == [ShowHelp()] * 3
@@ -145,7 +145,7 @@ def test_help_closes_by_esc_before_anything_else_hears_it():
 
 
 def test_names_are_picked_by_arrows():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.do(SelectRoomAct(3))
     seat.do(AnswerDialogueAct(0))
     seat.do(AnswerDialogueAct(0), 40)
@@ -162,7 +162,7 @@ def test_names_are_picked_by_arrows():
 
 
 def test_letters_belong_to_the_open_list_and_ctrl_stands_before_those_of_buttons():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.do(SelectRoomAct(3))
     seat.do(AnswerDialogueAct(0))
     screen = seat.do(AnswerDialogueAct(0), 40)
@@ -187,7 +187,7 @@ def test_letters_belong_to_the_open_list_and_ctrl_stands_before_those_of_buttons
 
 
 def test_enter_and_esc_are_for_the_digits_while_some_are_typed():
-    screen = replace(Seat().screen, typed="1")
+    screen = replace(ScreenPlayer().screen, typed="1")
     assert act_for("Enter", screen) == FinishNumber()
     assert act_for("Esc", screen) == Cancel()
 

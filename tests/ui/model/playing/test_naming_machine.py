@@ -4,8 +4,8 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from tests.support.hunts.screen_player import Seat
-from tests.thbridge.roles.test_command import TAKE
+from tests.support.hunts.screen_player import ScreenPlayer
+from tests.support.hunts.scripted_hunt import TAKE
 from thbridge.hunt.events import Condition, TreasureIdentified
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend
@@ -32,7 +32,7 @@ class Naming(RuleBasedStateMachine):
 
     @initialize(set_name=st.sampled_from(("original-2016", "sklar-azhar-2015")))
     def two_finds(self, set_name):
-        self.seat = Seat(robots=2, set_name=set_name)
+        self.seat = ScreenPlayer(robots=2, set_name=set_name)
         self.question = None
         self.chosen = None
         self.said = {}

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.support.hunts.hunt_without_simulator import RULES
-from tests.support.hunts.screen_player import Seat
+from tests.support.hunts.screen_player import ScreenPlayer, agree, events, go, play
 from thbridge.hunt.events import (
     Condition,
     MoveFailed,
@@ -53,54 +53,12 @@ from ui.model.playing.screen import (
 TALKATIVE = "sklar-azhar-2015"
 
 
-def go(seat, room):
-    """Send the selected robot to a room, agreeing to all it asks, and let it arrive."""
-    seat.do(SelectRoomAct(room))
-    agree(seat)
-    return seat.run(30)
-
-
-def agree(seat):
-    while isinstance(seat.screen.popup, DialoguePopup) and seat.screen.popup.choices:
-        seat.do(AnswerDialogueAct(0))
-
-
 def capital(words):
     return words[:1].upper() + words[1:]
 
 
-def events(seat, kind):
-    return [event for event in seat.stage.log.events if isinstance(event, kind)]
-
-
-def play(seat, look=lambda screen: None):
-    """Play until the hunt is over, by what is offered; `look` is called with every screen."""
-    for turn in range(200):
-        screen = seat.screen
-        look(screen)
-        if screen.phase is Phase.OVER:
-            break
-        pop = screen.popup
-        if isinstance(pop, DialoguePopup):
-            agree(seat)
-        elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
-            seat.do(ShowNext())
-        elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
-            seat.do(TakePictureAct())
-        elif isinstance(pop, TreasurePopup):
-            right = seat.stage.session.game.treasures[pop.room - 1].name
-            look(seat.press(PickName(right)))
-            seat.do(IdentifyTreasureAct() if seat.offered(IdentifyTreasureAct()).enabled else LeaveTreasureAct())
-        elif screen.ask_advice.enabled:
-            seat.do(RequestSuggestionAct())
-        elif len(screen.cards) > 1 and turn % 2:
-            seat.do(ChooseRobot(1 - next(card.robot for card in screen.cards if card.selected)))
-        else:
-            seat.run(20)
-
-
 def test_a_whole_hunt_by_what_is_offered():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
     play(seat)
     assert seat.screen.phase is Phase.OVER
     assert events(seat, TreasureIdentified)
@@ -117,7 +75,7 @@ def test_a_whole_hunt_by_what_is_offered():
 
 
 def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.model.do(SelectRoomAct(3), seat.now)
     pop = seat.screen.popup
     assert (pop.title, pop.sentences, pop.choices) == ("Asking robot 1 about room 3 …", (("you", "Go to room 3."),), ())
@@ -141,7 +99,7 @@ def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
 
 
 def test_stop_sends_nobody_and_the_same_can_be_asked_again():
-    seat = Seat()
+    seat = ScreenPlayer()
     for _ in range(2):
         seat.do(SelectRoomAct(3))
         assert seat.do(AnswerDialogueAct(1)).popup is None
@@ -150,7 +108,7 @@ def test_stop_sends_nobody_and_the_same_can_be_asked_again():
 
 
 def test_an_answer_counts_for_what_was_on_the_screen_only():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.do(SelectRoomAct(3))
     seat.model.do(AnswerDialogueAct(0), seat.now)
     seat.model.do(AnswerDialogueAct(0), seat.now)
@@ -169,7 +127,7 @@ def test_an_answer_counts_for_what_was_on_the_screen_only():
 
 
 def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
-    seat = Seat(set_name=TALKATIVE)
+    seat = ScreenPlayer(set_name=TALKATIVE)
     pop = go(seat, 3).popup
     assert isinstance(pop, TreasurePopup)
     assert pop.names == seat.names
@@ -202,14 +160,14 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
 
 
 def test_a_remark_on_a_find_goes_with_it():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
     go(seat, 3)
     assert seat.press(TypeLetter("%")).banner.text == "No name begins with “%”."
     assert seat.press(ChooseRobot(1)).banner is None
 
 
 def test_a_picture_is_talked_over_and_taken_once_agreed():
-    seat = Seat(set_name=TALKATIVE)
+    seat = ScreenPlayer(set_name=TALKATIVE)
     pop = go(seat, 3).popup
     energy = seat.screen.cards[0].energy
     assert pop.take_picture.hint.startswith("Costs 5 of")
@@ -223,7 +181,7 @@ def test_a_picture_is_talked_over_and_taken_once_agreed():
 
 
 def test_a_wrong_name_costs_and_is_said_so():
-    seat = Seat()
+    seat = ScreenPlayer()
     go(seat, 3)
     treasure = seat.stage.session.game.treasures[2]
     wrong = next(name for name in seat.names if name != treasure.name)
@@ -236,7 +194,7 @@ def test_a_wrong_name_costs_and_is_said_so():
 
 
 def test_time_and_rooms_left_are_shown():
-    seat = Seat()
+    seat = ScreenPlayer()
     assert seat.screen.progress == "Time 0:00 · 8 of 8 rooms left"
     go(seat, 3)
     seat.model.receive(PoseTelemetry(tick=50 * 65, poses=()), seat.now)
@@ -244,7 +202,7 @@ def test_time_and_rooms_left_are_shown():
 
 
 def test_a_picture_is_enlarged_until_it_is_pressed_again_or_its_pop_up_goes():
-    seat = Seat()
+    seat = ScreenPlayer()
     go(seat, 3)
     seat.do(TakePictureAct())
     agree(seat)
@@ -257,7 +215,7 @@ def test_a_picture_is_enlarged_until_it_is_pressed_again_or_its_pop_up_goes():
 
 
 def test_who_may_be_sent_is_said_where_nothing_waits():
-    seat = Seat(robots=3)
+    seat = ScreenPlayer(robots=3)
     assert seat.screen.nothing_waits == "3 robots are ready to be sent"
     seat.do(ChooseRobot(0))
     assert seat.do(SelectRoomAct(1), 3).nothing_waits == "2 robots are ready to be sent"
@@ -266,7 +224,7 @@ def test_who_may_be_sent_is_said_where_nothing_waits():
 
 
 def test_one_robot_is_selected_that_of_the_pop_up():
-    seat = Seat(robots=3)
+    seat = ScreenPlayer(robots=3)
     go(seat, 1)
     assert (selected(seat), seat.screen.popup.robot) == (0, 0)
     assert seat.screen.nothing_waits == "2 robots are ready to be sent", "and not that nothing waits"
@@ -279,7 +237,7 @@ def test_one_robot_is_selected_that_of_the_pop_up():
 
 
 def test_no_other_robot_is_selected_by_itself_before_the_selected_one_is_sent():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
     seat.do(SelectRoomAct(1))
     agree(seat)
     seat.do(ChooseRobot(1))
@@ -291,7 +249,7 @@ def test_no_other_robot_is_selected_by_itself_before_the_selected_one_is_sent():
 
 
 def test_a_map_that_follows_a_robot_follows_that_of_the_pop_up():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
     seat.do(SelectRoomAct(1))
     agree(seat)
     seat.do(ChooseRobot(1))
@@ -309,7 +267,7 @@ def selected(seat):
 
 
 def test_a_robot_for_which_no_room_is_left_is_not_said_to_be_ready():
-    seat = Seat(robots=2, rules=replace(RULES, energy=1000.0))
+    seat = ScreenPlayer(robots=2, rules=replace(RULES, energy=1000.0))
     for room in range(1, 9):
         go(seat, room)
         if room < 8:
@@ -318,7 +276,7 @@ def test_a_robot_for_which_no_room_is_left_is_not_said_to_be_ready():
 
 
 def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
-    seat = Seat(robots=3)
+    seat = ScreenPlayer(robots=3)
     for robot, room in ((0, 1), (1, 2)):
         seat.do(ChooseRobot(robot))
         seat.do(SelectRoomAct(room))
@@ -346,7 +304,7 @@ def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
 
 
 def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.stage.puppets.ticks = 400
     seat.do(SelectRoomAct(3))
     agree(seat)
@@ -368,7 +326,7 @@ def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
 
 
 def test_a_robot_that_arrives_before_it_is_called_back_is_not_sent_on():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.do(SelectRoomAct(3))
     agree(seat)
     seat.press(SelectRoomAct(6), 0)
@@ -379,7 +337,7 @@ def test_a_robot_that_arrives_before_it_is_called_back_is_not_sent_on():
 
 
 def test_stop_calls_a_robot_back():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.stage.puppets.ticks = 400
     seat.do(SelectRoomAct(3))
     agree(seat)
@@ -391,7 +349,7 @@ def test_stop_calls_a_robot_back():
 
 
 def test_going_on_asks_before_it_leaves_a_treasure_behind():
-    seat = Seat()
+    seat = ScreenPlayer()
     go(seat, 3)
     screen = seat.do(SelectRoomAct(4))
     assert screen.confirmation.title == "Leave what is in room 3?"
@@ -405,7 +363,7 @@ def test_going_on_asks_before_it_leaves_a_treasure_behind():
 
 
 def test_a_refusal_is_told_and_takes_back_what_was_shown_for_it():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.stage.puppets.stuck = {0}
     seat.do(SelectRoomAct(3))
     agree(seat)
@@ -417,7 +375,7 @@ def test_a_refusal_is_told_and_takes_back_what_was_shown_for_it():
 
 
 def test_a_room_that_another_robot_asks_about_is_not_offered():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.do(SelectRoomAct(3))
     seat.press(NextRobot(1))
     tile = seat.screen.tiles[2]
@@ -427,7 +385,7 @@ def test_a_room_that_another_robot_asks_about_is_not_offered():
 
 
 def test_ending_asks_once():
-    seat = Seat()
+    seat = ScreenPlayer()
     screen = seat.do(EndGameAct())
     assert screen.confirmation.title == "End the game?"
     assert seat.press(EndGameAct()).phase is Phase.PLAYING
@@ -438,7 +396,7 @@ def test_ending_asks_once():
 
 def test_energy_that_does_not_do_to_name_what_is_there_is_warned_of():
     def tile(energy):
-        return Seat(rules=replace(RULES, energy=energy)).screen.tiles[2]
+        return ScreenPlayer(rules=replace(RULES, energy=energy)).screen.tiles[2]
 
     assert tile(17.5).choose.enabled
     assert tile(17.5).warning == "Enough to get there, not to name what is there."
@@ -450,7 +408,7 @@ def test_energy_that_does_not_do_to_name_what_is_there_is_warned_of():
 
 
 def driving_with(energy):
-    seat = Seat(rules=replace(RULES, energy=energy))
+    seat = ScreenPlayer(rules=replace(RULES, energy=energy))
     assert seat.screen.cards[0].warning == ""
     seat.do(SelectRoomAct(3))
     while seat.view.robots[0].moving_to is None:
@@ -483,7 +441,7 @@ def test_a_robot_that_stops_is_not_warned_of_where_it_was_going():
 
 
 def test_digits_choose_rooms():
-    seat = Seat()
+    seat = ScreenPlayer()
     assert seat.press(TypeDigit(3)).popup.title == "Robot 1: go to room 3?"
     screen = seat.press(TypeDigit(9))
     assert screen.banner.text == "There is no room 9. The rooms are 1 to 8."
@@ -495,14 +453,14 @@ def test_digits_choose_rooms():
     [(Condition.SILENT, "does not answer"), (Condition.LOST, "lost, does not know where it is")],
 )
 def test_trouble_is_said_in_words(condition, state):
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.stage.puppets.conditions[0] = condition
     card = seat.run(60).cards[0]
     assert (card.state, card.trouble) == (state, True)
 
 
 def test_a_robot_that_somebody_speaks_for_is_thinking_until_they_do():
-    seat = Seat()
+    seat = ScreenPlayer()
     seat.stage.session.ask("wizard", WizardMode(0, on=True))
     seat.do(RequestSuggestionAct())
     assert seat.screen.cards[0].state == "is being asked"
@@ -517,7 +475,7 @@ def test_a_robot_that_somebody_speaks_for_is_thinking_until_they_do():
 
 
 def test_what_was_asked_and_lost_on_its_way_is_asked_again(monkeypatch):
-    seat = Seat()
+    seat = ScreenPlayer()
     step = seat.tabui.step
     monkeypatch.setattr(seat.tabui, "step", lambda tick, messages: [step(tick, messages), []][1])
     seat.do(SelectRoomAct(3))
@@ -527,7 +485,7 @@ def test_what_was_asked_and_lost_on_its_way_is_asked_again(monkeypatch):
 
 
 def test_a_server_that_comes_back_goes_on_where_it_was():
-    seat = Seat()
+    seat = ScreenPlayer()
     go(seat, 3)
     seat.press(PickName(seat.names[0]))
     seat.do(ShowNext())
@@ -549,7 +507,7 @@ def test_a_server_that_comes_back_goes_on_where_it_was():
 
 
 def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
-    seat = Seat()
+    seat = ScreenPlayer()
     assert go(seat, 3).popup.leave.hint == "Free; can be undone."
     assert seat.screen.cards[0].take_up is None
     screen = seat.do(LeaveTreasureAct())
@@ -579,7 +537,7 @@ def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
 
 
 def test_what_is_taken_up_again_comes_before_what_is_shown():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
     for robot, room in ((0, 3), (1, 4)):
         seat.do(ChooseRobot(robot))
         go(seat, room)
@@ -592,7 +550,7 @@ def test_what_is_taken_up_again_comes_before_what_is_shown():
 
 
 def test_leaving_the_last_find_says_that_it_ends_the_game():
-    seat = Seat(robots=1, rules=replace(RULES, energy=20.0))
+    seat = ScreenPlayer(robots=1, rules=replace(RULES, energy=20.0))
     pop = go(seat, 3).popup
     assert pop.leave.hint == "Ends the game."
     assert seat.press(PickName(seat.names[0])).popup.name_it.hint.endswith("Then the game ends.")
@@ -607,9 +565,9 @@ def test_leaving_the_last_find_says_that_it_ends_the_game():
 
 
 def test_the_picture_stays_in_sight_while_a_name_is_talked_over():
-    names = tuple(sorted({kind.name for kind in Seat(set_name=TALKATIVE).stage.templates.kinds}))
-    pictures = {kind.image: b"image" for kind in Seat(set_name=TALKATIVE).stage.templates.kinds}
-    seat = Seat(set_name=TALKATIVE, briefing=Briefing(names=names, pictures=pictures))
+    names = tuple(sorted({kind.name for kind in ScreenPlayer(set_name=TALKATIVE).stage.templates.kinds}))
+    pictures = {kind.image: b"image" for kind in ScreenPlayer(set_name=TALKATIVE).stage.templates.kinds}
+    seat = ScreenPlayer(set_name=TALKATIVE, briefing=Briefing(names=names, pictures=pictures))
     go(seat, 3)
     seat.do(TakePictureAct())
     agree(seat)
@@ -622,7 +580,9 @@ def test_the_picture_stays_in_sight_while_a_name_is_talked_over():
 
 def test_the_picture_comes_from_the_keeper_in_pieces():
     image = bytes(range(256)) * 300
-    seat = Seat(briefing=Briefing(names=("ball",), pictures={f"rsz_t{number}.jpg": image for number in range(1, 5)}))
+    seat = ScreenPlayer(
+        briefing=Briefing(names=("ball",), pictures={f"rsz_t{number}.jpg": image for number in range(1, 5)})
+    )
     assert go(seat, 3).popup.picture is None
     assert seat.do(TakePictureAct(), 60).popup.picture == image
     seat.model = Participant()
@@ -632,7 +592,7 @@ def test_the_picture_comes_from_the_keeper_in_pieces():
 
 
 def test_nothing_is_played_before_the_participant_agrees():
-    seat = Seat(briefing=Briefing(names=("ball",), consent="May we record what you do?"))
+    seat = ScreenPlayer(briefing=Briefing(names=("ball",), consent="May we record what you do?"))
     screen = seat.screen
     assert (screen.phase, screen.consent, screen.popup) == (Phase.CONSENT, "May we record what you do?", None)
     seat.press(SelectRoomAct(3))
@@ -641,7 +601,7 @@ def test_nothing_is_played_before_the_participant_agrees():
 
 
 def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
     go(seat, 3)
     name = seat.names[0]
     seat.press(PickName(name))
@@ -668,7 +628,7 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
 
 
 def test_another_window_comes_into_the_middle_of_a_game():
-    seat = Seat()
+    seat = ScreenPlayer()
     go(seat, 3)
     seat.do(ChooseRobot(1))
     seat.do(SelectRoomAct(4))

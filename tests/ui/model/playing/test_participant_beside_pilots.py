@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.thbridge.mavlink.role.test_pilot import STATION, Flight
+from tests.support.mavlink.piloted_hunt import STATION, PilotedHunt
 from thbridge.app.compose.game import build_briefing
 from thbridge.hunt.events import RobotArrived, TreasureIdentified
 from thbridge.mavlink.values.vehicle_interface import LegState, Target
@@ -34,7 +34,7 @@ class Follower:
 @pytest.mark.slow
 def test_the_window_follows_a_hunt_that_a_ground_station_steers():
     follower = Follower()
-    flight = Flight(participant=TabUI(follower, follower))
+    flight = PilotedHunt(participant=TabUI(follower, follower))
     names = build_briefing(flight.setting).names
     for pilot in flight.pilots:
         pilot.take(STATION)

@@ -2,11 +2,9 @@
 
 import pytest
 
-from tests.support.hunts.participant_views import asking, view, with_robot, with_room
-from tests.support.hunts.screen_player import Seat
-from tests.thbridge.roles.test_command import NAME, SENTENCE, TAKE
-from tests.ui.model.playing.test_participant import agree, events, go
-from tests.ui.model.playing.test_participant_views import model_of, texts
+from tests.support.hunts.participant_views import asking, model_of, texts, view, with_robot, with_room
+from tests.support.hunts.screen_player import ScreenPlayer, agree, events, go
+from tests.support.hunts.scripted_hunt import NAME, SENTENCE, TAKE
 from thbridge.hunt.events import Commander, RobotDeparted, TreasureIdentified
 from thbridge.roles.shared.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from thbridge.roles.shared.view import IdentificationVerdict, RequestHandback, RequestSuggestion, SelectRoom, StopRobot
@@ -99,7 +97,7 @@ def test_a_robot_of_others_is_not_stopped_here():
 
 
 def test_what_others_robots_find_is_named_here():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
     seat.stage.session.ask("station", TAKE)
     seat.stage.session.ask("station", StationSend(0, 3))
     screen = seat.run(30)
@@ -111,7 +109,7 @@ def test_what_others_robots_find_is_named_here():
 
 
 def test_a_robot_that_came_back_is_sent_as_ever():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
     seat.stage.session.ask("station", TAKE)
     seat.run()
     seat.press(SelectRoomAct(3))
@@ -124,7 +122,7 @@ def test_a_robot_that_came_back_is_sent_as_ever():
 
 
 def test_a_participant_without_any_robot_of_their_own_is_told_what_is_left_to_do():
-    seat = Seat(model=Participant(), robots=2)
+    seat = ScreenPlayer(model=Participant(), robots=2)
     for robot in (0, 1):
         seat.stage.session.ask("station", TakeCommand(robot, NAME))
     seat.run()
@@ -173,7 +171,7 @@ def test_who_cannot_end_the_game_is_told_whom_to_ask():
 
 
 def test_what_a_station_leaves_unnamed_stays_on_the_table():
-    seat = Seat(robots=2)
+    seat = ScreenPlayer(robots=2)
     seat.stage.session.ask("station", TAKE)
     seat.stage.session.ask("station", StationSend(0, 3))
     assert seat.run(30).popup.room == 3

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from tests.support.hunts.hunt_without_simulator import RULES
-from tests.support.hunts.screen_player import Seat
-from tests.ui.model.language import english_on
+from tests.support.hunts.screen_player import ScreenPlayer
+from tests.support.windows.english import english_on
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt import rules
 from thbridge.hunt.events import Condition
@@ -116,7 +116,7 @@ class Game(RuleBasedStateMachine):
     )
     def begin(self, robots, energy, set_name, language):
         model = Participant(texts=shipped_texts(language))
-        self.seat = Seat(model, robots=robots, set_name=set_name, rules=replace(RULES, energy=energy))
+        self.seat = ScreenPlayer(model, robots=robots, set_name=set_name, rules=replace(RULES, energy=energy))
 
     @rule(act=ACTS, ticks=st.integers(0, 15))
     def act(self, act, ticks):

@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from tests.support.hunts.participant_views import asking, refusal, view, with_robot, with_room
+from tests.support.hunts.participant_views import asking, model_of, refusal, texts, view, with_robot, with_room
 from thbridge.hunt.events import Condition
 from thbridge.roles.shared.notices import (
     Ellipse,
@@ -91,19 +91,6 @@ HOUSE = FloorPlan(
 
 def where(tick, *motions, x=0.0, ellipses=None):
     return PoseTelemetry(tick, ((x, 0.0, 0.0),) * 2, motions or (RobotMotion(), RobotMotion()), ellipses)
-
-
-def model_of(*levels, now=0.0):
-    model = Participant()
-    model.connected(0.0)
-    for level in levels:
-        model.receive(level, now)
-    model.screen(now)
-    return model
-
-
-def texts(screen):
-    return [line.text for line in screen.history]
 
 
 def test_before_there_is_a_game_it_says_what_it_waits_for():

@@ -3,35 +3,13 @@
 from dataclasses import replace
 
 from tests.support.dialogue import recorded_dialogues
-from tests.support.ros.watched_messages import SECOND, StampedMessage
-from tests.ui.model.watching.test_session_log import event
+from tests.support.ros.watched_messages import SECOND, TICKS, event, messages, watched
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
-from thbridge.ros.messages.records import Record
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord
-from thbridge.ros.publisher import messages_of
 from ui.model.watching.dialogue_log import MAX_KEPT, DialogueCourse, DialogueLog
 from ui.model.watching.dialogue_rows import DialogueList, describe_attacks, heading, move_row, rows
 from ui.model.watching.session_log import SessionLog
-
-TICKS = recorded_dialogues.recorded(*recorded_dialogues.utterances())
-
-
-def messages(second: int, *records: Record) -> list[StampedMessage]:
-    return [
-        StampedMessage(made.topic.name, made.topic.msgtype, second * SECOND, made.data)
-        for record in records
-        for made in messages_of(0, 0, record)
-    ]
-
-
-def watched() -> SessionLog:
-    """A dialogue of robot 1, a tick a second from 1 s on."""
-    session_log = SessionLog()
-    for second, records in enumerate(TICKS, start=1):
-        for message in messages(second, *records):
-            session_log.take(message)
-    return session_log
 
 
 def test_the_course_at_a_time_is_what_was_said_until_then_and_what_the_robot_made_of_it() -> None:

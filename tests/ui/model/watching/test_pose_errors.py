@@ -8,7 +8,7 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
 from tests.support.bags.foreign_bags import STORE
-from tests.thbridge.analysis.test_report_times import BEGIN, HOUR, LATE, TENTH, pose
+from tests.support.bags.late_stamps import BEGIN, HOUR, LATE, TENTH, pose
 from thbridge.ros.messages import types
 from ui.model.watching.curves import Curve
 from ui.model.watching.pose_errors import PoseErrors

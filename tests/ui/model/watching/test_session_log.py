@@ -1,7 +1,6 @@
-import json
 from typing import get_args
 
-from tests.support.ros.watched_messages import StampedMessage
+from tests.support.ros.watched_messages import StampedMessage, event
 from thbridge.analysis.measured.game import WayMade
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import GameEnded, HandbackRequested, TreasureIdentified, TreasurePictured, TreasureTakenUp
@@ -9,16 +8,8 @@ from thbridge.ros import names
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus
 from thbridge.ros.messages.records import LogLevel, LogLine
-from thbridge.ros.messages.session_records import GameEvent
 from ui.model.watching.scene import EntryKind
 from ui.model.watching.session_log import MAX_ENTRIES, RoomStatus, SessionLog
-
-
-def event(
-    second: int, kind: str, robot: int | None = None, room: int | None = None, **fields: object
-) -> StampedMessage:
-    record = GameEvent(kind, robot, room, json.dumps({"v": 1, "event": kind, **fields}))
-    return StampedMessage(names.GAME_EVENTS, types.GAME_EVENT, second, pack.game_event(0, record))
 
 
 def log(second: int, level: LogLevel, text: str) -> StampedMessage:

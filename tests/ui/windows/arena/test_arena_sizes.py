@@ -4,11 +4,8 @@ import pytest
 from PySide6.QtWidgets import QApplication
 
 from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
-from tests.ui.windows.arena.test_arena_window import folder, window
 from ui.windows import look
 from ui.windows.arena.window import ArenaWindow
-
-__all__ = ["folder", "window"]
 
 
 @pytest.mark.parametrize("text", TEXTS)

@@ -1,62 +1,17 @@
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QPoint, Qt, QTimer
-from PySide6.QtWidgets import QApplication, QLineEdit, QMessageBox
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QApplication, QLineEdit
 from pytestqt.qtbot import QtBot
 
+from tests.support.maps.three_rooms import FOUND
+from tests.support.windows.questions import answering
 from tests.support.windows.screen_reader import against_the_eye, nameless, stops
-from tests.ui.model.test_arena_draft import FOUND, GRID
-from thbridge.files.grid_files import write_grid
-from thbridge.files.map_files import check_map, read_map, write_rooms
-from thbridge.offline.arena import Arena
-from ui.model.shared.theme import DARK, LIGHT
+from thbridge.files.map_files import check_map, read_map
+from ui.model.shared.theme import DARK
 from ui.windows.arena.window import ArenaWindow
 from ui.windows.look import apply_palette
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    write_grid(tmp_path / "three", GRID)
-    return tmp_path / "three"
-
-
-@pytest.fixture
-def window(qtbot: QtBot, qapp: QApplication, folder: Path) -> Iterator[ArenaWindow]:
-    apply_palette(qapp, LIGHT)
-
-    def write(arena: Arena) -> str | None:
-        write_rooms(folder, arena.rooms, arena.starts)
-        return None
-
-    window = ArenaWindow("three", GRID, FOUND, write)
-    with qtbot.waitActive(window):
-        window.show()
-        window.activateWindow()
-    yield window
-    with answering("Discard"):
-        window.close()
-    window.deleteLater()
-
-
-@contextmanager
-def answering(words: str) -> Iterator[list[str]]:
-    """While this lasts, press a button of each question as soon as it is asked."""
-    asked: list[str] = []
-
-    def look() -> None:
-        for box in QApplication.topLevelWidgets():
-            if isinstance(box, QMessageBox) and box.isVisible():
-                asked.append(box.text())
-                next(button for button in box.buttons() if words in button.text()).click()
-
-    timer = QTimer(interval=20)
-    timer.timeout.connect(look)
-    timer.start()
-    yield asked
-    timer.stop()
 
 
 def pixel(window: ArenaWindow, x: float, y: float) -> QPoint:

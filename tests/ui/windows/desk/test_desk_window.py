@@ -11,14 +11,14 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialog, QInputDialog, QMessageBox
 from pytestqt.qtbot import QtBot
 
-from tests.support.studies.rehearsed_study import Study, clocks, rehearse
+from tests.support.studies.rehearsed_studies import RehearsedStudy, clocks, rehearsed_study
+from tests.support.windows.desk_windows import desk, state, study
 from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
 from tests.support.windows.screen_reader import against_the_eye, nameless, stops
 from thbridge.experiment.conductor import Conductor
 from thbridge.experiment.folder import ExperimentFolder
-from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
-from thbridge.experiment.store.events import EventKind, LoggedEvent
+from thbridge.experiment.store.events import LoggedEvent
 from ui.model.desk.messages import (
     DeskClosed,
     DeskState,
@@ -29,7 +29,6 @@ from ui.model.desk.messages import (
     WithdrawRun,
     WriteNote,
 )
-from ui.model.desk.state import ToldToDesk, desk_state
 from ui.sources.experiment import ExperimentSource
 from ui.windows import look
 from ui.windows.desk.commands import CommandBox, TargetBox, latest_backup
@@ -37,37 +36,7 @@ from ui.windows.desk.program import READ_ONLY, LogWatch
 from ui.windows.desk.questions import ReasonBox
 from ui.windows.desk.window import DeskWindow
 
-
-@pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    return rehearse(tmp_path_factory.mktemp("desk"))
-
-
-@pytest.fixture
-def state(study: Study) -> DeskState:
-    """The study while somebody fills in a form."""
-    # The first item of a form has just been shown.
-    begun = {entry.sequence for entry in study.entries if entry.event.kind == EventKind.STEP_BEGUN}
-    shown = [entry.sequence for entry in study.entries if entry.event.kind == EventKind.ITEM_SHOWN]
-    length = max(sequence for sequence in shown if sequence - 1 in begun and study.entries[sequence].event.step)
-    entries = study.entries[:length]
-    progress = Progress(study.design).after(entries)
-    someone = entries[-1].event.participant
-    told = ToldToDesk(clocks(length).wall, (), "the form workload", (), someone)
-    return structs.replace(desk_state(study.design, progress, entries, told), no_next="")
-
-
-@pytest.fixture
-def desk(qtbot: QtBot, state: DeskState) -> Iterator[DeskWindow]:
-    made = DeskWindow()
-    qtbot.addWidget(made)
-    made.heard = []
-    made.asked.connect(made.heard.append)
-    with qtbot.waitExposed(made):
-        made.show()
-    made.receive(state)
-    yield made
-    made.leave()
+__all__ = ["desk", "state", "study"]
 
 
 def answering(words: str, reason: str = "") -> list[str]:
@@ -216,7 +185,7 @@ def test_closing_asks_where_it_cannot_be_undone(qtbot: QtBot, state: DeskState) 
 
 
 def test_a_log_is_watched_as_it_grows(qtbot: QtBot, tmp_path: Path) -> None:
-    study = rehearse(tmp_path)
+    study = rehearsed_study(tmp_path)
     desk = DeskWindow()
     qtbot.addWidget(desk)
     desk.show()
@@ -270,7 +239,7 @@ def test_nothing_is_cut_off_or_covered(desk: DeskWindow, state: DeskState, qapp:
 
 
 @pytest.fixture
-def at_folder(qtbot: QtBot, study: Study, state: DeskState, tmp_path: Path) -> Iterator[DeskWindow]:
+def at_folder(qtbot: QtBot, study: RehearsedStudy, state: DeskState, tmp_path: Path) -> Iterator[DeskWindow]:
     """The desk of a copy of the study, on whose folder commands are run."""
     shutil.copytree(study.folder.root, tmp_path / "study")
     made = DeskWindow(folder=ExperimentFolder(tmp_path / "study"))
@@ -305,7 +274,7 @@ def to_folder(folder: Path | None) -> None:
 
 
 def test_status_export_and_backup_are_commands_of_the_desk(
-    at_folder: DeskWindow, qtbot: QtBot, tmp_path: Path, study: Study
+    at_folder: DeskWindow, qtbot: QtBot, tmp_path: Path, study: RehearsedStudy
 ) -> None:
     at_folder.status.click()
     words, printed = finished(at_folder, qtbot)

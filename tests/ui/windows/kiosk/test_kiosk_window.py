@@ -13,10 +13,10 @@ from PySide6.QtWidgets import QApplication, QLabel, QLineEdit, QScrollArea, QToo
 from pytestqt.qtbot import QtBot
 
 from tests.support.hunts.participant_views import view
+from tests.support.windows.english import english_in, strings_in
 from tests.support.windows.layout_faults import misfits, settle
 from tests.support.windows.preferences import preferred
 from tests.support.windows.screen_reader import nameless, words_in
-from tests.ui.languages import english_in, strings_in
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.files.language_texts import shipped_texts

@@ -1,59 +1,35 @@
-"""A window on a sample, with a clock of its own."""
+"""The participant's window, on samples and in a game."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.support.windows import sample_screens
-from thbridge.dialogue.wording.texts import Texts
-from ui.model.playing.screen import Act, Screen
-from ui.model.shared.theme import LIGHT
-from ui.windows import look
-from ui.windows.participant import ParticipantWindow
+from tests.support.windows.participant_windows import opened
+from tests.support.windows.preferences import preferred
+from tests.ui.windows.participant.joined_window import ArrivedLink, JoinedWindow
+from thbridge.files.language_texts import shipped_texts
+from ui.windows.participant_program import ParticipantMainWindow
 
-
-@dataclass
-class Opened:
-    """A window, its model, and its clock."""
-
-    window: ParticipantWindow
-    model: sample_screens.SampleModel
-    now: float = 0.0
-
-    def show(self, screen: Screen, after: float = 1.0) -> None:
-        """Another screen, so many seconds later, and another second until it can be answered."""
-        self.now += after
-        self.model.shown = screen
-        self.window.refresh()
-        QApplication.processEvents()
-
-    @property
-    def done(self) -> list[Act]:
-        return self.model.done
+__all__ = ["opened"]
 
 
 @pytest.fixture
-def opened(qtbot: QtBot, qapp: QApplication) -> Callable[..., Opened]:
-    """Opens a window on a screen."""
+def at_table(qtbot: QtBot, qapp: QApplication, tmp_path: Path) -> Callable[[bool], JoinedWindow]:
+    def sit(hosted: bool) -> JoinedWindow:
+        table = JoinedWindow()
+        send = table.told.append if hosted else None
+        window = ParticipantMainWindow(preferred(qapp, tmp_path), send, lambda: table.now, shipped_texts())
+        table.window = window
+        qtbot.addWidget(window, before_close_func=lambda it: it.leave())
+        window.join(ArrivedLink())
+        with qtbot.waitExposed(window):
+            window.show()
+        window.activateWindow()
+        qtbot.waitUntil(window.isActiveWindow)
+        qtbot.waitUntil(lambda: window.game is not None and window.game.in_progress)
+        return table
 
-    def make(screen: Screen, width: int = 1024, height: int = 768, texts: Texts = sample_screens.ENGLISH) -> Opened:
-        look.apply_palette(qapp, LIGHT)
-        rooms = {8: "arena8", 12: "warehouse12"}[len(screen.tiles)]
-        model = sample_screens.SampleModel(screen, sample_screens.floor_plan(rooms), texts=texts)
-        made = Opened.__new__(Opened)
-        made.model, made.now = model, 0.0
-        made.window = ParticipantWindow(model, lambda: made.now, LIGHT)
-        qtbot.addWidget(made.window)
-        made.window.resize(width, height)
-        with qtbot.waitExposed(made.window):
-            made.window.show()
-        made.window.activateWindow()
-        qtbot.waitUntil(made.window.isActiveWindow)
-        qapp.processEvents()
-        made.now += 1.0
-        return made
-
-    return make
+    return sit

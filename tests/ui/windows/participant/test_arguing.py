@@ -7,12 +7,12 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QScrollArea
 from pytestqt.qtbot import QtBot
 
-from tests.support.hunts.screen_player import Seat
+from tests.support.hunts.screen_player import ScreenPlayer
+from tests.support.hunts.scripted_hunt import arguing_engine
 from tests.support.windows import sample_screens
 from tests.support.windows.layout_faults import settle
-from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
-from tests.ui.windows.participant.test_hunt import Player
-from tests.ui.windows.participant.test_window import Open, press
+from tests.support.windows.participant_windows import Open, press
+from tests.ui.windows.participant.window_player import WindowPlayer
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.files.language_texts import shipped_texts
 from thbridge.hunt.events import RobotDeparted
@@ -35,7 +35,7 @@ Sit = Callable[..., "Arguer"]
 STATES = sample_screens.states()
 
 
-class Arguer(Player):
+class Arguer(WindowPlayer):
     """A person at the window, where robots argue."""
 
     def wait(self, ticks: int = 20) -> None:
@@ -85,7 +85,7 @@ class Arguer(Player):
 def sit(qtbot: QtBot, qapp: QApplication) -> Sit:
     def make(condition: DialogueCondition = DialogueCondition.COLLABORATOR) -> Arguer:
         look.apply_palette(qapp, LIGHT)
-        seat = Seat(talk=arguing_engine(condition), briefing=Briefing(condition=condition))
+        seat = ScreenPlayer(talk=arguing_engine(condition), briefing=Briefing(condition=condition))
         seat.stage.puppets.ticks = 200
         window = ParticipantWindow(seat.model, lambda: seat.now, LIGHT)
         qtbot.addWidget(window)

@@ -1,18 +1,17 @@
 """Whole hunts in the window, on the real view model and the real game: by mouse alone, and by keyboard alone."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.support.hunts.screen_player import Seat
-from tests.ui.windows.participant.test_window import buttons, press, that_asks
+from tests.support.hunts.screen_player import ScreenPlayer
+from tests.support.windows.participant_windows import buttons
+from tests.ui.windows.participant.window_player import LEFT, WindowPlayer
 from thbridge.hunt.events import PropertyMeasured, PropertyTold
 from ui.model.playing.screen import (
-    Act,
     Action,
     AnswerDialogueAct,
     DialoguePopup,
@@ -30,60 +29,24 @@ from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
 
-LEFT = Qt.MouseButton.LeftButton
 TURNS = 300
 
 
-@dataclass
-class Player:
-    """A person at the window; each act is drawn before the game goes on.
-
-    Attributes:
-        views: every place that the map had in the window, and every view of it, as long as it was shown.
-    """
-
-    seat: Seat
-    window: ParticipantWindow
-    qtbot: QtBot
-    views: set[str] = field(default_factory=set)
-
-    def wait(self, ticks: int = 20) -> None:
-        self.look()
-        self.seat.run(ticks)
-        self.window.refresh()
-        self.look()
-
-    def look(self) -> None:
-        QApplication.processEvents()
-        shown = self.window.map
-        if shown.isVisible():
-            corners = [shown.pixel(x, y) for x, y in ((0.0, 0.0), (1.0, 1.0))]
-            self.views.add(str((shown.mapTo(self.window, QPoint(0, 0)), shown.size(), corners)))
-
-    def click(self, act: Act) -> None:
-        self.qtbot.mouseClick(that_asks(self.window, act), LEFT)
-        self.wait()
-
-    def key(self, key: str) -> None:
-        press(self.qtbot, self.window, key)
-        self.wait()
-
-
 @pytest.fixture
-def player(qtbot: QtBot, qapp: QApplication) -> Iterator[Callable[..., Player]]:
+def player(qtbot: QtBot, qapp: QApplication) -> Iterator[Callable[..., WindowPlayer]]:
     def sit(
         robots: int, set_name: str = "original-2016", size: tuple[int, int] = (1200, 800), text: float = 1.0
-    ) -> Player:
+    ) -> WindowPlayer:
         look.apply_palette(qapp, LIGHT)
         look.apply_text_size(qapp, text)
-        seat = Seat(robots=robots, set_name=set_name)
+        seat = ScreenPlayer(robots=robots, set_name=set_name)
         window = ParticipantWindow(seat.model, lambda: seat.now, LIGHT)
         qtbot.addWidget(window)
         window.resize(*size)
         window.show()
         window.activateWindow()
         qtbot.waitUntil(window.isActiveWindow)
-        return Player(seat, window, qtbot)
+        return WindowPlayer(seat, window, qtbot)
 
     yield sit
     look.apply_text_size(qapp, 1.0)
@@ -95,7 +58,7 @@ def to_find_out(pop: TreasurePopup) -> Action | None:
     return next((act for act in acts if act.enabled), None)
 
 
-def by_mouse(player: Player, right: str) -> None:
+def by_mouse(player: WindowPlayer, right: str) -> None:
     screen, window = player.seat.screen, player.window
     pop = screen.popup
     if isinstance(pop, DialoguePopup) and pop.choices:
@@ -121,7 +84,7 @@ def by_mouse(player: Player, right: str) -> None:
         player.wait()
 
 
-def by_keyboard(player: Player, right: str) -> None:
+def by_keyboard(player: WindowPlayer, right: str) -> None:
     screen = player.seat.screen
     pop = screen.popup
     if isinstance(pop, DialoguePopup) and pop.choices:
@@ -154,8 +117,8 @@ def by_keyboard(player: Player, right: str) -> None:
     ],
 )
 def test_a_whole_hunt(
-    player: Callable[..., Player],
-    play: Callable[[Player, str], None],
+    player: Callable[..., WindowPlayer],
+    play: Callable[[WindowPlayer, str], None],
     robots: int,
     set_name: str,
     size: tuple[int, int],
@@ -186,7 +149,7 @@ def test_a_whole_hunt(
     assert not sitting.window.ending.isVisible()
 
 
-def test_every_enabled_action_of_a_game_has_a_button_in_sight(player: Callable[..., Player]) -> None:
+def test_every_enabled_action_of_a_game_has_a_button_in_sight(player: Callable[..., WindowPlayer]) -> None:
     sitting = player(2)
     sitting.key("D")
     shown = {button.act for button in buttons(sitting.window) if button.face is not None and button.face.enabled}

@@ -9,7 +9,7 @@ from pytestqt.qtbot import QtBot
 from tests.support.hunts.participant_views import view
 from tests.support.programs.processes import Program, until
 from tests.support.windows.preferences import preferred
-from tests.ui.windows.participant.test_leaving import ArrivedLink
+from tests.ui.windows.participant.joined_window import ArrivedLink
 from thbridge.files import language_texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.roles.shared.notices import GameTexts

@@ -2,8 +2,6 @@
 
 import gc
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QEvent, QPoint, Qt
@@ -12,15 +10,13 @@ from pytestqt.qtbot import QtBot
 
 from tests.support.hunts.participant_views import view
 from tests.support.windows import sample_screens
-from tests.support.windows.preferences import preferred
-from tests.ui.windows.participant.test_window import press
-from thbridge.files.language_texts import shipped_texts
-from ui.model.lobby import Back, FromWindow, WindowClosed
+from tests.support.windows.participant_windows import press
+from tests.ui.windows.participant.joined_window import ArrivedLink, JoinedWindow
+from ui.model.lobby import Back, WindowClosed
 from ui.model.shared.theme import LIGHT
-from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
+from ui.windows.link import ParticipantLink, ReceivedEvent
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant.widgets.buttons import ActionButton
-from ui.windows.participant_program import ParticipantMainWindow
 
 
 def test_a_link_with_a_token_that_no_server_takes_is_refused_before_it_starts() -> None:
@@ -28,55 +24,9 @@ def test_a_link_with_a_token_that_no_server_takes_is_refused_before_it_starts() 
         ParticipantLink("127.0.0.1", 1, "")
 
 
-class ArrivedLink(ParticipantLink):
-    """A link to a game whose first view has arrived."""
-
-    def __init__(self) -> None:
-        super().__init__("127.0.0.1", 1, "token")
-        self._arrived = [ReceivedEvent(0.0, ServerReached()), ReceivedEvent(0.0, view())]
-
-    def start(self) -> None:
-        pass
-
-    def stop(self) -> None:
-        pass
-
-    def take_events(self) -> list[ReceivedEvent]:
-        events, self._arrived = self._arrived, []
-        return events
-
-
-@dataclass
-class Table:
-    """The main window in the middle of a game, its clock, and what it told its host."""
-
-    window: ParticipantMainWindow | None = None
-    now: float = 1.0
-    told: list[FromWindow] = field(default_factory=list)
-
-
-@pytest.fixture
-def at_table(qtbot: QtBot, qapp: QApplication, tmp_path: Path) -> Callable[[bool], Table]:
-    def sit(hosted: bool) -> Table:
-        table = Table()
-        send = table.told.append if hosted else None
-        window = ParticipantMainWindow(preferred(qapp, tmp_path), send, lambda: table.now, shipped_texts())
-        table.window = window
-        qtbot.addWidget(window, before_close_func=lambda it: it.leave())
-        window.join(ArrivedLink())
-        with qtbot.waitExposed(window):
-            window.show()
-        window.activateWindow()
-        qtbot.waitUntil(window.isActiveWindow)
-        qtbot.waitUntil(lambda: window.game is not None and window.game.in_progress)
-        return table
-
-    return sit
-
-
 @pytest.mark.parametrize("hosted", [True, False])
 def test_closing_in_the_middle_of_a_game_asks_in_the_window(
-    qtbot: QtBot, at_table: Callable[[bool], Table], hosted: bool
+    qtbot: QtBot, at_table: Callable[[bool], JoinedWindow], hosted: bool
 ) -> None:
     table = at_table(hosted)
     window = table.window
@@ -101,7 +51,7 @@ def test_closing_in_the_middle_of_a_game_asks_in_the_window(
 
 
 def test_the_start_page_is_offered_at_the_end_alone_and_the_map_stays(
-    qtbot: QtBot, at_table: Callable[[bool], Table]
+    qtbot: QtBot, at_table: Callable[[bool], JoinedWindow]
 ) -> None:
     table = at_table(True)
     window = table.window

@@ -12,9 +12,8 @@ from pytestqt.qtbot import QtBot
 
 from tests.support.windows import sample_screens
 from tests.support.windows.layout_faults import misfits, settle
+from tests.support.windows.participant_windows import STATES, Open, Opened, covered, room_on_map
 from tests.support.windows.preferences import preferred
-from tests.ui.windows.participant.conftest import Opened
-from tests.ui.windows.participant.test_window import STATES, Open, covered, room_on_map
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from ui.model.shared.theme import LIGHT

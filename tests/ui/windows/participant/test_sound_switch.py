@@ -8,14 +8,12 @@ import pytest
 from PySide6.QtCore import QSettings, Qt
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.participant.test_leaving import ArrivedLink, Table, at_table
-from tests.ui.windows.participant.test_window import press
+from tests.support.windows.participant_windows import press
+from tests.ui.windows.participant.joined_window import ArrivedLink, JoinedWindow
 from ui.model.playing.screen import ShowSettings
 from ui.windows import participant_program
 from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.preferences import SettingsDialog
-
-__all__ = ["at_table"]
 
 
 def kept_sound(folder: Path) -> object:
@@ -23,7 +21,7 @@ def kept_sound(folder: Path) -> object:
     return QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat).value("sound")
 
 
-def settings_button(table: Table) -> ActionButton | None:
+def settings_button(table: JoinedWindow) -> ActionButton | None:
     """The button of the game that is shown; None before it is."""
     assert table.window is not None and table.window.game is not None
     buttons = table.window.game.window_of_game.findChildren(ActionButton)
@@ -31,7 +29,7 @@ def settings_button(table: Table) -> ActionButton | None:
 
 
 def test_m_and_the_settings_mute_this_game_and_the_next(
-    at_table: Callable[[bool], Table], qtbot: QtBot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    at_table: Callable[[bool], JoinedWindow], qtbot: QtBot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(participant_program, "system_player", lambda: (sys.executable, "-c", "pass"))
     table = at_table(True)

@@ -3,12 +3,11 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations, product
 
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QAccessible, QCursor, QFontMetricsF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
@@ -17,7 +16,16 @@ from pytestqt.qtbot import QtBot
 from tests.support.slow import slow
 from tests.support.windows import sample_screens
 from tests.support.windows.layout_faults import settle
-from tests.ui.windows.participant.conftest import Opened
+from tests.support.windows.participant_windows import (
+    STATES,
+    Open,
+    Opened,
+    buttons,
+    covered,
+    press,
+    room_on_map,
+    that_asks,
+)
 from thbridge.files.language_texts import shipped_texts
 from ui.model.playing.screen import (
     Act,
@@ -67,17 +75,7 @@ from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButt
 from ui.windows.participant.widgets.painting import chip_size
 from ui.windows.participant.widgets.panels import RobotChip, SpeechBubble, TitledPanel, Transcript
 
-Open = Callable[..., Opened]
-STATES = sample_screens.states()
 LEFT = Qt.MouseButton.LeftButton
-
-
-def buttons(window: QWidget) -> list[ParticipantButton]:
-    return [button for button in window.findChildren(ParticipantButton) if button.isVisible() and button.isEnabled()]
-
-
-def that_asks(window: QWidget, act: Act) -> ParticipantButton:
-    return next(button for button in buttons(window) if button.act == act)
 
 
 # Mouse ----------------------------------------------------------------------------------------------------------------
@@ -239,12 +237,6 @@ def point(qtbot: QtBot, widget: QWidget, place: QPoint | None = None) -> None:
     QApplication.processEvents()
 
 
-def room_on_map(shown: Opened, room: int) -> QPoint:
-    """The middle of a room on the map."""
-    corners = next(mark.region for mark in shown.model.rooms(0.0) if mark.room == room)
-    return shown.window.map.pixel(*corners.mean(axis=0)).toPoint()
-
-
 # Keys -----------------------------------------------------------------------------------------------------------------
 
 
@@ -288,27 +280,6 @@ def test_a_key_does_what_its_button_does(qtbot: QtBot, opened: Open) -> None:
         shown.done.clear()
         press(qtbot, shown.window, key)
         assert shown.done == [act], (state, key)
-
-
-def press(qtbot: QtBot, window: QWidget, key: str) -> None:
-    target = QApplication.focusWidget() or window
-    *with_, last = key.split("+")
-    modifiers = Qt.KeyboardModifier.NoModifier
-    for one in with_:
-        modifiers |= {"Shift": Qt.KeyboardModifier.ShiftModifier, "Ctrl": Qt.KeyboardModifier.ControlModifier}[one]
-    code = {
-        "Tab": Qt.Key.Key_Backtab if "Shift" in with_ else Qt.Key.Key_Tab,
-        "Esc": Qt.Key.Key_Escape,
-        "Return": Qt.Key.Key_Return,
-        "Space": Qt.Key.Key_Space,
-        "Down": Qt.Key.Key_Down,
-        "Up": Qt.Key.Key_Up,
-        "End": Qt.Key.Key_End,
-        "Right": Qt.Key.Key_Right,
-        "F1": Qt.Key.Key_F1,
-        "F6": Qt.Key.Key_F6,
-    }.get(last)
-    qtbot.keyClick(target, code if code is not None else last.lower(), modifiers)
 
 
 def test_a_digit_of_the_number_pad_counts(qtbot: QtBot, opened: Open) -> None:
@@ -691,11 +662,6 @@ def test_a_click_meant_for_a_pop_up_that_has_just_come_or_gone_sends_nobody(qtbo
     shown.now += 1.0
     qtbot.mouseClick(shown.window.map.viewport(), LEFT, pos=place)
     assert SelectRoomAct(6) in shown.done
-
-
-def covered(shown: Opened, panel: QWidget) -> QRect:
-    """The place of a panel, in pixels of the map."""
-    return QRect(shown.window.map.mapFromGlobal(panel.mapToGlobal(QPoint(0, 0))), panel.size())
 
 
 def test_a_pop_up_stays_where_it_is_while_all_is_about_one_robot(opened: Open) -> None:

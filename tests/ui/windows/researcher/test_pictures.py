@@ -8,12 +8,10 @@ from PySide6.QtGui import QGuiApplication, QImage
 from PySide6.QtSvg import QSvgRenderer
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.researcher.test_window_on_bags import bag, go_to, opened, window
+from tests.ui.windows.researcher.recording_times import go_to
 from thbridge.recording.bag.reading.reader import info
 from ui.windows.researcher.pictures import FRAMES_PER_SECOND, NO_FFMPEG, copy_picture, image_of, save_picture
 from ui.windows.researcher.window import ResearcherWindow
-
-__all__ = ["bag", "opened", "window"]
 
 
 @pytest.mark.parametrize("part", ["map", "plots"])

@@ -4,13 +4,10 @@ import pytest
 from PySide6.QtWidgets import QApplication
 
 from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
-from tests.ui.windows.researcher.test_window_on_bags import bag, opened
 from ui.windows import look
 from ui.windows.key_sheet import KeySheet
 from ui.windows.researcher.keys import GROUPS
 from ui.windows.researcher.window import ResearcherWindow
-
-__all__ = ["bag", "opened"]
 
 
 @pytest.mark.parametrize("text", TEXTS)

@@ -1,7 +1,6 @@
 """The researcher's window on recordings."""
 
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,7 +12,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.support.hunts.watched_hunts import record
 from tests.support.windows.screen_reader import against_the_eye, nameless, stops
-from tests.ui.windows.researcher.plot_places import place_of
+from tests.ui.windows.researcher.recording_times import go_to, place_of
 from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.researcher.docks.displays import SWITCHES, MapDisplay
 from ui.windows.researcher.docks.plots import PANELS
@@ -22,39 +21,9 @@ from ui.windows.researcher.map.tools import MapTool
 from ui.windows.researcher.window import ResearcherWindow
 
 
-@pytest.fixture(scope="module")
-def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return record(tmp_path_factory.mktemp("watched") / "hunt.bag")
-
-
-@pytest.fixture(scope="module")
-def opened(bag: Path, qapp: QApplication) -> Iterator[ResearcherWindow]:
-    """One window for all tests: reading a bag takes its time."""
-    made = ResearcherWindow(RecordingFeed(BagOpener(bag)), "hunt.bag", LIGHT, time.monotonic)
-    made.show()
-    while made.playback.state.text() != "recording" or not made.logs["line"].model.size:
-        qapp.processEvents()
-    yield made
-    made.close()
-    made.deleteLater()
-
-
-@pytest.fixture
-def window(opened: ResearcherWindow) -> ResearcherWindow:
-    opened.activateWindow()
-    opened.canvas.setFocus()
-    opened.select(0)
-    return opened
-
-
 def picture(window: ResearcherWindow) -> QImage:
     window.refresh()
     return window.canvas.grab().toImage()
-
-
-def go_to(window: ResearcherWindow, seconds: float) -> None:
-    window.playback.timeline.setValue(round(seconds * 1000.0))
-    window.refresh()
 
 
 def test_lists_robots_and_plots_are_filled(window: ResearcherWindow, qtbot: QtBot) -> None:

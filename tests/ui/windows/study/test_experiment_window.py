@@ -12,7 +12,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.support.windows.layout_faults import SIZES, misfits, settle
 from tests.support.windows.screen_reader import nameless
-from tests.ui.windows.study.test_study_window import leave, opened
+from tests.support.windows.study_windows import leave_study, open_study
 from thbridge.experiment.questionnaires.form import SHIPPED
 from ui.model.study_form.form import editable_text
 from ui.windows.study import StudyWindow
@@ -25,9 +25,9 @@ EXAMPLE = Path(__file__).parents[3] / "system" / "studies_of_0_1" / "with-people
 @pytest.fixture
 def window(qtbot: QtBot, tmp_path: Path) -> Iterator[StudyWindow]:
     shutil.copytree(EXAMPLE, tmp_path / "arguing")
-    made = opened(qtbot, tmp_path / "arguing" / "experiment.yaml")
+    made = open_study(qtbot, tmp_path / "arguing" / "experiment.yaml")
     yield made
-    leave(made)
+    leave_study(made)
 
 
 def settled(window: StudyWindow, qtbot: QtBot) -> None:

@@ -4,11 +4,8 @@ import pytest
 from PySide6.QtWidgets import QApplication
 
 from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
-from tests.ui.windows.study.test_study_window import file, window
 from ui.windows import look
 from ui.windows.study import StudyWindow
-
-__all__ = ["file", "window"]
 
 
 @pytest.mark.parametrize("text", TEXTS)

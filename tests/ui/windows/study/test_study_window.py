@@ -1,96 +1,28 @@
 import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage, QTextCursor
 from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
     QFileDialog,
     QLineEdit,
-    QMessageBox,
     QPushButton,
     QSlider,
     QWidget,
 )
 from pytestqt.qtbot import QtBot
 
+from tests.support.windows.questions import answering
 from tests.support.windows.screen_reader import against_the_eye, nameless, stops
+from tests.support.windows.study_windows import leave_study, open_study, retype, settled
+from tests.ui.windows.study.conftest import TEXT
 from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.look import apply_palette
-from ui.windows.study import StudyWindow, study_window
+from ui.windows.study import StudyWindow
 from ui.windows.study.resource_list import ResourceList
-
-TEXT = """\
-# our pilot
-robots: 4   # two pairs
-game:
-  energy: 90  # enough
-"""
-
-
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    path = tmp_path / "pilot.yaml"
-    path.write_text(TEXT)
-    return path
-
-
-@pytest.fixture
-def window(qtbot: QtBot, qapp: QApplication, file: Path) -> Iterator[StudyWindow]:
-    apply_palette(qapp, LIGHT)
-    window = opened(qtbot, file)
-    yield window
-    leave(window)
-
-
-def opened(qtbot: QtBot, path: Path) -> StudyWindow:
-    window = study_window(path)
-    with qtbot.waitActive(window):
-        window.show()
-        window.activateWindow()
-    return window
-
-
-def leave(window: StudyWindow) -> None:
-    """Close without a question."""
-    with answering("Discard"):
-        window.close()
-    window.deleteLater()
-
-
-@contextmanager
-def answering(words: str) -> Iterator[None]:
-    """While this lasts, press a button of each question as soon as it is asked."""
-
-    def look() -> None:
-        for box in QApplication.topLevelWidgets():
-            if isinstance(box, QMessageBox) and box.isVisible():
-                next(button for button in box.buttons() if words in button.text()).click()
-
-    timer = QTimer(interval=20)
-    timer.timeout.connect(look)
-    timer.start()
-    yield
-    timer.stop()
-
-
-def settled(qtbot: QtBot, window: StudyWindow) -> None:
-    # What is typed is checked a little later.
-    qtbot.waitUntil(lambda: window.editor.settled)
-
-
-def retype(qtbot: QtBot, window: StudyWindow, key: str, typed: str) -> QLineEdit:
-    window.open_field(key)
-    line = QApplication.focusWidget()
-    assert isinstance(line, QLineEdit)
-    line.selectAll()
-    qtbot.keyClicks(line, typed)
-    settled(qtbot, window)
-    return line
 
 
 def test_a_value_typed_is_saved_and_no_other_byte_moves(qtbot: QtBot, window: StudyWindow, file: Path) -> None:
@@ -243,20 +175,20 @@ def test_a_file_changed_by_others_is_noticed_and_not_written_over(
 def test_typing_in_the_text_leaves_other_lines_to_the_byte(qtbot: QtBot, tmp_path: Path) -> None:
     path = tmp_path / "mixed.yaml"
     path.write_text("# kept\u00a0together\r\nrobots: 4\n", encoding="utf-8", newline="")
-    window = opened(qtbot, path)
+    window = open_study(qtbot, path)
     window.show_text()
     page = window.text.editor
     page.moveCursor(QTextCursor.MoveOperation.End)
     qtbot.keyClicks(page, "seed: 3")
     qtbot.waitUntil(lambda: window.editor.settled and window.editor.dirty)
     assert window.editor.draft.text == "# kept\u00a0together\r\nrobots: 4\nseed: 3"
-    leave(window)
+    leave_study(window)
 
 
 def test_a_file_that_is_no_yaml_opens_as_text(qtbot: QtBot, tmp_path: Path) -> None:
     path = tmp_path / "broken.yaml"
     path.write_text("robots: 2\ngame: {\n")
-    window = opened(qtbot, path)
+    window = open_study(qtbot, path)
     assert window.text.isVisible()
     assert window.editor.draft.faults[0].line is not None
     window.text.editor.setPlainText("robots: 3\n")
@@ -264,19 +196,19 @@ def test_a_file_that_is_no_yaml_opens_as_text(qtbot: QtBot, tmp_path: Path) -> N
     assert window.editor.draft.study is not None
     window.open_section("")
     assert window.fields.rows["robots"].text() == "3"
-    leave(window)
+    leave_study(window)
 
 
 def test_a_new_file_is_made_when_it_is_saved(qtbot: QtBot, tmp_path: Path) -> None:
     path = tmp_path / "new.yaml"
-    window = opened(qtbot, path)
+    window = open_study(qtbot, path)
     retype(qtbot, window, "robots", "3")
     assert not path.exists()
     with qtbot.waitSignal(window.editor.saved):
         window.save()
     assert path.read_text().startswith("# A study.")
     assert path.read_text().endswith("robots: 3\n")
-    leave(window)
+    leave_study(window)
 
 
 @pytest.mark.parametrize("section", ["game", "noise", "participant", "robot"])

@@ -11,15 +11,14 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit
 from pytestqt.qtbot import QtBot
 
 from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
+from tests.support.windows.questions import answering
 from tests.support.windows.screen_reader import against_the_eye, nameless, stops
-from tests.ui.windows.study.test_study_window import answering
+from tests.support.windows.template_windows import SHIPPED, append, open_templates
 from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import apply_palette
 from ui.windows.templates.window import TemplateWindow
-
-SHIPPED = Path(__file__).parents[4] / "templates"
 
 
 @pytest.fixture
@@ -30,26 +29,11 @@ def folder(tmp_path: Path) -> Path:
 @pytest.fixture
 def window(qtbot: QtBot, qapp: QApplication, folder: Path) -> Iterator[TemplateWindow]:
     apply_palette(qapp, LIGHT)
-    window = opened(qtbot, folder)
+    window = open_templates(qtbot, folder)
     yield window
     with answering("Discard"):
         window.close()
     window.deleteLater()
-
-
-def opened(qtbot: QtBot, folder: Path) -> TemplateWindow:
-    window = TemplateWindow(folder)
-    with qtbot.waitActive(window):
-        window.show()
-        window.activateWindow()
-    qtbot.waitUntil(lambda: window.draft is not None)
-    return window
-
-
-def append(window: TemplateWindow, name: str, text: str) -> None:
-    page = window.pages[name]
-    page.moveCursor(QTextCursor.MoveOperation.End)
-    page.insertPlainText(text)
 
 
 def test_sentences_are_shown_as_robots_say_them_with_the_numbers_of_a_map(window: TemplateWindow, qtbot: QtBot) -> None:
@@ -272,7 +256,7 @@ def test_a_wrong_cell_is_marked_and_its_fault_leads_to_it(window: TemplateWindow
 
 def test_a_list_of_2016_is_a_sheet_too_and_its_copy_stays_alike(qtbot: QtBot, tmp_path: Path) -> None:
     folder = Path(shutil.copytree(SHIPPED / "original-2016", tmp_path / "old"))
-    window = opened(qtbot, folder)
+    window = open_templates(qtbot, folder)
     qtbot.addWidget(window)
     assert list(window.sheets) == ["Treasures"]
     typed_into(window, qtbot, "Treasures", 0, 3, "Amber Bottle")

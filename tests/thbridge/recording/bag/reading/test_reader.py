@@ -5,30 +5,15 @@ import pytest
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_typestore
 
+from tests.support.bags.small_bags import HELLO, write_four_messages
 from thbridge.files.errors import BadFile
-from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reading.reader import BagInfo, TopicInfo, info, messages, recorded
 from thbridge.recording.bag.writing.bag_file import BagFile
-from thbridge.recording.bag.writing.writer import BagWriter
-from thbridge.ros.publisher import RosMessage, Topic
-
-PLAIN = Definitions(())
-CHATTER = Topic("/chatter", "std_msgs/String")
-MAP = Topic("/news", "std_msgs/String", latched=True)
-HELLO = b"\x05\x00\x00\x00hello"
-
-
-def bag(path: Path) -> Path:
-    with BagWriter(path, PLAIN) as writer:
-        writer.write(RosMessage(MAP, 1_000_000_000, HELLO))
-        for second in range(1, 4):
-            writer.write(RosMessage(CHATTER, second * 1_000_000_000, HELLO))
-    return path
 
 
 def test_info(tmp_path: Path) -> None:
-    path = bag(tmp_path / "a.bag")
+    path = write_four_messages(tmp_path / "a.bag")
     assert info(path) == BagInfo(
         path,
         path.stat().st_size,
@@ -53,14 +38,14 @@ def test_a_bag_of_stock_rosbags_is_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("keep", [4117, 4200, -1, -60])
 def test_a_damaged_bag_is_refused_with_the_remedy(tmp_path: Path, keep: int) -> None:
-    path = bag(tmp_path / "a.bag")
+    path = write_four_messages(tmp_path / "a.bag")
     path.write_bytes(path.read_bytes()[:keep])
     with pytest.raises(BadFile, match="thbridge bag reindex"):
         info(path)
 
 
 def test_a_bag_whose_chunk_is_garbled_is_refused_with_the_remedy(tmp_path: Path) -> None:
-    path = bag(tmp_path / "a.bag")
+    path = write_four_messages(tmp_path / "a.bag")
     data = bytearray(path.read_bytes())
     at = data.index(b"op=\x02")
     data[at : at + 40] = b"\xff" * 40
@@ -127,6 +112,6 @@ def test_memory_does_not_grow_with_the_bag(tmp_path: Path) -> None:
 
 
 def test_of_what_is_before_a_time_only_what_holds_is_read(tmp_path: Path) -> None:
-    path = bag(tmp_path / "a.bag")
+    path = write_four_messages(tmp_path / "a.bag")
     read = [(connection.topic, stamp) for connection, stamp, _ in recorded(path, since_ns=10**10)]
     assert read == [("/news", 1_000_000_000)]

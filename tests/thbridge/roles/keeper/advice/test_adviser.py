@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from tests.support.hunts.game_states import ARENA, after, new_game, visit
 from tests.support.hunts.random_hunts import random_hunt
-from tests.thbridge.hunt.test_game import ARENA, after, new_game, visit
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander, Condition

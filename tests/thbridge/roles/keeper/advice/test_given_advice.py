@@ -3,10 +3,8 @@
 import msgspec
 import pytest
 
-from tests.support.hunts.hunt_without_simulator import Stage
-from tests.thbridge.roles.keeper.requests.test_wizard import ON, Oz
-from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
-from tests.thbridge.roles.test_hunt import Script
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
+from tests.support.hunts.scripted_hunt import WIZARD_ON, ScriptedPlayer, WizardHunt, arguing_engine
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import RoomAdvised
 from thbridge.roles.keeper.advice.adviser import Adviser
@@ -18,12 +16,12 @@ UNSURE = RequestSuggestion(0)
 ERRING = Adviser(error_rate=1.0, says_confidence=True, confidence_bias=0.8)
 
 
-def advised(stage: Stage) -> list[RoomAdvised]:
+def advised(stage: HuntWithoutSimulator) -> list[RoomAdvised]:
     return [event for event in stage.log.events if isinstance(event, RoomAdvised)]
 
 
 def test_advice_that_errs_is_recorded_as_such_and_shown_as_any_other() -> None:
-    oz = Oz(ERRING)
+    oz = WizardHunt(adviser=ERRING)
     view = oz.wish(UNSURE)
     (event,) = advised(oz.stage)
     (dialogue,) = view.dialogues
@@ -35,7 +33,7 @@ def test_advice_that_errs_is_recorded_as_such_and_shown_as_any_other() -> None:
 
 
 def test_without_a_word_from_the_study_advice_is_as_planned_and_says_no_confidence() -> None:
-    oz = Oz()
+    oz = WizardHunt()
     (dialogue,) = oz.wish(UNSURE).dialogues
     (event,) = advised(oz.stage)
     assert (event.room, event.erred, event.confidence) == (event.planned, False, None)
@@ -43,7 +41,7 @@ def test_without_a_word_from_the_study_advice_is_as_planned_and_says_no_confiden
 
 
 def test_advice_asked_for_again_before_it_is_answered_is_the_same_advice() -> None:
-    oz = Oz(Adviser(error_rate=0.5))
+    oz = WizardHunt(adviser=Adviser(error_rate=0.5))
     rooms = set()
     for _ in range(8):
         (dialogue,) = oz.wish(UNSURE).dialogues
@@ -59,9 +57,9 @@ def test_advice_asked_for_again_before_it_is_answered_is_the_same_advice() -> No
 def test_one_request_for_advice_gives_one_advice_however_often_it_is_repeated(
     condition: DialogueCondition | None,
 ) -> None:
-    player = Script()
+    player = ScriptedPlayer()
     talk = None if condition is None else arguing_engine(condition)
-    stage = Stage(participant=TabUI(player), adviser=Adviser(error_rate=0.5), talk=talk)
+    stage = HuntWithoutSimulator(participant=TabUI(player), adviser=Adviser(error_rate=0.5), talk=talk)
     stage.run(10)
     player.wish = (UNSURE,)
     stage.run(3 * RETRY_PERIOD)  # as in a window that does not see the answer
@@ -81,8 +79,8 @@ def test_one_request_for_advice_gives_one_advice_however_often_it_is_repeated(
 
 
 def test_advice_is_asked_for_anew_once_the_dialogue_has_ended() -> None:
-    player = Script()
-    stage = Stage(participant=TabUI(player), talk=arguing_engine(DialogueCondition.COLLABORATOR))
+    player = ScriptedPlayer()
+    stage = HuntWithoutSimulator(participant=TabUI(player), talk=arguing_engine(DialogueCondition.COLLABORATOR))
     stage.run(10)
 
     def wish(*wishes: ParticipantRequest) -> View:
@@ -102,9 +100,9 @@ def test_advice_is_asked_for_anew_once_the_dialogue_has_ended() -> None:
 
 
 def test_a_keeper_that_is_started_again_counts_on() -> None:
-    before = Oz(ERRING)
+    before = WizardHunt(adviser=ERRING)
     before.wish(UNSURE)
-    after = Oz(ERRING, before.stage.log.entries)
+    after = WizardHunt(adviser=ERRING, history=before.stage.log.entries)
     # The suggestion stands until it is answered.
     (talk,) = after.wish(UNSURE).dialogues
     after.wish(AnswerDialogue(talk.dialogue, talk.turn, talk.acts.index("stop")))
@@ -113,8 +111,8 @@ def test_a_keeper_that_is_started_again_counts_on() -> None:
 
 
 def test_a_wizards_own_advice_is_no_error_and_the_robots_is_recorded_beside_it() -> None:
-    oz = Oz(ERRING)
-    oz.ask(ON)
+    oz = WizardHunt(adviser=ERRING)
+    oz.ask(WIZARD_ON)
     oz.wish(UNSURE)
     (held,) = oz.held.advice
     robots = held.suggestion
@@ -122,8 +120,8 @@ def test_a_wizards_own_advice_is_no_error_and_the_robots_is_recorded_beside_it()
     oz.ask(WizardAdvice(0, chosen))
     (event,) = advised(oz.stage)
     assert (event.room.people, event.erred) == (chosen, False)
-    other = Oz(ERRING)
-    other.ask(ON)
+    other = WizardHunt(adviser=ERRING)
+    other.ask(WIZARD_ON)
     other.wish(UNSURE)
     assert robots is not None
     other.ask(WizardAdvice(0, robots))

@@ -9,7 +9,7 @@ import pytest
 from msgspec import structs
 
 from tests.support.hunts import hunt_without_simulator
-from tests.thbridge.roles.test_hunt import Script, go
+from tests.support.hunts.scripted_hunt import ScriptedPlayer, go
 from thbridge.app.compose.game import build_floor_plan
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import (
@@ -62,7 +62,7 @@ from thbridge.study.study_file import Study
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
 
-Stage = hunt_without_simulator.Stage
+Stage = hunt_without_simulator.HuntWithoutSimulator
 HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
 CONSENT = "We record what you do."
 YES = GiveConsent("2026-11-23T09:30:00Z")
@@ -85,7 +85,7 @@ class Played:
     """A stage whose player wishes what the test says, and whose onlooker remembers."""
 
     def __init__(self, briefing: Briefing) -> None:
-        self.player, self.eyes = Script(), Eyes()
+        self.player, self.eyes = ScriptedPlayer(), Eyes()
         self.tabui = TabUI(self.player, self.eyes)
         self.stage = Stage(participant=self.tabui, briefing=briefing)
         self.stage.run(5)
@@ -283,7 +283,7 @@ def test_the_next_person_at_a_finished_game_is_asked_anew():
 
 
 def test_who_agreed_before_joining_has_agreed_when_the_game_starts():
-    played = Stage(participant=TabUI(Script(), consent=YES), briefing=Briefing(consent=CONSENT))
+    played = Stage(participant=TabUI(ScriptedPlayer(), consent=YES), briefing=Briefing(consent=CONSENT))
     played.run(6)
     assert [type(event).__name__ for event in played.log.events] == ["GameStarted", "ConsentGiven", "TreasuresHidden"]
     assert played.log.events[1] == ConsentGiven(YES.at)
@@ -317,7 +317,7 @@ def test_agreement_outlives_the_server():
     played.say(GiveConsent())
     again = Keeper(
         hunt_without_simulator.RULES,
-        lambda game: hunt_without_simulator.engine(hunt_without_simulator.templates()),
+        lambda game: hunt_without_simulator.scripted_engine(hunt_without_simulator.templates()),
         tuple(played.stage.log.events),
     )
     assert again.state.agreed
@@ -343,7 +343,7 @@ def test_programs_of_2016_cannot_be_asked_and_are_not():
 
 def test_only_who_watches_asks_where_the_robots_are():
     def subscriptions(onlooker) -> list[int]:
-        tabui = TabUI(Script(), onlooker)
+        tabui = TabUI(ScriptedPlayer(), onlooker)
         assert tabui.step(0, []) == []
         tabui.connected()
         ticks = range(1, 2 * RENEWAL_PERIOD)
@@ -356,7 +356,7 @@ def test_only_who_watches_asks_where_the_robots_are():
 
 def test_who_watches_sees_all_that_is_told_in_its_order():
     eyes = Eyes()
-    tabui = TabUI(Script(), eyes)
+    tabui = TabUI(ScriptedPlayer(), eyes)
     levels = [
         HOUSE,
         PoseTelemetry(1, ((0.0, 0.0, 0.0),)),

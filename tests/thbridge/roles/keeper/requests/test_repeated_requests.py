@@ -7,8 +7,8 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from tests.support.hunts.hunt_without_simulator import Stage
-from tests.thbridge.roles.keeper.test_arguing_robots import LANGUAGE, RULEBOOK
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
+from tests.support.hunts.scripted_hunt import LANGUAGE, RULEBOOK
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.worded import WordedPhrasing
@@ -115,7 +115,7 @@ class Play:
         if self.condition.argues:
             manner = Manner(self.condition, misheard=0.3)
             talk = ArguingEngine(RULEBOOK, {None: manner}, WordedPhrasing(LANGUAGE, self.condition, 7), 7)
-        self.stage = Stage(
+        self.stage = HuntWithoutSimulator(
             participant=self.lines,
             talk=talk,
             adviser=Adviser(error_rate=0.5, says_confidence=True),

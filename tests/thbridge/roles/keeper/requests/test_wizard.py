@@ -1,76 +1,31 @@
 """Wizard-of-Oz: a person speaks in a robot's place, and the participant does not see it."""
 
-from collections.abc import Sequence
-
 import pytest
 
-from tests.support.hunts.hunt_without_simulator import Stage
-from tests.thbridge.roles.test_hunt import Script
+from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
+from tests.support.hunts.scripted_hunt import WIZARD_OFF, WIZARD_ON, WizardHunt
 from thbridge.dialogue.moves import Author
-from thbridge.hunt.events import Condition, JournalEntry
+from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.roles.participant.bot_strategy import BotStrategy
-from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.shared.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
+from thbridge.roles.shared.robot_requests import WizardAdvice, WizardMode, WizardMove
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     EndGame,
-    ParticipantRequest,
     PlayAgain,
     RequestSuggestion,
     SelectRoom,
-    View,
 )
-
-ON, OFF = WizardMode(0, on=True), WizardMode(0, on=False)
-
-
-class Oz:
-    """A stage with a participant and a wizard who do what the test tells them."""
-
-    def __init__(self, adviser: Adviser | None = None, history: Sequence[JournalEntry] = ()) -> None:
-        self.player = Script()
-        self.stage = Stage(participant=TabUI(self.player), adviser=adviser, history=history)
-        self.stage.run(10)
-
-    def wish(self, *wishes: ParticipantRequest) -> View:
-        self.player.wish = wishes
-        self.stage.tabui.poll_player()
-        self.stage.run(5)
-        self.player.wish = ()
-        return self.view
-
-    def ask(self, *requests: WizardRequest) -> View:
-        for request in requests:
-            self.stage.session.ask("wizard", request)
-        self.stage.run(5)
-        return self.view
-
-    @property
-    def view(self) -> View:
-        view = self.stage.view()
-        assert view is not None
-        return view
-
-    @property
-    def held(self) -> WizardState:
-        return self.stage.tick_records[-1].wizard
-
-    @property
-    def said(self) -> list[tuple[Author, str]]:
-        spoken = [item for tick_record in self.stage.tick_records for item in tick_record.utterances]
-        return [(item.author, item.text) for item in spoken if item.topic.robot == 0]
 
 
 @pytest.fixture
-def oz() -> Oz:
-    return Oz()
+def oz() -> WizardHunt:
+    return WizardHunt()
 
 
-def test_a_puppets_turn_waits_and_is_made_in_the_wizards_words(oz: Oz) -> None:
-    oz.ask(ON)
+def test_a_puppets_turn_waits_and_is_made_in_the_wizards_words(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     view = oz.wish(SelectRoom(0, 3))
     (dialogue,) = view.dialogues
     assert (dialogue.robot, dialogue.said, dialogue.choices) == (0, (), ())
@@ -89,15 +44,15 @@ def test_a_puppets_turn_waits_and_is_made_in_the_wizards_words(oz: Oz) -> None:
     assert [author for author, _ in oz.said] == [Author.WIZARD, Author.PERSON, Author.WIZARD]
 
 
-def test_other_robots_speak_for_themselves(oz: Oz) -> None:
-    oz.ask(ON)
+def test_other_robots_speak_for_themselves(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     (dialogue,) = oz.wish(SelectRoom(1, 3)).dialogues
     assert dialogue.choices == ("Continue", "Stop")
     assert oz.held.turns == ()
 
 
-def test_a_move_that_is_not_waited_for_changes_nothing(oz: Oz) -> None:
-    oz.ask(ON)
+def test_a_move_that_is_not_waited_for_changes_nothing(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     before = oz.wish(SelectRoom(0, 3))
     wrong = [WizardMove(1, 1, 0), WizardMove(2, 0, 0), WizardMove(1, 0, 7), WizardMove(1, 0, -1), WizardAdvice(0, 4)]
     assert oz.ask(*wrong) == before
@@ -105,18 +60,18 @@ def test_a_move_that_is_not_waited_for_changes_nothing(oz: Oz) -> None:
     assert len(after.dialogues[0].said) == 1
 
 
-def test_a_robot_that_is_released_goes_on_at_once_as_it_would_have(oz: Oz) -> None:
-    oz.ask(ON)
+def test_a_robot_that_is_released_goes_on_at_once_as_it_would_have(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     oz.wish(SelectRoom(0, 3))
-    released = oz.ask(OFF)
-    other = Oz()
+    released = oz.ask(WIZARD_OFF)
+    other = WizardHunt()
     assert released.dialogues == other.wish(SelectRoom(0, 3)).dialogues
     assert [author for author, _ in oz.said] == [Author.ROBOT]
     assert oz.held == WizardState()
 
 
-def test_advice_waits_and_is_the_wizards(oz: Oz) -> None:
-    oz.ask(ON)
+def test_advice_waits_and_is_the_wizards(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     view = oz.wish(RequestSuggestion(0))
     assert (view.thinking, view.dialogues) == ((0,), ())
     (advice,) = oz.held.advice
@@ -134,8 +89,8 @@ def test_advice_waits_and_is_the_wizards(oz: Oz) -> None:
     assert turn.room == chosen
 
 
-def test_advice_stands_though_the_question_comes_once_more(oz: Oz) -> None:
-    oz.ask(ON)
+def test_advice_stands_though_the_question_comes_once_more(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     oz.wish(RequestSuggestion(0))
     oz.player.wish = (RequestSuggestion(0),)
     for step in range(60):  # at whatever tick it is asked again
@@ -149,23 +104,23 @@ def test_advice_stands_though_the_question_comes_once_more(oz: Oz) -> None:
     assert (dialogue.dialogue, dialogue.room, dialogue.said) == (1, 5, ("Room 5?",))
 
 
-def test_a_robot_that_is_released_gives_its_own_advice(oz: Oz) -> None:
-    oz.ask(ON)
+def test_a_robot_that_is_released_gives_its_own_advice(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     oz.wish(RequestSuggestion(0))
-    view = oz.ask(OFF)
-    assert view == Oz().wish(RequestSuggestion(0))
+    view = oz.ask(WIZARD_OFF)
+    assert view == WizardHunt().wish(RequestSuggestion(0))
 
 
-def test_asking_for_a_room_takes_the_question_back(oz: Oz) -> None:
-    oz.ask(ON)
+def test_asking_for_a_room_takes_the_question_back(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     oz.wish(RequestSuggestion(0))
     view = oz.wish(SelectRoom(0, 5))
     assert (view.thinking, [dialogue.room for dialogue in view.dialogues]) == ((), [5])
     assert oz.held.advice == ()
 
 
-def test_a_room_that_is_talked_about_with_another_is_no_advice(oz: Oz) -> None:
-    oz.ask(ON)
+def test_a_room_that_is_talked_about_with_another_is_no_advice(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     oz.wish(SelectRoom(1, 3))
     oz.wish(RequestSuggestion(0))
     (advice,) = oz.held.advice
@@ -173,16 +128,16 @@ def test_a_room_that_is_talked_about_with_another_is_no_advice(oz: Oz) -> None:
     assert oz.ask(WizardAdvice(0, 3)).thinking == (0,)
 
 
-def test_a_puppet_that_does_not_answer_any_more_is_not_waited_for(oz: Oz) -> None:
-    oz.ask(ON)
+def test_a_puppet_that_does_not_answer_any_more_is_not_waited_for(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     oz.wish(RequestSuggestion(0))
     oz.stage.puppets.conditions[0] = Condition.SILENT
     oz.stage.run(60)
     assert (oz.view.thinking, oz.held.advice) == ((), ())
 
 
-def test_puppets_stay_puppets_in_the_next_game(oz: Oz) -> None:
-    oz.ask(ON)
+def test_puppets_stay_puppets_in_the_next_game(oz: WizardHunt) -> None:
+    oz.ask(WIZARD_ON)
     oz.wish(EndGame(1))
     oz.wish(PlayAgain(1))
     oz.stage.run(10)
@@ -193,7 +148,7 @@ def test_puppets_stay_puppets_in_the_next_game(oz: Oz) -> None:
 
 @pytest.mark.parametrize("strategy", list(BotStrategy))
 def test_a_simulated_participant_waits_for_a_puppet_and_does_not_give_up(strategy: BotStrategy) -> None:
-    stage = Stage(strategy=strategy)
+    stage = HuntWithoutSimulator(strategy=strategy)
     for robot in (0, 1):
         stage.session.ask("wizard", WizardMode(robot, on=True))
     stage.run(200)

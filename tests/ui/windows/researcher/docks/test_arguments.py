@@ -9,10 +9,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDockWidget
 from pytestqt.qtbot import QtBot
 
-from tests.support.ros.watched_messages import SECOND
+from tests.support.ros.watched_messages import SECOND, watched
 from tests.support.windows.layout_faults import SIZES, TEXTS, misfits, settle
 from tests.support.windows.screen_reader import nameless
-from tests.ui.model.watching.test_dialogue_log import watched
 from thbridge.dialogue.portrait import DialoguePortrait, PortrayedArgument
 from ui.model.shared.theme import LIGHT
 from ui.model.watching.dialogue_log import DialogueCourse

@@ -7,13 +7,10 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
 from pytestqt.qtbot import QtBot
 
+from tests.support.windows.log_rows import rows
 from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.look import apply_palette
-from ui.windows.researcher.docks.log import MAX_ROWS, LogModel, LogRow, LogView
-
-
-def rows(first: int, count: int) -> list[LogRow]:
-    return [LogRow(float(n), (f"who {n}", f"sentence {n % 7}"), n % 3) for n in range(first, first + count)]
+from ui.windows.researcher.docks.log import MAX_ROWS, LogModel, LogView
 
 
 @pytest.fixture

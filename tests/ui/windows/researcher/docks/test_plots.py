@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 
-from tests.ui.windows.researcher.plot_places import place_of
+from tests.ui.windows.researcher.recording_times import place_of
 from ui.model.shared.theme import DARK, LIGHT
 from ui.windows.researcher.docks.plots import MOST_POINTS, PANELS, Plots, RobotCurves, thinned
 

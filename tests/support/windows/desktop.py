@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import skip_if_crashed, skipping_if_crashed
+from tests.support.programs.peer_programs import skip_if_crashed, skipping_if_crashed
 
 DEBIAN_PYTHON = "/usr/bin/python3"
 LAUNCHER = Path("/usr/libexec/at-spi-bus-launcher")
@@ -198,7 +198,7 @@ def desktop(width: int = 1280, height: int = 860) -> Iterator[Desktop]:
         servers[LAUNCHER.name] = _started([str(LAUNCHER), "--launch-immediately"], environment)
         opened.callback(_end, servers[LAUNCHER.name])
         eyes = subprocess.Popen(
-            [DEBIAN_PYTHON, str(Path(__file__).parent / "eyes.py")],
+            [DEBIAN_PYTHON, str(Path(__file__).with_name("desktop_eyes.py"))],
             env={key: value for key, value in environment.items() if key != "PYTHONPATH"},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.peers.crashes import run_peer, skipping_if_crashed
+from tests.support.programs.peer_programs import run_peer, skipping_if_crashed
 from tests.support.programs.ports import free_port
 from tests.support.programs.processes import Program, until
 

@@ -1,10 +1,13 @@
-"""English on screens that should have none."""
+"""English where another language should be: on screens, in pages, and in the names of a study."""
 
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
+from functools import cache
 
+from thbridge.app.compose.setting import StudySetting
 from thbridge.files.language_texts import shipped_texts
+from thbridge.files.set_words import values_of
 from thbridge.hunt.properties import properties_in_words, value_in_words
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.shared.view import View
@@ -62,3 +65,59 @@ def english_on(screen: Screen, others: Iterable[str]) -> list[tuple[str, str]]:
     longest_first = sorted(map(re.escape, others), key=len, reverse=True)
     theirs = re.compile("|".join(longest_first) or "(?!)", re.IGNORECASE)
     return [(word, text) for text in shown(screen) for word in words_in(theirs.sub("", text)) if word in ENGLISH_ONLY]
+
+
+_VALUE = re.compile("£\\w+£")
+
+
+def english_in(words: Iterable[str], language: str = "de") -> list[tuple[str, str]]:
+    """English texts among words that are to be of another language: each with the words that have it."""
+    whole = [each for each in words if each]
+    return [(text, each) for each in whole for text, found in _english(language) if found.search(each)]
+
+
+@cache
+def _english(language: str) -> tuple[tuple[str, re.Pattern[str]], ...]:
+    """English texts that are not the same in the other language, and how each is found."""
+    other = {form for text in shipped_texts(language).entries.values() for form in _forms(text)}
+    english = {form for text in shipped_texts().entries.values() for form in _forms(text)}
+    return tuple((form, _pattern(form)) for form in sorted(english - other) if _has_words(form))
+
+
+def _forms(text: str | tuple[str, ...]) -> tuple[str, ...]:
+    return (text,) if isinstance(text, str) else text
+
+
+def _has_words(form: str) -> bool:
+    return sum(len(word) for word in re.findall(r"[^\W\d]+", _VALUE.sub("", form))) > 3
+
+
+def _pattern(form: str) -> re.Pattern[str]:
+    """It as a whole: no part of longer words."""
+    parts = ".+".join(re.escape(part) for part in _VALUE.split(form.strip()))
+    return re.compile(rf"(?<!\w){parts}(?!\w)", re.DOTALL)
+
+
+def strings_in(value: object, without: frozenset[str] = frozenset()) -> Iterator[str]:
+    """All strings in lists and mappings, save those under some keys."""
+    match value:
+        case str():
+            yield value
+        case dict():
+            for key, each in value.items():
+                if key not in without:
+                    yield from strings_in(each, without)
+        case list() | tuple():
+            for each in value:
+                yield from strings_in(each, without)
+
+
+def english_names(setting: StudySetting) -> set[str]:
+    """All English words of map and templates that are others in German."""
+    templates, german = setting.templates, setting.set_words
+    pairs = list(german.names.items())
+    for own, said in zip(templates.properties, german.properties, strict=True):
+        pairs += [(own.label, said.label), (own.sensor, said.sensor)]
+        pairs += [(value, said.word(value)) for value in values_of(own, templates.kinds)]
+    pairs += [(name, setting.room_names.name(room)) for room, name in setting.map.room_names.named.items()]
+    return {own for own, said in pairs if own.casefold() != said.casefold()}

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.peers.windows.desktop import PATIENCE, Desktop, Seen
 from tests.support.programs.processes import Program
+from tests.support.windows.desktop import PATIENCE, Desktop, Seen
 
 TREASURES = {
     ("Orange", "Round and Large"): "Orange Bottle",
@@ -277,3 +277,18 @@ class Keys(Player):
 def on(screen: Desktop, folder: Path, *arguments: str) -> Program:
     """A program whose windows open there."""
     return Program(folder, *arguments, environment=screen.environment)
+
+
+STUDY = """\
+map: arena8
+templates: original-2016
+robots: 2
+seed: 3
+server:
+  port: 0
+game:
+  energy: 45
+participant:
+  robots: [1, 4]
+"""
+"""With so much energy a robot gets to two rooms or three."""

@@ -1,7 +1,7 @@
 """Fields of cylinders with narrow passages, and drives through them by the parameters of such a course.
 
-The local planner is ours, or ROS's own in a process of its own (peers/trajectory_planner_peer.cpp): with the same
-costmaps, global plans and recovery behaviors.
+The local planner is ours, or ROS's own in a process of its own (bench/robots/peers/trajectory_planner_peer.cpp): with
+the same costmaps, global plans and recovery behaviors.
 """
 
 import math
@@ -34,10 +34,11 @@ from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.follower import NO_POSES, Follower, FollowerOutput
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.team import Team
+from tests.support.project import ROOT
 from thbridge.files.ros.parameters import read_ros_parameters
 
 PARAMETERS = Path(__file__).with_name("narrow_passages.yaml")
-PEER = Path(__file__).parent / "peers" / "trajectory_planner_peer.cpp"
+PEER = ROOT / "tests/bench/robots/peers/trajectory_planner_peer.cpp"
 STAND_INS = (
     "ros/console.h", "ros/ros.h", "geometry_msgs/Point.h", "geometry_msgs/PoseStamped.h", "costmap_2d/observation.h",
     "costmap_2d/footprint.h", "base_local_planner/planar_laser_scan.h", "base_local_planner/BaseLocalPlannerConfig.h",

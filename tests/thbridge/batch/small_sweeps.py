@@ -1,8 +1,6 @@
-"""Small sweeps for tests, and an engine that works in the test's own process."""
+"""Small sweeps, and a task that holds its worker."""
 
 import ctypes
-from collections import deque
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +9,7 @@ import pyarrow as pa
 from thbridge.batch.chunks import Shard
 from thbridge.batch.design import read_design
 from thbridge.batch.engines.batch_task import TaskOutcome
-from thbridge.batch.engines.engine import Engine, FinishedTask
+from thbridge.batch.engines.engine import Engine
 from thbridge.batch.folder import open_folder
 from thbridge.batch.sweep import EVERYTHING, SweepProgress, run_sweep
 from thbridge.batch.tables import VARYING, collect
@@ -28,32 +26,6 @@ verify: 1
 max_seconds: 4
 """
 """Twelve games of four simulated seconds, each played twice."""
-
-
-class InlineEngine:
-    """Carries out tasks in this process; `dies` tells of each, before it is carried out, if its worker dies."""
-
-    def __init__(self, dies: Callable[[SweepTask], bool] = lambda _task: False) -> None:
-        self._dies = dies
-        self._waiting: deque[SweepTask] = deque()
-        self.carried_out: list[SweepTask] = []
-
-    def submit(self, task: SweepTask, avoid: str | None = None) -> None:
-        self._waiting.append(task)
-
-    def finished(self) -> Iterator[FinishedTask[SweepTask]]:
-        while self._waiting:
-            task = self._waiting.popleft()
-            if self._dies(task):
-                yield FinishedTask(task, None, "inline")
-                continue
-            self.carried_out.append(task)
-            yield FinishedTask(task, task.carry_out(), "inline")
-
-    def __enter__(self) -> "InlineEngine":
-        return self
-
-    def __exit__(self, *ended: object) -> None: ...
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,12 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from tests.support.programs.processes import Program
+from tests.support.project import ROOT
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 
-PEERS = Path(__file__).parents[3] / ".peers"
+PEERS = ROOT / ".peers"
 ROBOTS = 3
 ORIGIN = (51.5, -0.1, 30.0)
 """Degrees north and east, metres up: where the map's origin lies on earth."""

@@ -1,0 +1,10 @@
+"""Reading bags with rosbags, not by the code that is tested."""
+
+from pathlib import Path
+
+from rosbags.rosbag1 import Reader
+
+
+def messages(bag: Path) -> list[tuple[str, int, bytes]]:
+    with Reader(bag) as reader:
+        return [(connection.topic, stamp, bytes(data)) for connection, stamp, data in reader.messages()]

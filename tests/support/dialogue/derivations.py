@@ -1,0 +1,14 @@
+"""What follows from beliefs and rules, by trying."""
+
+from thbridge.dialogue.argumentation.propositions import Literal, Rule
+
+
+def derives(support: frozenset[Literal | Rule], conclusion: Literal, granted: frozenset[Literal]) -> bool:
+    """Whether a conclusion follows, by applying rules until nothing new comes."""
+    known = {each for each in support if isinstance(each, Literal)} | granted
+    rules = [each for each in support if isinstance(each, Rule)]
+    while True:
+        new = {rule.conclusion for rule in rules if set(rule.premises) <= known} - known
+        if not new:
+            return conclusion in known
+        known |= new

@@ -1,0 +1,27 @@
+"""Three rooms at a corridor."""
+
+import numpy as np
+
+from sim.common.geometry import IDENTITY
+from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.robot.costmap.footprint import radii
+from thbridge.files.map_files import FOOTPRINT
+from thbridge.offline.arena import arena_of
+from thbridge.offline.room_finding import find_rooms
+
+
+def three_rooms() -> OccupancyGrid:
+    """12 m x 8 m: a corridor of 2 m at the bottom, three rooms above it with doors of 1.2 m; a door from 1 to 2."""
+    cells = np.full((80, 120), FREE, dtype=np.int8)
+    cells[[0, -1], :] = OCCUPIED
+    cells[:, [0, -1]] = OCCUPIED
+    cells[20, :] = OCCUPIED
+    cells[20:, [40, 80]] = OCCUPIED
+    for col in (14, 54, 94):
+        cells[20, col : col + 12] = FREE
+    cells[40:50, 40] = FREE
+    return OccupancyGrid(cells, 0.1, IDENTITY)
+
+
+GRID = three_rooms()
+FOUND = arena_of(GRID, find_rooms(GRID, *radii(np.array(FOOTPRINT))), 2, ["West", "Middle", "East"])
