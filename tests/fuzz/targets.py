@@ -15,7 +15,7 @@ from sim.parameters import RobotParameters
 from tests.support.bags import bags_with_faults
 from tests.support.bags.bags_with_faults import Entry, Form, Line, Planted, clean, content
 from tests.support.bags.ros2_bags import written
-from tests.support.maps.three_rooms import GRID
+from tests.support.maps.small_arenas import GRID
 from tests.support.project import ROOT
 from tests.support.ros.nav2_parameters import AMCL, CONTROLLER
 from thbridge.analysis.bag_summary import summarise

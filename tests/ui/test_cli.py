@@ -13,6 +13,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from tests.support.bags.small_bags import write_hundred_messages
+from tests.support.programs.commands import refusal
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.consent import ParticipantDeclined
 from thbridge.recording.digest import digest_of
@@ -32,16 +33,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def thbridge(*arguments: str | Path) -> Result:
     return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
-def refusal(*arguments: str | Path) -> str:
-    """The message of a command that must find its input bad, and change nothing."""
-    before = sorted(Path().rglob("*"))
-    done = thbridge(*arguments)
-    assert done.exit_code == 2, (done.output, done.exception)
-    assert done.stdout == ""
-    assert sorted(Path().rglob("*")) == before
-    return done.stderr
 
 
 def json_of(*arguments: str | Path) -> dict:

@@ -7,15 +7,9 @@ from pathlib import Path
 import pytest
 
 from tests.support.programs import processes
-from tests.support.windows.desktop import Desktop, desktop, needs_desktop
+from tests.support.windows.desktop import Desktop, needs_desktop
 
 pytestmark = needs_desktop
-
-
-@pytest.fixture
-def screen() -> Iterator[Desktop]:
-    with desktop() as opened:
-        yield opened
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ import pytest
 
 from tests.support.programs.process_memory import found_in_memory
 from tests.support.programs.processes import THBRIDGE, Program, port_of
-from tests.support.windows.desktop import Desktop, desktop, needs_desktop
+from tests.support.windows.desktop import needs_desktop
 
 ROOT = Path(__file__).parents[3]
 
@@ -116,12 +116,6 @@ def hunt(study: Path) -> Iterator[tuple[Tap, Program]]:
     finally:
         for program in programs:
             program.close()
-
-
-@pytest.fixture
-def screen() -> Iterator[Desktop]:
-    with desktop() as opened:
-        yield opened
 
 
 @pytest.mark.slow

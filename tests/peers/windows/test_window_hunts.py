@@ -32,12 +32,6 @@ def place_in_arena(room: int, house: Seen) -> tuple[float, float]:
 
 
 @pytest.fixture
-def screen() -> Iterator[Desktop]:
-    with desktop() as opened:
-        yield opened
-
-
-@pytest.fixture
 def played(screen: Desktop, tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]:
     """`thbridge play` on the desktop."""
     (tmp_path / "study.yaml").write_text(STUDY)

@@ -12,18 +12,12 @@ from tests.peers.rover_session import STUDY, degrees
 from tests.peers.window_player import Keys, on
 from tests.support.programs.ports import free_udp_port
 from tests.support.programs.processes import THBRIDGE, Program
-from tests.support.windows.desktop import Desktop, desktop, needs_desktop
+from tests.support.windows.desktop import Desktop, needs_desktop
 
 pytestmark = [needs_desktop, pytest.mark.slow]
 
 ROOM_2, ROOM_4 = (-2.7, 1.4), (3.1, 4.9)
 """Points in these rooms of arena8."""
-
-
-@pytest.fixture
-def screen() -> Iterator[Desktop]:
-    with desktop() as opened:
-        yield opened
 
 
 @pytest.fixture

@@ -31,6 +31,16 @@ def refusal_of(*words: object) -> str:
     return " ".join(done.output.split())
 
 
+def refusal(*words: object) -> str:
+    """The message of a command that must find its input bad, and change nothing."""
+    before = sorted(Path().rglob("*"))
+    done = CliRunner().invoke(app, [*map(str, words)])
+    assert done.exit_code == 2, (done.output, done.exception)
+    assert done.stdout == ""
+    assert sorted(Path().rglob("*")) == before
+    return done.stderr
+
+
 def all_commands() -> dict[tuple[str, ...], TyperCommand | TyperGroup]:
     """Return all commands, and the groups that they are in, by their names."""
     found = {(): typer.main.get_command(app)}

@@ -9,6 +9,7 @@ from PIL import Image
 
 from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from tests.support.maps.small_arenas import two_rooms
 from thbridge.files.errors import BadFile
 from thbridge.files.grid_files import read_grid, write_grid
 from thbridge.files.map_files import check_map, missing_room_names, read_map, write_rooms
@@ -31,15 +32,6 @@ starts:
   poses: [[4, 1, 0]]
   rows: [[[4, 2.2], [4, 3.3]]]
 """
-
-
-def two_rooms() -> OccupancyGrid:
-    """8 m x 4 m: a room, a corridor, a room; doors 1 m wide at the bottom of both walls."""
-    cells = np.full((40, 80), FREE, dtype=np.int8)
-    cells[[0, -1], :] = OCCUPIED
-    cells[:, [0, -1]] = OCCUPIED
-    cells[11:, [30, 49]] = OCCUPIED
-    return OccupancyGrid(cells, 0.1, IDENTITY)
 
 
 @pytest.fixture

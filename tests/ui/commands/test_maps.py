@@ -6,9 +6,9 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner, Result
 
-from sim.common.geometry import IDENTITY
-from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.common.grid import OCCUPIED
 from tests.support.maps.floor_plans import plan
+from tests.support.maps.small_arenas import two_rooms
 from tests.support.slow import slow
 from thbridge.files.grid_files import read_grid, write_grid
 from thbridge.hunt.rooms import Room
@@ -30,15 +30,6 @@ rooms:
 starts:
   poses: [[4, 1, 0], [4, 2.2, 0]]
 """
-
-
-def two_rooms() -> OccupancyGrid:
-    """8 m x 4 m: a room, a corridor, a room; doors 1 m wide at the bottom of both walls."""
-    cells = np.full((40, 80), FREE, dtype=np.int8)
-    cells[[0, -1], :] = OCCUPIED
-    cells[:, [0, -1]] = OCCUPIED
-    cells[11:, [30, 49]] = OCCUPIED
-    return OccupancyGrid(cells, 0.1, IDENTITY)
 
 
 @pytest.fixture

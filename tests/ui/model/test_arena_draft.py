@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import IDENTITY
 from sim.common.grid import OCCUPIED, OccupancyGrid
-from tests.support.maps.three_rooms import FOUND, GRID
+from tests.support.maps.small_arenas import FOUND, GRID
 from thbridge.files.grid_files import write_grid
 from thbridge.files.map_files import check_map, write_rooms
 from thbridge.hunt.refusals import RequestRefused

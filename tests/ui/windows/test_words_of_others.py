@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QPushButton, QToolTip, QWidget
 from pytestqt.qtbot import QtBot
 
-from tests.support.maps.three_rooms import FOUND, GRID
+from tests.support.maps.small_arenas import FOUND, GRID
 from tests.support.windows import sample_screens
 from tests.support.windows.desk_windows import desk, state, study
 from tests.support.windows.participant_windows import Open, Opened, opened

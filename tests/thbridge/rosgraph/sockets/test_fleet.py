@@ -18,6 +18,7 @@ from sim.inputs import KidnapRobot, PlaceRobot, SendGoal, SetCharge
 from sim.parameters import live_parameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.team import TeamSnapshot
+from tests.support.programs.event_loops import eventually
 from tests.support.ros.service_client import call_service
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
@@ -140,11 +141,6 @@ def with_patience(test: Callable[..., Awaitable[None]]) -> Callable[..., None]:
         asyncio.run(patient())
 
     return run
-
-
-async def eventually(true: Callable[[], object]) -> None:
-    while not true():
-        await asyncio.sleep(0.005)
 
 
 @asynccontextmanager

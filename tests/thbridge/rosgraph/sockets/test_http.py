@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.support.programs.event_loops import eventually
 from thbridge.rosgraph.sockets.documents import read_document, write_document
 from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
 from thbridge.rosgraph.sockets.http_server import CallHandler, HttpLimits, XmlRpcServer
@@ -68,11 +69,6 @@ def run(scenario: Callable[[], Awaitable[None]]) -> None:
 def request(method: str, *params: XmlRpcValue) -> bytes:
     body = codec.encode_call(method, [*params])
     return b"POST /RPC2 HTTP/1.1\r\nHost: x\r\nContent-Length: %d\r\n\r\n%b" % (len(body), body)
-
-
-async def until(condition: Callable[[], bool]) -> None:
-    while not condition():
-        await asyncio.sleep(0.001)
 
 
 def test_calls_and_their_answers():
@@ -179,7 +175,7 @@ def test_what_is_no_request_is_turned_away(sent, status):
             answer = await reader.read(20)
             assert answer.startswith(b"HTTP/1.1 " + status)
             writer.close()
-            await until(lambda: server.connections == 0)
+            await eventually(lambda: server.connections == 0)
 
     run(scenario)
 
@@ -206,7 +202,7 @@ def test_slow_silent_and_half_open_peers_are_cut_off():
                 with_rest = await reader.read()  # ends because the server does
                 assert with_rest.count(b"HTTP/1.1 200") == sent.count(b"</methodCall>")
                 writer.close()
-            await until(lambda: server.connections == 0)
+            await eventually(lambda: server.connections == 0)
 
     run(scenario)
 
@@ -216,8 +212,8 @@ def test_a_peer_that_does_not_read_is_cut_off():
         async with serving(HttpLimits(request_seconds=0.1)) as (server, at):
             _reader, writer = await asyncio.open_connection(at.host, at.port)
             writer.write(request("echo", "x" * 8_000_000))
-            await until(lambda: server.connections == 1)
-            await until(lambda: server.connections == 0)
+            await eventually(lambda: server.connections == 1)
+            await eventually(lambda: server.connections == 0)
             writer.transport.abort()
 
     run(scenario)
@@ -227,7 +223,7 @@ def test_one_connection_too_many_ends_the_one_that_is_silent_longest():
     async def scenario():
         async with serving(HttpLimits(connections=3)) as (server, at):
             peers = [await asyncio.open_connection(at.host, at.port) for _ in range(3)]
-            await until(lambda: server.connections == 3)
+            await eventually(lambda: server.connections == 3)
             for reader, writer in (peers[0], peers[2]):
                 writer.write(request("echo"))
                 await reader.readuntil(b"</methodResponse>\n")
@@ -246,7 +242,7 @@ def test_many_connections_from_one_address_end_none_of_another():
     async def scenario():
         async with serving(HttpLimits(connections=3)) as (server, at):
             ours, to_us = await asyncio.open_connection(at.host, at.port)
-            await until(lambda: server.connections == 1)
+            await eventually(lambda: server.connections == 1)
             flood = [await asyncio.open_connection(at.host, at.port, local_addr=("127.0.0.2", 0)) for _ in range(20)]
             for reader, _ in flood[:-2]:
                 assert await reader.read() == b""
@@ -300,7 +296,7 @@ def test_a_connection_that_is_cut_off_before_its_first_word_is_closed():
         at = await server.start()
         assert isinstance(at, ListeningAddress)
         peers = [await asyncio.open_connection(at.host, at.port) for _ in range(20)]
-        await until(lambda: server.connections == 1)
+        await eventually(lambda: server.connections == 1)
         await server.stop()
         for reader, writer in peers:
             assert await reader.read() == b""
@@ -323,7 +319,7 @@ def test_what_is_held_at_a_time_is_bounded():
             for _, writer in peers:
                 writer.transport.abort()
             await asyncio.wait(answers)
-            await until(lambda: server.connections == 0)
+            await eventually(lambda: server.connections == 0)
             client = XmlRpcClient()
             assert await client.call(f"http://{at.host}:{at.port}", "later", "x" * 60_000) == MethodResponse(
                 "x" * 60_000
@@ -457,7 +453,7 @@ def test_arbitrary_bytes_over_sockets_leave_nothing_behind(streams):
                 with suppress(ConnectionError):
                     await reader.read()
                 writer.close()
-            await until(lambda: server.connections == 0)
+            await eventually(lambda: server.connections == 0)
             client = XmlRpcClient()
             assert await client.call(f"http://{at.host}:{at.port}", "later", 1) == MethodResponse(1)
             await client.close()

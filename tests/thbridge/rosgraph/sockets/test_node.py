@@ -16,6 +16,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from tests.support.programs.event_loops import eventually
 from tests.support.ros.service_client import call_service
 from thbridge.rosgraph.sockets import publications, registrar, subscriptions, tcpros_server
 from thbridge.rosgraph.sockets.http_client import CallFailed, XmlRpcClient
@@ -52,11 +53,6 @@ def with_patience(test: Callable[..., Awaitable[None]]) -> Callable[..., None]:
         asyncio.run(patient())
 
     return run
-
-
-async def eventually(true: Callable[[], object]) -> None:
-    while not true():
-        await asyncio.sleep(0.005)
 
 
 @asynccontextmanager

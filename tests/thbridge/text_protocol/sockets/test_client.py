@@ -1,12 +1,13 @@
 """Our own programs' client over real TCP, against our server and against scripted ones."""
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable
 from contextlib import asynccontextmanager
 from typing import TypeVar
 
 import pytest
 
+from tests.support.programs.event_loops import in_event_loop
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.text_protocol.sockets.client import TextClient
@@ -50,20 +51,7 @@ async def running(name: str, port: int, backoff: Backoff = HURRIED) -> AsyncIter
         await asyncio.gather(task, return_exceptions=True)
 
 
-def run(test: Callable[[], Awaitable[None]]) -> Callable[[], None]:
-    """A test that is a coroutine, under a name that pytest finds."""
-
-    def call() -> None:
-        async def whole() -> None:
-            await test()
-
-        asyncio.run(whole())
-
-    call.__name__ = test.__name__
-    return call
-
-
-@run
+@in_event_loop
 async def test_two_programs_talk_through_the_server() -> None:
     async with serving() as (_, address), running("A", address.port) as a, running("B", address.port) as b:
         assert await soon(a.next_event()) == NameRegistered()
@@ -73,7 +61,7 @@ async def test_two_programs_talk_through_the_server() -> None:
         assert await soon(b.next_event()) == HELLO
 
 
-@run
+@in_event_loop
 async def test_it_waits_for_a_server_and_registers_again_with_the_next_one() -> None:
     async with serving() as (_, address):
         port = address.port
@@ -91,7 +79,7 @@ async def test_it_waits_for_a_server_and_registers_again_with_the_next_one() -> 
             assert event.reason is LossReason.UNREACHABLE
 
 
-@run
+@in_event_loop
 async def test_a_taken_name_is_told_once_and_had_as_soon_as_it_is_free() -> None:
     async with serving() as (router, address):
         router.local.attach("A")
@@ -101,7 +89,7 @@ async def test_a_taken_name_is_told_once_and_had_as_soon_as_it_is_free() -> None
             assert await soon(a.next_event()) == NameRegistered()
 
 
-@run
+@in_event_loop
 async def test_it_answers_a_ping_and_notices_a_broken_connection() -> None:
     heard: asyncio.Queue[bytes] = asyncio.Queue()
 
@@ -123,7 +111,7 @@ async def test_it_answers_a_ping_and_notices_a_broken_connection() -> None:
             assert await soon(a.next_event()) == NameRegistered()
 
 
-@run
+@in_event_loop
 async def test_a_server_that_falls_silent_counts_as_broken() -> None:
     connections = 0
 

@@ -4,11 +4,12 @@ import asyncio
 import contextlib
 import socket
 import struct
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 import pytest
 
+from tests.support.programs.event_loops import in_event_loop
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.listening import ServerDoor
@@ -77,20 +78,7 @@ async def serving(
             await server.stop()
 
 
-def run(test: Callable[[], Awaitable[None]]) -> Callable[[], None]:
-    """A test that is a coroutine, under a name that pytest finds."""
-
-    def call() -> None:
-        async def whole() -> None:
-            await test()
-
-        asyncio.run(whole())
-
-    call.__name__ = test.__name__
-    return call
-
-
-@run
+@in_event_loop
 async def test_two_clients_talk() -> None:
     async with serving() as house:
         tabui, simr = await house.enter("TabUI"), await house.enter("SimR \r")
@@ -99,7 +87,7 @@ async def test_two_clients_talk() -> None:
         assert await simr.hears() == b"%%goto TabUI SimR 0 3 3 45 \n"
 
 
-@run
+@in_event_loop
 async def test_half_lines_wait_and_several_lines_share_a_segment() -> None:
     async with serving() as house:
         client = await house.enter()
@@ -109,7 +97,7 @@ async def test_half_lines_wait_and_several_lines_share_a_segment() -> None:
         assert [await client.hears() for _ in range(6)] == [b"%%pong i am here\n", ACK, b"%%setid 1\n", ACK, ACK, ACK]
 
 
-@run
+@in_event_loop
 async def test_a_held_name_gets_a_farewell_and_the_end() -> None:
     async with serving() as house:
         holder, newcomer = await house.enter("TabUI"), await house.enter()
@@ -119,7 +107,7 @@ async def test_a_held_name_gets_a_farewell_and_the_end() -> None:
         assert await holder.hears() == b"%%pong i am here\n"
 
 
-@run
+@in_event_loop
 async def test_a_name_is_free_once_its_client_has_gone() -> None:
     async with serving() as house:
         for leave in [b"%%sshhuuttddoowwnn\n", b""]:
@@ -130,7 +118,7 @@ async def test_a_name_is_free_once_its_client_has_gone() -> None:
         await house.enter("TabUI")
 
 
-@run
+@in_event_loop
 async def test_300_connections_of_which_256_find_room() -> None:
     async with serving() as house:
         clients = [await house.enter() for _ in range(300)]
@@ -145,7 +133,7 @@ async def test_300_connections_of_which_256_find_room() -> None:
         assert await clients[255].hears() == b"%%error client0 client255 hello \n"
 
 
-@run
+@in_event_loop
 async def test_of_many_that_are_turned_away_few_linger() -> None:
     async with serving(MessageRouter(RouterLimits(clients=1))) as house:
         await house.enter("SimR")
@@ -155,7 +143,7 @@ async def test_of_many_that_are_turned_away_few_linger() -> None:
         assert len(house.server._open) <= text_server._MOST_LINGERING + 2
 
 
-@run
+@in_event_loop
 async def test_a_server_full_of_silent_connections_lets_a_program_in() -> None:
     now = [0.0]
     async with serving(MessageRouter(RouterLimits(clients=20)), clock=lambda: now[0]) as house:
@@ -168,7 +156,7 @@ async def test_a_server_full_of_silent_connections_lets_a_program_in() -> None:
 
 
 def test_where_descriptors_are_few_those_without_a_name_make_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    @run
+    @in_event_loop
     async def whole() -> None:
         async with serving() as house:
             simr, nameless = await house.enter("SimR"), await house.enter()
@@ -183,7 +171,7 @@ def test_where_descriptors_are_few_those_without_a_name_make_room(monkeypatch: p
     whole()
 
 
-@run
+@in_event_loop
 async def test_a_client_that_never_reads_is_cut_off_and_hurts_nobody() -> None:
     async with serving() as house:
         deaf = socket.socket()
@@ -206,7 +194,7 @@ async def test_a_client_that_never_reads_is_cut_off_and_hurts_nobody() -> None:
         deaf.close()
 
 
-@run
+@in_event_loop
 async def test_clients_that_reset_their_connection_hurt_nobody() -> None:
     async with serving() as house:
         other = await house.enter("other")
@@ -219,7 +207,7 @@ async def test_clients_that_reset_their_connection_hurt_nobody() -> None:
         assert await other.hears() == b"%%error other other hello \n"
 
 
-@run
+@in_event_loop
 async def test_a_megabyte_without_an_end_is_skipped() -> None:
     async with serving() as house:
         client = await house.enter()
@@ -232,7 +220,7 @@ def test_silent_clients_are_pinged_by_the_clock(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(text_server, "_CHECK_INTERVAL", 0.001)
     now = [100.0]
 
-    @run
+    @in_event_loop
     async def whole() -> None:
         async with serving(clock=lambda: now[0]) as house:
             client = await house.enter("A")
@@ -245,7 +233,7 @@ def test_silent_clients_are_pinged_by_the_clock(monkeypatch: pytest.MonkeyPatch)
     whole()
 
 
-@run
+@in_event_loop
 async def test_a_stopping_server_says_farewell_and_frees_its_port() -> None:
     async with serving() as house:
         clients = [await house.enter("A"), await house.enter()]
@@ -261,7 +249,7 @@ async def test_a_stopping_server_says_farewell_and_frees_its_port() -> None:
         await again.stop()
 
 
-@run
+@in_event_loop
 async def test_a_client_that_ignores_the_farewell_does_not_keep_the_server_from_stopping() -> None:
     async with serving() as house:
         stubborn = await house.enter("A")
@@ -269,7 +257,7 @@ async def test_a_client_that_ignores_the_farewell_does_not_keep_the_server_from_
         assert await stubborn.hears_the_rest() == SHUTDOWN
 
 
-@run
+@in_event_loop
 async def test_the_window_of_2016_finds_the_server_at_the_address_that_it_was_built_with() -> None:
     async with serving() as house:
         reader, writer = await asyncio.open_connection("127.0.1.1", house.address.port)
@@ -282,7 +270,7 @@ async def test_the_window_of_2016_finds_the_server_at_the_address_that_it_was_bu
         assert await simr.hears() == b"%%goto TabUI SimR 0 3 3 45 \n"
 
 
-@run
+@in_event_loop
 async def test_who_has_that_address_keeps_it_and_the_server_serves_all_the_same() -> None:
     with socket.create_server(("127.0.1.1", 0)) as other:
         server = TextServer()
@@ -291,7 +279,7 @@ async def test_who_has_that_address_keeps_it_and_the_server_serves_all_the_same(
         await server.stop()
 
 
-@run
+@in_event_loop
 async def test_a_port_in_use_is_told_in_one_line() -> None:
     async with serving() as house:
         refusal = await TextServer().start(MessageRouter(), house.address.host, house.address.port)
@@ -310,7 +298,7 @@ def test_a_bad_address_is_told_in_one_line(host: str, port: int) -> None:
     assert "\n" not in str(refusal)
 
 
-@run
+@in_event_loop
 async def test_programs_of_this_process_talk_with_clients() -> None:
     router = MessageRouter()
     router.local.attach("SimR")
@@ -327,7 +315,7 @@ async def test_programs_of_this_process_talk_with_clients() -> None:
         assert await tabui.hears() == b'%%error SimR TabUI "0;3" \n'
 
 
-@run
+@in_event_loop
 async def test_messages_in_the_request_of_a_page_in_a_browser_are_not_heard():
     router = MessageRouter()
     router.local.attach("Game")

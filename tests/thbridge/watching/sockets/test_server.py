@@ -5,13 +5,14 @@ import contextlib
 import json
 import socket
 import struct
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
 
 from tests.support.hunts.granting_house import GrantingHouse
+from tests.support.programs.event_loops import in_event_loop
 from thbridge.files.keys.key_file import ClientKey
 from thbridge.files.ros.definitions import Definitions
 from thbridge.ros.messages import pack, types, unpack
@@ -123,18 +124,7 @@ async def serving(key: str | None = None) -> AsyncIterator[Door]:
             await door.server.stop()
 
 
-def run(test: Callable[[], Awaitable[None]]) -> Callable[[], None]:
-    def call() -> None:
-        async def whole() -> None:
-            await test()
-
-        asyncio.run(whole())
-
-    call.__name__ = test.__name__
-    return call
-
-
-@run
+@in_event_loop
 async def test_who_comes_late_hears_what_is_in_force_then_the_latest_tick_then_all() -> None:
     async with serving() as door:
         door.say((LEVEL, "old"), (OTHER, "other"))
@@ -152,7 +142,7 @@ async def test_who_comes_late_hears_what_is_in_force_then_the_latest_tick_then_a
         assert isinstance(visitor.events[0], WatchConnected)
 
 
-@run
+@in_event_loop
 async def test_who_comes_late_hears_the_game_so_far_and_how_things_are() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"), (EVENT, "how it is"))
@@ -199,7 +189,7 @@ def test_who_comes_late_hears_what_every_robot_has_argued_and_makes_of_it() -> N
     assert [unpack.dialogue_state(each.data) for each in history.before(())] == said
 
 
-@run
+@in_event_loop
 async def test_wishes_are_passed_on_and_what_is_refused_is_told_to_who_asked() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"))
@@ -220,7 +210,7 @@ async def test_wishes_are_passed_on_and_what_is_refused_is_told_to_who_asked() -
         assert {status.lag for status in other.statuses} == {0.25}
 
 
-@run
+@in_event_loop
 async def test_who_goes_on_asking_for_what_cannot_be_is_cut_off() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"))
@@ -234,7 +224,7 @@ async def test_who_goes_on_asking_for_what_cannot_be_is_cut_off() -> None:
         assert door.house.left_alone == 1
 
 
-@run
+@in_event_loop
 async def test_only_who_knows_the_key_gets_in() -> None:
     async with serving("sesame") as door:
         door.say((LEVEL, "level"))
@@ -253,7 +243,7 @@ async def test_only_who_knows_the_key_gets_in() -> None:
         assert door.house.asked == []
 
 
-@run
+@in_event_loop
 async def test_a_ninth_is_turned_away_until_somebody_leaves() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"))
@@ -267,7 +257,7 @@ async def test_a_ninth_is_turned_away_until_somebody_leaves() -> None:
         await ninth.until_text("level")
 
 
-@run
+@in_event_loop
 async def test_a_crowd_without_the_key_keeps_nobody_out() -> None:
     async with serving("sesame") as door:
         door.say((LEVEL, "level"))
@@ -287,7 +277,7 @@ async def test_a_crowd_without_the_key_keeps_nobody_out() -> None:
             writer.close()
 
 
-@run
+@in_event_loop
 async def test_who_shows_wrong_keys_waits_and_may_not_try_others_meanwhile() -> None:
     async with serving("sesame") as door:
         reader, writer = await asyncio.open_connection(door.where.host, door.where.port)
@@ -301,7 +291,7 @@ async def test_who_shows_wrong_keys_waits_and_may_not_try_others_meanwhile() -> 
         assert door.house.asked == []
 
 
-@run
+@in_event_loop
 async def test_who_does_not_read_loses_of_the_heaviest_topic_and_nobody_else_does() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"))
@@ -347,7 +337,7 @@ def test_to_a_connection_that_has_failed_nothing_more_is_written(caplog: pytest.
     assert [record.getMessage() for record in caplog.records if record.name == "asyncio"] == []
 
 
-@run
+@in_event_loop
 async def test_a_client_comes_back_by_itself() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"))
@@ -360,7 +350,7 @@ async def test_a_client_comes_back_by_itself() -> None:
         await visitor.until(lambda: sum(isinstance(event, WatchConnected) for event in visitor.events) == 2)
 
 
-@run
+@in_event_loop
 async def test_the_end_of_a_session_is_told_with_its_bag() -> None:
     async with serving() as door:
         visitor = door.enter()
@@ -370,7 +360,7 @@ async def test_the_end_of_a_session_is_told_with_its_bag() -> None:
         assert visitor.statuses[-1].ended
 
 
-@run
+@in_event_loop
 async def test_who_has_nothing_to_ask_may_still_listen() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"))
@@ -384,7 +374,7 @@ async def test_who_has_nothing_to_ask_may_still_listen() -> None:
         assert told.startswith(b"#ROSBAG V2.0\n")
 
 
-@run
+@in_event_loop
 async def test_a_port_that_is_taken_is_told() -> None:
     async with serving() as door:
         other = await WatchServer(GrantingHouse()).start("127.0.0.1", door.where.port)

@@ -7,6 +7,7 @@ import pytest
 from pyarrow import csv, parquet
 from typer.testing import CliRunner, Result
 
+from tests.support.programs.commands import refusal
 from tests.support.programs.inline_engine import InlineEngine
 from tests.support.slow import slow
 from thbridge.batch import tasks
@@ -45,16 +46,6 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def thbridge(*arguments: str | Path) -> Result:
     return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
-def refusal(*arguments: str | Path) -> str:
-    """The message of a command that must find its input bad, and change nothing."""
-    before = sorted(Path().rglob("*"))
-    done = thbridge(*arguments)
-    assert done.exit_code == 2, (done.output, done.exception)
-    assert done.stdout == ""
-    assert sorted(Path().rglob("*")) == before
-    return done.stderr
 
 
 def test_check_tells_how_many_games_there_are_and_plays_none() -> None:

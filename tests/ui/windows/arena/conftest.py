@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from tests.support.maps.three_rooms import FOUND, GRID
+from tests.support.maps.small_arenas import FOUND, GRID
 from tests.support.windows.questions import answering
 from thbridge.files.grid_files import write_grid
 from thbridge.files.map_files import write_rooms

@@ -9,7 +9,7 @@ from pytestqt.qtbot import QtBot
 from typer.testing import CliRunner, Result
 
 from tests.support.disks.small_disk import SmallDisk, why_not
-from tests.support.maps.three_rooms import FOUND, GRID
+from tests.support.maps.small_arenas import FOUND, GRID
 from thbridge.files.grid_files import write_grid
 from thbridge.files.map_files import check_map, read_map, write_rooms
 from ui.cli import app

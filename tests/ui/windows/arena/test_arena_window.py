@@ -5,7 +5,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QApplication, QLineEdit
 from pytestqt.qtbot import QtBot
 
-from tests.support.maps.three_rooms import FOUND
+from tests.support.maps.small_arenas import FOUND
 from tests.support.windows.questions import answering
 from tests.support.windows.screen_reader import against_the_eye, nameless, stops
 from thbridge.files.map_files import check_map, read_map

@@ -1,4 +1,4 @@
-"""Three rooms at a corridor."""
+"""Two and three rooms at a corridor."""
 
 import numpy as np
 
@@ -25,3 +25,12 @@ def three_rooms() -> OccupancyGrid:
 
 GRID = three_rooms()
 FOUND = arena_of(GRID, find_rooms(GRID, *radii(np.array(FOOTPRINT))), 2, ["West", "Middle", "East"])
+
+
+def two_rooms() -> OccupancyGrid:
+    """8 m x 4 m: a room, a corridor, a room; doors 1 m wide at the bottom of both walls."""
+    cells = np.full((40, 80), FREE, dtype=np.int8)
+    cells[[0, -1], :] = OCCUPIED
+    cells[:, [0, -1]] = OCCUPIED
+    cells[11:, [30, 49]] = OCCUPIED
+    return OccupancyGrid(cells, 0.1, IDENTITY)
