@@ -28,7 +28,7 @@ TICK = 0.02
 
 
 class ScreenPlayer:
-    """The view model on a stage; every act is done by what is offered for it.
+    """The view model in a hunt; every act is done by what is offered for it.
 
     Attributes:
         theirs: all words so far that come from the study, and not from the program.

@@ -1,4 +1,4 @@
-"""A person at the keyboard, on a stage without a simulator."""
+"""A person at the keyboard, in a hunt without a simulator."""
 
 import re
 

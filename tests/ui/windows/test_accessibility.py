@@ -1,5 +1,5 @@
 """A screen reader hears of all that the participant can press, and the focus goes as the eye does; so it is in the
-researcher's window and the study's form, whose own tests ask for it by the same `walking`.
+researcher's window and the study's form, whose own tests ask for it by the same `screen_reader`.
 """
 
 from PySide6.QtWidgets import QApplication

@@ -82,7 +82,7 @@ class Eyes:
 
 
 class Played:
-    """A stage whose player wishes what the test says, and whose onlooker remembers."""
+    """A hunt whose player wishes what the test says, and whose onlooker remembers."""
 
     def __init__(self, briefing: Briefing) -> None:
         self.player, self.eyes = ScriptedPlayer(), Eyes()
