@@ -19,7 +19,7 @@ from sim.parameters import RobotParameters, WorldParameters
 from tests.support.bags.bags_with_faults import clean, content
 from tests.support.hunts.watch_requests import GRANTED
 from tests.support.mavlink.hostile_frames import orders
-from tests.support.mavlink.vehicle_with_stations import Rig
+from tests.support.mavlink.vehicle_with_stations import VehicleWithStations
 from tests.support.project import ROOT
 from thbridge.app.session.input_records import from_record
 from thbridge.app.session.watch_requests import WatchRequestHandler, request_line
@@ -265,7 +265,7 @@ def _unpack_message(data: bytes) -> None:
 
 # MAVLink's
 
-_RIGS: list[Rig] = []
+_RIGS: list[VehicleWithStations] = []
 
 
 def _frames() -> tuple[bytes, ...]:
@@ -280,7 +280,7 @@ def _hear_frame(data: bytes) -> None:
     if message is None:
         return
     if not _RIGS or _RIGS[0].tick > 5000:
-        _RIGS[:] = [Rig(identity=identity) for identity in AutopilotIdentity]
+        _RIGS[:] = [VehicleWithStations(identity=identity) for identity in AutopilotIdentity]
     for rig in _RIGS:
         for _ in rig.vehicle.handle_message(LinkId(0), Station(255, 190), message):
             pass

@@ -62,7 +62,7 @@ class Game(ModelRobot):
         return [call for call in self.asked if call[0] == name]
 
 
-class Rig:
+class VehicleWithStations:
     """One vehicle, system 3, stepped by hand; messages go through their bytes, as on a link.
 
     Attributes:

@@ -2,12 +2,13 @@
 
 import pytest
 
-from tests.support.mavlink.vehicle_with_stations import Rig
+from tests.support.mavlink.vehicle_with_stations import VehicleWithStations
 
 
 @pytest.fixture
 def rig():
-    return Rig()
+    """A vehicle with a model of a robot at its helm, and stations that send it one message at a time."""
+    return VehicleWithStations()
 
 
 @pytest.fixture

@@ -8,7 +8,15 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 from sim.common.observations import STANDSTILL
 from tests.support.mavlink.model_station import waypoint
-from tests.support.mavlink.vehicle_with_stations import ACCEPTED, HEARTBEAT, SECOND, THEM, US, Rig, messages
+from tests.support.mavlink.vehicle_with_stations import (
+    ACCEPTED,
+    HEARTBEAT,
+    SECOND,
+    THEM,
+    US,
+    VehicleWithStations,
+    messages,
+)
 from thbridge.mavlink.values.options import Failsafe
 from thbridge.mavlink.values.vehicle_interface import LegState
 from thbridge.mavlink.wire.dialect import mav
@@ -24,7 +32,7 @@ class Anything(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.rig = Rig(failsafe=Failsafe.HOME)
+        self.rig = VehicleWithStations(failsafe=Failsafe.HOME)
         self.seen = 0
         self.commander = None
         self.home = (1.0, 2.0)

@@ -2,13 +2,13 @@
 
 import pytest
 
-from tests.support.mavlink.vehicle_with_stations import HERE, SECOND, THERE, US, Rig, messages
+from tests.support.mavlink.vehicle_with_stations import HERE, SECOND, THERE, US, VehicleWithStations, messages
 from thbridge.mavlink.wire.dialect import mav
 
 
 @pytest.fixture
 def rig():
-    rig = Rig()
+    rig = VehicleWithStations()
     rig.run(SECOND)
     return rig
 

@@ -25,7 +25,7 @@ from tests.support.mavlink.vehicle_with_stations import (
     THERE,
     UNSUPPORTED,
     US,
-    Rig,
+    VehicleWithStations,
     acks,
     messages,
 )
@@ -68,7 +68,7 @@ ANY_INT = st.builds(
 
 @given(st.sampled_from(AutopilotIdentity), st.booleans(), st.lists(ANY_LONG | ANY_INT, min_size=1, max_size=4))
 def test_whatever_is_sent_is_acknowledged_once_at_once_to_whom_it_came_from(identity, armed, sent):
-    rig = Rig(identity=identity)
+    rig = VehicleWithStations(identity=identity)
     if armed:
         rig.arm()
     for message in sent:
@@ -81,7 +81,7 @@ def test_whatever_is_sent_is_acknowledged_once_at_once_to_whom_it_came_from(iden
 
 @given(st.lists(ANY_LONG | ANY_INT, min_size=1, max_size=30))
 def test_what_takes_its_time_ends_once(sent):
-    rig = Rig()
+    rig = VehicleWithStations()
     rig.arm()
     running = 0
     for message in sent:
@@ -153,7 +153,7 @@ def test_a_place_beyond_a_pole_is_none(armed):
 def test_the_manual_tells_every_command_that_is_known_and_no_other():
     manual = (Path(__file__).parents[5] / "docs" / "mavlink.md").read_text()
     told = {int(number) for number in re.findall(r"\b[A-Z][A-Z0-9_]+ \((\d+)\)", manual)}
-    known = {number for number in mav.enums["MAV_CMD"] if Rig().long(number) != [UNSUPPORTED]}
+    known = {number for number in mav.enums["MAV_CMD"] if VehicleWithStations().long(number) != [UNSUPPORTED]}
     assert told == known
 
 
@@ -345,7 +345,7 @@ def test_a_message_that_is_unknown_or_has_nothing_to_say_is_not_promised(rig):
 
 @pytest.mark.parametrize("identity", AutopilotIdentity)
 def test_modes_are_told_one_by_one_or_all_at_once(identity):
-    rig = Rig(identity=identity)
+    rig = VehicleWithStations(identity=identity)
     together = messages(rig.hear(long_of(REQUEST, 435, 0)))[1:]
     one_by_one = [messages(rig.hear(long_of(REQUEST, 435, place)))[1] for place in range(1, len(Mode) + 1)]
     assert [mode.to_dict() for mode in together] == [mode.to_dict() for mode in one_by_one]
@@ -394,7 +394,7 @@ def test_an_interval_is_told_turned_off_and_forgotten(rig):
 
 @given(st.floats(0.0, width=32, allow_infinity=False))
 def test_any_interval_can_be_told(microseconds):
-    rig = Rig()
+    rig = VehicleWithStations()
     assert rig.long(INTERVAL, ATTITUDE, microseconds) == [ACCEPTED]
     _, interval = messages(rig.hear(long_of(mav.MAV_CMD_GET_MESSAGE_INTERVAL, ATTITUDE)))
     assert 20_000 <= interval.interval_us < 2**31
@@ -442,7 +442,7 @@ def test_reposition_brings_its_speed_and_heading(armed):
 
 
 def test_to_ardupilot_a_heading_of_zero_is_none():
-    rig = Rig(identity=AutopilotIdentity.ARDUPILOT)
+    rig = VehicleWithStations(identity=AutopilotIdentity.ARDUPILOT)
     rig.arm()
     rig.int(REPOSITION, -1, 1, 0, 0.0, frame=3, x=524_000_000, y=97_000_000)
     assert rig.robot.calls("go_to") == [("go_to", 0.0, 0.0, None)]

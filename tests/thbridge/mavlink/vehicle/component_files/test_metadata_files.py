@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from tests.support.mavlink.vehicle_with_stations import OPTIONS, Rig, messages
+from tests.support.mavlink.vehicle_with_stations import OPTIONS, VehicleWithStations, messages
 from thbridge.mavlink.values.vehicle_interface import ParameterDescription
 from thbridge.mavlink.vehicle.component_files.metadata_files import (
     GENERAL,
@@ -124,7 +124,7 @@ def download(rig, name):
 
 @pytest.mark.parametrize("message", [395, 397])
 def test_stations_are_told_where_the_first_file_is(message):
-    rig = Rig()
+    rig = VehicleWithStations()
     said = rig.hear(mav.MAVLink_command_long_message(3, 1, mav.MAV_CMD_REQUEST_MESSAGE, 0, message, 0, 0, 0, 0, 0, 0))
     told = messages(said)[-1].to_dict()
     prefix = "general_metadata_" if message == 395 else ""
@@ -135,7 +135,7 @@ def test_stations_are_told_where_the_first_file_is(message):
 
 
 def test_all_parameters_are_described_and_the_vehicle_s_own_come_first():
-    rig = Rig(lost_after=7.0)
+    rig = VehicleWithStations(lost_after=7.0)
     content = json.loads(download(rig, PARAMETERS))
     check_parameters(content)
     own, robot = content["parameters"][:3], content["parameters"][3:]
@@ -148,7 +148,7 @@ def test_all_parameters_are_described_and_the_vehicle_s_own_come_first():
 
 
 def test_files_stay_as_they_were_and_are_the_same_for_each_robot_of_a_team():
-    rig, other = Rig(), Rig()
+    rig, other = VehicleWithStations(), VehicleWithStations()
     rig.hear(mav.MAVLink_param_set_message(3, 1, b"FS_GCS_TIMEOUT", 30.0, mav.MAV_PARAM_TYPE_REAL32))
     other.vehicle = Vehicle(4, other.robot, OPTIONS)
     other.run(1)

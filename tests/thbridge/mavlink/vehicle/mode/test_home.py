@@ -16,7 +16,7 @@ from tests.support.mavlink.vehicle_with_stations import (
     THEM,
     THERE,
     US,
-    Rig,
+    VehicleWithStations,
     messages,
 )
 from thbridge.mavlink.values.options import Failsafe
@@ -163,7 +163,7 @@ def test_a_way_home_goes_on_to_where_home_was(away):
 
 
 def test_a_lost_station_s_robot_goes_to_the_new_one():
-    rig = Rig(failsafe=Failsafe.HOME)
+    rig = VehicleWithStations(failsafe=Failsafe.HOME)
     rig.arm()
     rig.int(SET_HOME, 0, frame=1, x=40_000, y=30_000)
     rig.run(300)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Twist
-from tests.support.mavlink.vehicle_with_stations import ACCEPTED, SECOND, THEM, US, Rig
+from tests.support.mavlink.vehicle_with_stations import ACCEPTED, SECOND, THEM, US, VehicleWithStations
 from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.mavlink.wire.dialect import mav
 
@@ -22,7 +22,7 @@ NO_AXIS = 0x7FFF
 
 @pytest.fixture
 def rig():
-    rig = Rig()
+    rig = VehicleWithStations()
     rig.arm()
     rig.run(1)
     return rig
@@ -97,7 +97,7 @@ def test_an_axis_that_is_not_there(rig):
 
 @given(st.integers(-(2**15), 2**15 - 1), st.integers(-(2**15), 2**15 - 1))
 def test_a_stick_is_never_beyond_the_fastest(x, r):
-    rig = Rig()
+    rig = VehicleWithStations()
     rig.arm()
     rig.mode(*MANUAL)
     stick(rig, x=x, r=r)
@@ -123,7 +123,7 @@ def test_a_radio_that_is_released_stops_the_robot(rig):
 
 
 def test_what_is_said_to_ardupilot_by_hand_holds_for_three_seconds():
-    rig = Rig(identity=AutopilotIdentity.ARDUPILOT)
+    rig = VehicleWithStations(identity=AutopilotIdentity.ARDUPILOT)
     rig.arm()
     rig.mode(0)
     stick(rig, x=1000)
@@ -250,7 +250,7 @@ def test_a_stop_ends_a_velocity(rig):
     st.integers(0, 0xFFFF), st.integers(0, 255), st.lists(st.floats(width=32), min_size=11, max_size=11), st.booleans()
 )
 def test_no_setpoint_asks_for_what_is_no_number(mask, frame, values, globally):
-    rig = Rig()
+    rig = VehicleWithStations()
     rig.arm()
     rig.mode(*GUIDED)
     kind = mav.MAVLink_set_position_target_local_ned_message

@@ -14,7 +14,7 @@ from tests.support.mavlink.vehicle_with_stations import (
     THEM,
     THERE,
     US,
-    Rig,
+    VehicleWithStations,
     acks,
     messages,
 )
@@ -190,7 +190,7 @@ def test_who_takes_command_is_told_to_all(armed):
     ],
 )
 def test_modes_are_set_by_their_numbers(identity, numbers):
-    rig = Rig(identity=identity)
+    rig = VehicleWithStations(identity=identity)
     rig.arm()
     for number, name in zip(numbers, ["HOLD", "GUIDED", "MANUAL"], strict=True):
         assert rig.mode(*number) == [ACCEPTED]
@@ -410,7 +410,7 @@ def test_a_lost_station_s_robot_stops(armed):
 
 
 def test_or_it_goes_home_and_is_the_participant_s_at_once():
-    rig = Rig(failsafe=Failsafe.HOME)
+    rig = VehicleWithStations(failsafe=Failsafe.HOME)
     rig.arm()
     rig.go(5, 5)
     lost(rig)
@@ -423,7 +423,7 @@ def test_or_it_goes_home_and_is_the_participant_s_at_once():
 
 
 def test_or_it_stops_when_it_cannot_go_home():
-    rig = Rig(failsafe=Failsafe.HOME)
+    rig = VehicleWithStations(failsafe=Failsafe.HOME)
     rig.arm()
     rig.robot.refusal = Denied("No energy.")
     lost(rig)
@@ -432,7 +432,7 @@ def test_or_it_stops_when_it_cannot_go_home():
 
 
 def test_or_it_carries_on_until_its_mission_is_over():
-    rig = Rig(failsafe=Failsafe.CONTINUE)
+    rig = VehicleWithStations(failsafe=Failsafe.CONTINUE)
     rig.arm()
     plan(rig, 1)
     rig.mode(*AUTO)
@@ -446,7 +446,7 @@ def test_or_it_carries_on_until_its_mission_is_over():
 
 
 def test_a_station_that_comes_back_while_its_mission_goes_on_is_still_in_command():
-    rig = Rig(failsafe=Failsafe.CONTINUE)
+    rig = VehicleWithStations(failsafe=Failsafe.CONTINUE)
     rig.arm()
     plan(rig, 1)
     rig.mode(*AUTO)
@@ -458,7 +458,7 @@ def test_a_station_that_comes_back_while_its_mission_goes_on_is_still_in_command
 
 
 def test_a_way_that_is_carried_on_comes_to_its_end():
-    rig = Rig(failsafe=Failsafe.CONTINUE)
+    rig = VehicleWithStations(failsafe=Failsafe.CONTINUE)
     rig.arm()
     rig.go(5, 5, command=mav.MAV_CMD_NAV_WAYPOINT)
     lost(rig)
@@ -468,7 +468,7 @@ def test_a_way_that_is_carried_on_comes_to_its_end():
 
 
 def test_every_loss_is_told():
-    rig = Rig(failsafe=Failsafe.CONTINUE)
+    rig = VehicleWithStations(failsafe=Failsafe.CONTINUE)
     rig.arm()
     plan(rig, 1)
     rig.mode(*AUTO)

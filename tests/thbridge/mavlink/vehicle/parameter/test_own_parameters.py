@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.support.mavlink.vehicle_with_stations import SECOND, US, Rig, messages
+from tests.support.mavlink.vehicle_with_stations import SECOND, US, VehicleWithStations, messages
 from thbridge.mavlink.values.options import Failsafe
 from thbridge.mavlink.wire.dialect import mav
 
@@ -18,7 +18,7 @@ def change(rig, name, value):
 
 
 def test_they_come_before_those_of_the_robot():
-    rig = Rig(failsafe=Failsafe.HOME, lost_after=2.5)
+    rig = VehicleWithStations(failsafe=Failsafe.HOME, lost_after=2.5)
     rig.hear(mav.MAVLink_param_request_list_message(3, 1))
     told = [(each.param_id, each.param_value) for each in messages(rig.run(20), "PARAM_VALUE")]
     assert told[:3] == [("SYSID_THISMAV", 3.0), ("FS_GCS_TIMEOUT", 2.5), ("FS_ACTION", 1.0)]
@@ -27,13 +27,13 @@ def test_they_come_before_those_of_the_robot():
 
 @pytest.mark.parametrize("failsafe", Failsafe)
 def test_the_failsafe_is_told_as_ardupilot_numbers_it(failsafe):
-    rig = Rig(failsafe=failsafe)
+    rig = VehicleWithStations(failsafe=failsafe)
     number = {Failsafe.CONTINUE: 0.0, Failsafe.HOME: 1.0, Failsafe.STOP: 2.0}[failsafe]
     assert change(rig, "FS_ACTION", number) == ([], [("FS_ACTION", number)])
 
 
 def test_who_sends_the_robot_home_on_its_loss_finds_it_on_its_way_there():
-    rig = Rig(failsafe=Failsafe.STOP, lost_after=5.0)
+    rig = VehicleWithStations(failsafe=Failsafe.STOP, lost_after=5.0)
     assert change(rig, "FS_ACTION", 1.0) == ([], [("FS_ACTION", 1.0)])
     assert change(rig, "FS_GCS_TIMEOUT", 2.0) == ([], [("FS_GCS_TIMEOUT", 2.0)])
     rig.arm()
@@ -55,17 +55,17 @@ def test_who_sends_the_robot_home_on_its_loss_finds_it_on_its_way_there():
     ],
 )
 def test_what_cannot_be_is_refused_with_the_old_value_and_a_sentence(name, value, error, old):
-    rig = Rig()
+    rig = VehicleWithStations()
     assert change(rig, name, value) == ([error], [(name, old)])
     assert any(text.startswith(f"{name} is ") for text in rig.texts())
 
 
 def test_the_same_again_is_no_change_even_of_what_is_fixed():
-    assert change(Rig(), "SYSID_THISMAV", 3.0) == ([], [("SYSID_THISMAV", 3.0)])
+    assert change(VehicleWithStations(), "SYSID_THISMAV", 3.0) == ([], [("SYSID_THISMAV", 3.0)])
 
 
 def test_those_of_the_robot_are_the_robots():
-    rig = Rig()
+    rig = VehicleWithStations()
     assert change(rig, "PARAM_03", 7.0) == ([], [("PARAM_03", 7.0)])
     assert rig.robot.values["PARAM_03"] == 7.0
     assert [message.param_value for message in messages(rig.hear(read("PARAM_03")), "PARAM_VALUE")] == [7.0]
