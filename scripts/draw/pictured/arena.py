@@ -11,7 +11,7 @@ from thbridge.files.map_files import FOOTPRINT
 from thbridge.files.resources import shipped
 from thbridge.offline.arena import arena_of
 from thbridge.offline.room_finding import find_rooms
-from ui.model.arena_draft import ArenaTool
+from ui.model.arena.draft import ArenaTool
 from ui.windows.arena.window import ArenaWindow
 
 SIZE = (1240, 860)

@@ -12,7 +12,8 @@ from thbridge.files.grid_files import write_grid
 from thbridge.files.map_files import check_map, write_rooms
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.arena import cells_inside
-from ui.model.arena_draft import ArenaDraft, ArenaHandle, ArenaPointer, ArenaTool
+from ui.model.arena.draft import ArenaDraft, ArenaPointer, ArenaTool, room_at
+from ui.model.arena.floor import ArenaHandle
 
 
 @pytest.fixture
@@ -46,7 +47,7 @@ def test_a_room_gets_another_number_and_those_between_move(draft: ArenaDraft) ->
 def test_a_removed_room_is_corridor_and_is_drawn_again_between_its_walls(draft: ArenaDraft) -> None:
     before = draft.arena.rooms[2]
     assert draft.remove_room(3) is None
-    assert draft.room_at(before.goal.x, before.goal.y) is None
+    assert room_at(draft.arena, before.goal.x, before.goal.y) is None
     assert draft.draw_room((7.5, 2.15), (11.9, 7.9)) is None
     again = draft.arena.rooms[2]
     assert (again.room.people, again.name) == (3, "Room 3")
@@ -57,17 +58,17 @@ def test_a_removed_room_is_corridor_and_is_drawn_again_between_its_walls(draft: 
 def test_a_room_is_cut_in_two_and_merged_again(draft: ArenaDraft) -> None:
     assert draft.cut_room((4.5, 5.0), (7.5, 5.0)) is None
     assert names(draft) == ["West", "Middle", "East", "Room 4"]
-    assert {draft.room_at(6.0, 3.0), draft.room_at(6.0, 7.0)} == {2, 4}
+    assert {room_at(draft.arena, 6.0, 3.0), room_at(draft.arena, 6.0, 7.0)} == {2, 4}
     assert draft.merge_rooms(4, 2) is None
     assert names(draft) == ["West", "Middle", "East"]
-    assert draft.room_at(6.0, 3.0) == draft.room_at(6.0, 7.0) == draft.room_at(6.0, 5.0) == 2
+    assert room_at(draft.arena, 6.0, 3.0) == room_at(draft.arena, 6.0, 7.0) == room_at(draft.arena, 6.0, 5.0) == 2
 
 
 def test_rooms_are_merged_through_a_door_and_not_through_a_wall(draft: ArenaDraft) -> None:
     assert refused(draft.merge_rooms(2, 3)) == "No opening leads from room 2 to room 3."
     assert draft.merge_rooms(1, 2) is None
     assert names(draft) == ["West", "East"]
-    assert draft.room_at(2.0, 7.0) == draft.room_at(6.0, 7.0) == 1
+    assert room_at(draft.arena, 2.0, 7.0) == room_at(draft.arena, 6.0, 7.0) == 1
 
 
 def test_what_cannot_be_is_refused_with_its_reason_and_changes_nothing(draft: ArenaDraft) -> None:
@@ -91,15 +92,15 @@ def test_faults_are_those_that_keep_games_from_being_played() -> None:
     cells = GRID.cells.copy()
     cells[20, 94:106] = OCCUPIED
     draft = ArenaDraft(OccupancyGrid(cells, 0.1, IDENTITY), FOUND)
-    assert draft.faults() == ("No way leads from the start of robot 1 to room 3 (East).",)
+    assert draft.floor.faults(draft.arena) == ("No way leads from the start of robot 1 to room 3 (East).",)
     for _ in FOUND.starts:
         draft.remove_start(0)
-    assert draft.faults() == ("There is no start pose yet.",)
+    assert draft.floor.faults(draft.arena) == ("There is no start pose yet.",)
 
 
 def test_doors_follow_from_outlines_and_walls(draft: ArenaDraft) -> None:
     def between() -> list[tuple[int, int]]:
-        return sorted((door.room.people, door.beyond.people) for door in draft.doors())
+        return sorted((door.room.people, door.beyond.people) for door in draft.floor.doors(draft.arena))
 
     assert between() == [(1, 0), (1, 2), (2, 0), (3, 0)]
     draft.remove_room(2)
@@ -170,7 +171,7 @@ def test_whatever_is_done_stays_sound_and_can_be_undone(changes: list[tuple]) ->
         if name in {"draw_room", "cut_room"} or all(number <= len(draft.arena.rooms) for number in arguments[:2]):
             getattr(draft, name)(*arguments)
     after = draft.arena
-    held = [cells_inside(room.region, draft.floor) for room in after.rooms]
+    held = [cells_inside(room.region, draft.floor.map) for room in after.rooms]
     assert np.sum(held, axis=0).max(initial=0) <= 1, "no cell has two rooms"
     assert [room.room.people for room in after.rooms] == list(range(1, len(after.rooms) + 1))
     assert len({room.name for room in after.rooms}) == len(after.rooms)
@@ -195,5 +196,5 @@ def test_what_is_drawn_is_a_map_without_fault(draft: ArenaDraft, tmp_path: Path)
     write_grid(tmp_path, GRID)
     write_rooms(tmp_path, draft.arena.rooms, draft.arena.starts)
     found = check_map(tmp_path)
-    if not draft.faults():
+    if not draft.floor.faults(draft.arena):
         assert found.errors == ()

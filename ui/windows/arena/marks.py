@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF, QTransform
 
 from sim.common.geometry import Pose2
-from ui.model.arena_draft import ArenaPointer, ArenaTool
+from ui.model.arena.draft import ArenaPointer, ArenaTool
 from ui.windows.map.box import MapBox
 from ui.windows.map.item import Z_ABOVE, MapItem
 from ui.windows.map.points import pixel
@@ -41,7 +41,7 @@ class ArenaMarks(MapItem):
             painter.drawEllipse(middle, GOAL_RADIUS, GOAL_RADIUS)
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(self.box.colors.bad))
-        for door in pointer.draft.doors():
+        for door in pointer.draft.floor.doors(pointer.draft.arena):
             painter.drawPolygon(DIAMOND.translated(pixel(to_pixels, door.x, door.y)))
         if pointer.chosen is not None and pointer.chosen <= len(arena.rooms):
             painter.setBrush(QColor(self.box.colors.panel))

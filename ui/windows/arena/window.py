@@ -27,7 +27,7 @@ from thbridge.files.map_files import FOOTPRINT
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.arena import Arena
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
-from ui.model.arena_draft import ArenaDraft, ArenaPointer, ArenaTool
+from ui.model.arena.draft import ArenaDraft, ArenaPointer, ArenaTool
 from ui.model.shared.scene import RobotMark, RoomMark
 from ui.windows.arena.marks import ArenaMarks
 from ui.windows.look import GAP, FoldingRow, colours, label, open_within_screen, px, spaced
@@ -139,7 +139,7 @@ class ArenaWindow(QMainWindow):
         )
         self._marks.update()
         self._show_list()
-        faults = self.draft.faults()
+        faults = self.draft.floor.faults(self.draft.arena)
         self.told.setText(pointer.refusal or (faults[0] if faults else ""))
         self.told.setVisible(bool(self.told.text()))
         self._buttons["undo"].setEnabled(self.draft.can_undo)
@@ -158,7 +158,7 @@ class ArenaWindow(QMainWindow):
 
     def _show_left_out(self) -> None:
         """Show the lines that are not in the map, in the colour of findings, so that nobody misses a wall."""
-        grid = self.draft.grid
+        grid = self.draft.floor.map.grid
         if self._left_out is not None:
             table = np.zeros((256, 4), dtype=np.uint8)
             table[1] = pg.mkColor(colours().accent).getRgb()
@@ -240,7 +240,7 @@ class ArenaWindow(QMainWindow):
     @Slot()
     def save(self) -> bool:
         """Write what was drawn; return True when it is written."""
-        faults = self.draft.faults()
+        faults = self.draft.floor.faults(self.draft.arena)
         refused = self._write(self.draft.arena) if not faults else f"Not saved: {faults[0]}"
         if refused is None:
             self.draft.saved()
