@@ -38,7 +38,7 @@ class LogUpdater:
 
     def show(self) -> None:
         """Copy the next portion of new entries."""
-        session_log = self._feed.log
+        session_log = self._feed.data.log
         for kind, log in self._window.logs.items():
             dropped, entries = session_log.dropped(kind), session_log.entries(kind)
             new = max(self._taken.get(kind, 0) - dropped, 0)
@@ -46,13 +46,13 @@ class LogUpdater:
             self._taken[kind] = dropped + min(new + MAX_NEW_ROWS, len(entries))
         total = sum(session_log.dropped(kind) + len(session_log.entries(kind)) for kind in ("event", "said"))
         total += session_log.ways_made.changes
-        if not self._feed.live and (total, self._feed.span) != self._marked:
-            self._marked = total, self._feed.span
+        if not self._feed.live and (total, self._feed.transport.span) != self._marked:
+            self._marked = total, self._feed.transport.span
             self._marks = tuple(self._timeline_marks())
-            self._window.playback.show_span(self._feed.span, self._marks, tuple(self._timeline_bars()))
+            self._window.playback.show_span(self._feed.transport.span, self._marks, tuple(self._timeline_bars()))
 
     def _row(self, entry: Entry) -> LogRow:
-        time = (entry.stamp_ns - self._feed.start_ns) / 1e9
+        time = (entry.stamp_ns - self._feed.data.start_ns) / 1e9
         room = self._room(entry) if entry.room else "" if entry.room is None else "corridor"
         match entry.kind:
             case "event":
@@ -67,30 +67,30 @@ class LogUpdater:
 
     def _room(self, entry: Entry) -> str:
         """The room of an entry in words; empty for the corridor and where there is none."""
-        return self._feed.log.room_names.titled(entry.room) if entry.room else ""
+        return self._feed.data.log.room_names.titled(entry.room) if entry.room else ""
 
     def _timeline_marks(self) -> Iterator[TimelineMark]:
-        start_ns = self._feed.start_ns
-        for entry in self._feed.log.marks():
+        start_ns = self._feed.data.start_ns
+        for entry in self._feed.data.log.marks():
             room = self._room(entry)
             text = " ".join(part for part in (entry.who, entry.what, room) if part)
             yield TimelineMark((entry.stamp_ns - start_ns) / 1e9, text, entry.robot, is_utterance=False)
-        for entry in self._feed.log.entries("said"):
+        for entry in self._feed.data.log.entries("said"):
             yield TimelineMark(
                 (entry.stamp_ns - start_ns) / 1e9, f"{entry.who}: {entry.text}", entry.robot, is_utterance=True
             )
 
     def _timeline_bars(self) -> Iterator[TimelineBar]:
-        start, ways_made = self._feed.start_ns / 1e9, self._feed.log.ways_made
+        start, ways_made = self._feed.data.start_ns / 1e9, self._feed.data.log.ways_made
         for robot in ways_made.robots:
-            for made in ways_made.of(robot, start + self._feed.span):
+            for made in ways_made.of(robot, start + self._feed.transport.span):
                 text = f"{label_of(robot)} makes way for {label_of(made.robot)}"
                 yield TimelineBar(made.start - start, made.end - start, text, index_in(robot) or 0)
 
     def neighbouring_mark(self, direction: int, bookmarks: Sequence[float]) -> float:
         """Return the time of the next mark or bookmark (1) or the one before (-1); else the end or the beginning."""
         times = sorted([*bookmarks, *(mark.time for mark in self._marks if not mark.is_utterance)])
-        here = self._feed.time
+        here = self._feed.transport.time
         if direction > 0:
-            return next((time for time in times if time > here + MARK_TOLERANCE), self._feed.span)
+            return next((time for time in times if time > here + MARK_TOLERANCE), self._feed.transport.span)
         return next((time for time in reversed(times) if time < here - MARK_TOLERANCE), 0.0)

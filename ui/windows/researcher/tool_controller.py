@@ -111,7 +111,7 @@ class ToolController:
 
     def _advise(self, robot: int, room: int) -> None:
         if self.scene is not None:
-            where = self._feed.log.room_names.titled(room)
+            where = self._feed.data.log.room_names.titled(room)
             sentence = f"{robot_name(robot).capitalize()} is to suggest {where}; choose its words next."
             self._send(self._tools.advise(self.scene, robot, room), sentence)
 

@@ -71,9 +71,10 @@ class ResearcherWindow(DockedWindow):
         self._map = MapView(palette, axes=True)
         super().__init__(title, palette, feed.live, self._map)
         self._feed = feed
+        self._transport = feed.transport
         self._clock = clock
         self._selected = 0
-        self._generation = feed.generation
+        self._generation = feed.data.generation
         self.scene: Scene | None = None
         self.bookmarks = Bookmarks()
         self._ended_bag: str | None = None
@@ -98,23 +99,23 @@ class ResearcherWindow(DockedWindow):
         self._working.start(0)
 
     def _connect(self) -> None:
-        feed, bar = self._feed, self.playback
-        bar.play_toggled.connect(lambda: feed.play(not feed.playing))
-        bar.stepped.connect(feed.step)
-        bar.speed_chosen.connect(feed.set_speed)
-        bar.seek.connect(feed.seek)
+        feed, transport, bar = self._feed, self._transport, self.playback
+        bar.play_toggled.connect(lambda: transport.play(not transport.playing))
+        bar.stepped.connect(transport.step)
+        bar.speed_chosen.connect(transport.set_speed)
+        bar.seek.connect(transport.seek)
         self.speed_stepped.connect(self._change_speed)
         self.jumped.connect(self._jump)
         bar.recording_wanted.connect(lambda: self.source_chosen.emit(feed.ended_bag or ""))
         bar.refused.connect(self.show_status)
         self.bookmark_toggled.connect(self._change_bookmark)
-        self.bookmark_chosen.connect(feed.seek)
+        self.bookmark_chosen.connect(transport.seek)
         self.loop_toggled.connect(self._loop)
-        self.jumped_to_end.connect(lambda direction: feed.seek(0.0 if direction < 0 else feed.span))
-        self.plots.seek.connect(feed.seek)
+        self.jumped_to_end.connect(lambda direction: transport.seek(0.0 if direction < 0 else transport.span))
+        self.plots.seek.connect(transport.seek)
         for log in self.logs.values():
-            log.chosen.connect(feed.seek)
-        self.arguments.chosen.connect(feed.seek)
+            log.chosen.connect(transport.seek)
+        self.arguments.chosen.connect(transport.seek)
         self.team.selected.connect(self._choose_row)
         self.robot_stepped.connect(self._next_robot)
         self.follow_toggled.connect(self._follow)
@@ -133,7 +134,7 @@ class ResearcherWindow(DockedWindow):
         """Show all that has changed since the last frame."""
         feed, now = self._feed, self._clock()
         feed.advance(now)
-        if feed.generation != self._generation:
+        if feed.data.generation != self._generation:
             self._begin_anew()
         scene = feed.scene(self._shown())
         if scene is not None:
@@ -144,10 +145,10 @@ class ResearcherWindow(DockedWindow):
             self.show_status(notice)
         if feed.ended_bag != self._ended_bag:
             self._show_end(feed.ended_bag)
-        time = feed.time
+        time = self._transport.time
         self.playback.show_time(time)
-        self.playback.show_playing(feed.playing)
-        self.playback.show_speed(feed.speed)
+        self.playback.show_playing(self._transport.playing)
+        self.playback.show_speed(self._transport.speed)
         self.playback.show_state(feed.state(now))
         self._frames += 1
         if self._frames % SLOW == 1:
@@ -167,7 +168,7 @@ class ResearcherWindow(DockedWindow):
         self._working.setInterval(0 if self._feed.work() else FRAME)
 
     def _begin_anew(self) -> None:
-        self._generation = self._feed.generation
+        self._generation = self._feed.data.generation
         self.scene = self._tool_controller.scene = None
         self._bodies.clear()
         self.plots.clear()
@@ -229,26 +230,26 @@ class ResearcherWindow(DockedWindow):
 
     def _show_figures(self, scene: Scene) -> None:
         self.team.show_rows([_row_of(robot) for robot in scene.robots], self._place(self._selected))
-        self.wizard.show_wizard(scene.wizard, len(scene.robots), self._feed.log.room_names)
+        self.wizard.show_wizard(scene.wizard, len(scene.robots), self._feed.data.log.room_names)
         if self.arguments.isVisible():
             self._show_arguments()
         self.show_waiting(len(scene.wizard.turns) + len(scene.wizard.advice))
 
     def _show_arguments(self) -> None:
         feed = self._feed
-        course = feed.log.dialogue(self._selected, feed.start_ns + round(feed.time * 1e9))
-        self.arguments.show_course(self._selected, course, feed.start_ns)
+        course = feed.data.log.dialogue(self._selected, feed.data.start_ns + round(self._transport.time * 1e9))
+        self.arguments.show_course(self._selected, course, feed.data.start_ns)
 
     def _show_plots(self, panel: str) -> None:
         if self.scene is not None and self.plots.isVisible():
-            series = self._feed.series
+            series = self._feed.data.series
             curves = [
                 RobotCurves(robot.robot, robot.name, _figures(series.of(robot.robot), panel, series.gaps))
                 for robot in self.scene.robots
             ]
-            self.plots.show_curves(curves, self._feed.span)
-            self.plots.show_joined(self._feed.known_since)
-        self.plots.show_time(self._feed.time)
+            self.plots.show_curves(curves, self._transport.span)
+            self.plots.show_joined(self._feed.data.known_since)
+        self.plots.show_time(self._transport.time)
 
     def _show_end(self, bag: str | None) -> None:
         """Tell that the session has ended, and offer its recording; None: another one has begun."""
@@ -263,31 +264,31 @@ class ResearcherWindow(DockedWindow):
 
     def _show_contents(self, scene: Scene) -> None:
         """List the topics of a recording once it is open, and show them first where it is not one of ours."""
-        numbers = self._feed.numbers
+        numbers = self._feed.data.numbers
         if self._contents_shown or numbers is None:
             return
         self._contents_shown = True
         self.topics.show_topics(numbers.topics)
-        if self._feed.foreign:
+        if self._feed.data.foreign:
             self.show_contents(drawable=scene.grid is not None or bool(scene.robots))
 
     def _list_numbers(self, topic: str) -> None:
-        if self._feed.numbers is None:
+        if self._feed.data.numbers is None:
             return
         try:
-            self.topics.show_numbers(topic, self._feed.numbers.fields(topic))
+            self.topics.show_numbers(topic, self._feed.data.numbers.fields(topic))
         except BadFile as fault:
             self.show_status(str(fault))
 
     def _choose_numbers(self, chosen: tuple[PlottedField, ...]) -> None:
-        if self._feed.numbers is not None:
-            self._feed.numbers.choose(chosen)
+        if self._feed.data.numbers is not None:
+            self._feed.data.numbers.choose(chosen)
             self._plotted = ()
             self._show_numbers()
             self.raise_dock("Plots")
 
     def _show_numbers(self) -> None:
-        numbers = self._feed.numbers
+        numbers = self._feed.data.numbers
         if numbers is None:
             return
         curves = [(number, *numbers.curve(number)) for number in numbers.chosen]
@@ -295,7 +296,7 @@ class ResearcherWindow(DockedWindow):
         if lengths != self._plotted:
             self._plotted = lengths
             self.plots.show_numbers(
-                [NumberCurve(_plot_of(each), each.name, *curve) for each, *curve in curves], self._feed.span
+                [NumberCurve(_plot_of(each), each.name, *curve) for each, *curve in curves], self._transport.span
             )
 
     def _load_map(self, path: Path) -> None:
@@ -312,7 +313,7 @@ class ResearcherWindow(DockedWindow):
 
     def _section(self) -> tuple[float, float]:
         """Return the section to save: between the bookmarks around the time shown, or all."""
-        return self.bookmarks.around(self._feed.time) or (0.0, self._feed.span)
+        return self.bookmarks.around(self._transport.time) or (0.0, self._transport.span)
 
     def _ask_section(self) -> None:
         start, end = self._section()
@@ -332,11 +333,11 @@ class ResearcherWindow(DockedWindow):
 
     def save_video(self, path: Path, span: tuple[float, float], program: str) -> VideoWriter:
         """Save what is shown in the middle of the window, from one time to another, by ffmpeg."""
-        before, part = self._feed.time, self.canvas if self.canvas.isVisible() else self.plots.canvas
-        self._feed.play(False)
+        before, part = self._transport.time, self.canvas if self.canvas.isVisible() else self.plots.canvas
+        self._transport.play(False)
 
         def frame(time: float) -> QImage:
-            self._feed.seek(time)
+            self._transport.seek(time)
             self.refresh()
             return image_of(part)
 
@@ -348,7 +349,7 @@ class ResearcherWindow(DockedWindow):
         writer.ended.connect(lambda problem: self.show_status(problem or f"Saved: {path}"))
         writer.ended.connect(lambda _: box.reset())
         for over in (writer.ended, box.canceled):
-            over.connect(lambda *_: self._feed.seek(before))
+            over.connect(lambda *_: self._transport.seek(before))
         box.setValue(0)
         return writer
 
@@ -394,34 +395,34 @@ class ResearcherWindow(DockedWindow):
         self._show_bookmarks(None)
 
     def _change_bookmark(self) -> None:
-        is_set = self.bookmarks.toggle(self._feed.time)
-        self.show_status(f"Bookmark at {clock(self._feed.time)} {'set' if is_set else 'removed'}.")
+        is_set = self.bookmarks.toggle(self._transport.time)
+        self.show_status(f"Bookmark at {clock(self._transport.time)} {'set' if is_set else 'removed'}.")
         self._show_bookmarks(None)
         self.bookmarked.emit()
 
     def _loop(self, on: bool) -> None:
-        span = self.bookmarks.around(self._feed.time) if on else None
+        span = self.bookmarks.around(self._transport.time) if on else None
         if on and span is None:
             self.show_status(
                 "A loop needs two bookmarks. Go to a moment and press B; then to another one, and B again."
             )
         self._show_bookmarks(span)
         if span is not None:
-            self._feed.seek(span[0])
-            self._feed.play(True)
+            self._transport.seek(span[0])
+            self._transport.play(True)
 
     def _show_bookmarks(self, loop: tuple[float, float] | None) -> None:
-        self._feed.loop(loop)
+        self._transport.loop(loop)
         self.loop.setChecked(loop is not None)
         self.show_bookmarks(self.bookmarks.times)
         self.playback.timeline.set_bookmarks(self.bookmarks.times, loop)
 
     def _jump(self, direction: int) -> None:
-        self._feed.seek(self._log_updater.neighbouring_mark(direction, self.bookmarks.times))
+        self._transport.seek(self._log_updater.neighbouring_mark(direction, self.bookmarks.times))
 
     def _change_speed(self, step: int) -> None:
-        nearest = min(range(len(SPEEDS)), key=lambda number: abs(SPEEDS[number] - self._feed.speed))
-        self._feed.set_speed(SPEEDS[min(max(nearest + step, 0), len(SPEEDS) - 1)])
+        nearest = min(range(len(SPEEDS)), key=lambda number: abs(SPEEDS[number] - self._transport.speed))
+        self._transport.set_speed(SPEEDS[min(max(nearest + step, 0), len(SPEEDS) - 1)])
 
     # Colours and closing
 

@@ -99,29 +99,29 @@ def test_ticked_numbers_are_plotted_whole_and_go_when_they_are_not_ticked(
     window: ResearcherWindow, qtbot: QtBot
 ) -> None:
     topic, feed = opened(window, 0), window._feed
-    assert feed.numbers is not None
+    assert feed.data.numbers is not None
     for row in (0, 1, 2, 4):
         topic.child(row).setCheckState(0, Qt.CheckState.Checked)
-    qtbot.waitUntil(lambda: not feed.numbers.work())
+    qtbot.waitUntil(lambda: not feed.data.numbers.work())
     window._show_numbers()
     assert window.plots.titles == ["/panel voltage", "/panel cells", "/panel reading"]
-    times, values = feed.numbers.curve(PlottedField("/panel", "", "voltage", ""))
+    times, values = feed.data.numbers.curve(PlottedField("/panel", "", "voltage", ""))
     assert times == pytest.approx(np.arange(MESSAGES) * PERIOD_NS / 1e9)
     assert values == pytest.approx(np.sin(np.arange(MESSAGES)))
     odd = np.arange(1, MESSAGES, 2)
-    times, values = feed.numbers.curve(PlottedField("/panel", "gauges", "reading", "", item=1))
+    times, values = feed.data.numbers.curve(PlottedField("/panel", "gauges", "reading", "", item=1))
     assert times == pytest.approx(odd * PERIOD_NS / 1e9) and values == pytest.approx(-odd)
     for row in (0, 4):
         topic.child(row).setCheckState(0, Qt.CheckState.Unchecked)
     assert window.plots.titles == ["/panel cells"]
-    assert len(feed.numbers.curve(PlottedField("/panel", "", "cells", "", element=1))[0]) == MESSAGES
+    assert len(feed.data.numbers.curve(PlottedField("/panel", "", "cells", "", element=1))[0]) == MESSAGES
 
 
 def test_plots_fill_their_pane_however_they_came(window: ResearcherWindow, qtbot: QtBot) -> None:
     topic = opened(window, 0)
     for row in range(3):
         topic.child(row).setCheckState(0, Qt.CheckState.Checked)
-        qtbot.waitUntil(lambda: window._feed.numbers is not None and not window._feed.numbers.work())
+        qtbot.waitUntil(lambda: window._feed.data.numbers is not None and not window._feed.data.numbers.work())
         window.refresh()
         plots = window.plots.canvas
         assert plots.ci.geometry().height() == pytest.approx(plots.height(), abs=4.0)

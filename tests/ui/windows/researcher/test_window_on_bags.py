@@ -46,7 +46,7 @@ def test_the_deviation_of_a_robot_that_stands_is_a_line(tmp_path: Path, qtbot: Q
     window.show()
     qtbot.waitUntil(lambda: window.plots.points("error", 1) > 2)
     qtbot.waitUntil(lambda: [window.plots.points("sigma", robot) for robot in (0, 1)] == [2, 2])
-    assert [len(feed.series.of(robot).deviations) for robot in (0, 1)] == [1, 1]
+    assert [len(feed.data.series.of(robot).deviations) for robot in (0, 1)] == [1, 1]
     window.close()
     window.deleteLater()
 

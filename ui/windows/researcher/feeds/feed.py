@@ -1,5 +1,6 @@
 """Interface of all that the researcher's window can show: a running session and a recording are driven alike."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -14,6 +15,64 @@ FeedRequest = Request | PaceRequest
 """A request to the robots, or about the session's pace."""
 
 
+@dataclass(frozen=True, slots=True)
+class FeedData:
+    """All that is known of a session or recording; its log and series grow.
+
+    Attributes:
+        generation: counts up when all earlier data is void.
+        start_ns: ROS time of its beginning.
+        log: log of what happened, as far as it is known.
+        series: numbers over time, as far as they are known.
+        known_since: time from which on the series are known.
+        numbers: all topics, and the numbers in their messages; None where they are not known, as in a running session.
+        foreign: True for a recording that is not one of our sessions.
+    """
+
+    generation: int
+    start_ns: int
+    log: SessionLog
+    series: Series
+    known_since: float = 0.0
+    numbers: TopicNumbers | None = None
+    foreign: bool = False
+
+
+class FeedTransport(Protocol):
+    """The time that is shown of a session or recording, and its controls. Times are seconds since its beginning."""
+
+    @property
+    def time(self) -> float:
+        """Time shown."""
+
+    @property
+    def span(self) -> float:
+        """Length of the recording, or of the session so far."""
+
+    @property
+    def playing(self) -> bool:
+        """True while time goes on."""
+
+    @property
+    def speed(self) -> float:
+        """Simulated seconds per second while it plays; 0: as fast as the machine can."""
+
+    def play(self, on: bool) -> None:
+        """Let time go on, or stop it."""
+
+    def step(self, steps: int) -> None:
+        """Go so many ticks on, or back when negative, and stop there."""
+
+    def set_speed(self, speed: float) -> None:
+        """Play at this speed."""
+
+    def seek(self, time: float) -> None:
+        """Go to this time."""
+
+    def loop(self, span: tuple[float, float] | None) -> None:
+        """Play from one time to another again and again, or to the end; no effect on a running session."""
+
+
 class Feed(Protocol):
     """A session or recording that can be watched. Times are seconds since its beginning."""
 
@@ -26,52 +85,16 @@ class Feed(Protocol):
         """Sentence that says why robots can never take requests; empty where they can."""
 
     @property
-    def generation(self) -> int:
-        """Number that counts up when all earlier data is void."""
+    def data(self) -> FeedData:
+        """All that is known of it now."""
 
     @property
-    def start_ns(self) -> int:
-        """ROS time of its beginning."""
-
-    @property
-    def log(self) -> SessionLog:
-        """Log of what happened, as far as it is known."""
-
-    @property
-    def series(self) -> Series:
-        """Numbers over time, as far as they are known."""
-
-    @property
-    def numbers(self) -> TopicNumbers | None:
-        """All topics, and the numbers in their messages; None where they are not known, as in a running session."""
-
-    @property
-    def foreign(self) -> bool:
-        """True for a recording that is not one of our sessions."""
+    def transport(self) -> FeedTransport:
+        """Its time."""
 
     @property
     def ended_bag(self) -> str | None:
         """Path of the bag of a session that has ended; empty where it has none, None while it goes on."""
-
-    @property
-    def time(self) -> float:
-        """Time shown."""
-
-    @property
-    def span(self) -> float:
-        """Length of the recording, or of the session so far."""
-
-    @property
-    def known_since(self) -> float:
-        """Time from which on the series are known."""
-
-    @property
-    def playing(self) -> bool:
-        """True while time goes on."""
-
-    @property
-    def speed(self) -> float:
-        """Simulated seconds per second while it plays; 0: as fast as the machine can."""
 
     def advance(self, now: float) -> None:
         """Take new data, and let time go on; `now` is in monotonic seconds."""
@@ -93,21 +116,6 @@ class Feed(Protocol):
 
     def use_map(self, grid: OccupancyGrid) -> None:
         """Show this map in place of the recorded one; no effect on a running session."""
-
-    def play(self, on: bool) -> None:
-        """Let time go on, or stop it."""
-
-    def step(self, steps: int) -> None:
-        """Go so many ticks on, or back when negative, and stop there."""
-
-    def set_speed(self, speed: float) -> None:
-        """Play at this speed."""
-
-    def seek(self, time: float) -> None:
-        """Go to this time."""
-
-    def loop(self, span: tuple[float, float] | None) -> None:
-        """Play from one time to another again and again, or to the end; no effect on a running session."""
 
     def save_section(self, path: Path, start: float, end: float) -> str:
         """Save a section of a recording as a bag; return why that cannot be done, or an empty text."""

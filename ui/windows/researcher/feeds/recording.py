@@ -15,8 +15,7 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog
 from ui.model.watching.tools import RECORDED
 from ui.sources.bag import BagSource, open_bag
-from ui.sources.numbers import TopicNumbers
-from ui.windows.researcher.feeds.feed import FeedRequest
+from ui.windows.researcher.feeds.feed import FeedData, FeedRequest
 
 READ_SLICE = 0.008
 """Seconds of reading before the window handles other events."""
@@ -73,6 +72,66 @@ def _keep_for_good() -> None:
     gc.freeze()
 
 
+class RecordingTransport:
+    """The time that is shown of a recording; see `FeedTransport`."""
+
+    def __init__(self) -> None:
+        self.playback = Playback(0, 0)
+        self.span = 0.0
+        self._source: BagSource | None = None
+        self._start_ns = 0
+        self._now = 0.0
+
+    def begin(self, source: BagSource) -> None:
+        """Stand at the beginning of a recording."""
+        self.playback = Playback(source.start_ns, source.end_ns)
+        self.span = (source.end_ns - source.start_ns) / 1e9
+        self._source, self._start_ns = source, source.start_ns
+
+    def advance(self, now: float) -> None:
+        """Play."""
+        self._now = now
+        self.playback.advance(now)
+
+    @property
+    def time(self) -> float:
+        """Time shown."""
+        return (self.playback.at_ns - self._start_ns) / 1e9
+
+    @property
+    def playing(self) -> bool:
+        """True while time goes on."""
+        return self.playback.playing
+
+    @property
+    def speed(self) -> float:
+        """Recorded seconds per second."""
+        return self.playback.speed
+
+    def play(self, on: bool) -> None:
+        """Let time go on, from the beginning when it is at its end."""
+        self.playback.play(self._now, on)
+
+    def step(self, steps: int) -> None:
+        """Go so many ticks on or back."""
+        if self._source is not None:
+            self.playback.playing = False
+            self.playback.seek(self._source.step(self.playback.at_ns, steps))
+
+    def set_speed(self, speed: float) -> None:
+        """Play at this speed."""
+        self.playback.set_speed(self._now, speed)
+
+    def seek(self, time: float) -> None:
+        """Go to this time, or the nearest one in the recording."""
+        self.playback.seek(self._start_ns + round(time * 1e9))
+
+    def loop(self, span: tuple[float, float] | None) -> None:
+        """Play from one time to another again and again; None: to the end."""
+        start, end = (self._start_ns + round(time * 1e9) for time in span or (0.0, 0.0))
+        self.playback.loop = None if span is None else (start, end)
+
+
 class RecordingFeed:
     """A recording; see `Feed`.
 
@@ -82,7 +141,6 @@ class RecordingFeed:
 
     live = False
     refusal = RECORDED.sentence
-    known_since = 0.0
     ended_bag = None
 
     def __init__(self, opener: BagOpener) -> None:
@@ -91,30 +149,10 @@ class RecordingFeed:
         self._reading: Iterator[float] = iter(())
         self._share = 0.0
         self._whole = False
-        self._playback = Playback(0, 0)
-        self._now = 0.0
         self._fault = ""
-        self._noticed = 0
         self._notices: list[str] = []
-        self.log, self.series = SessionLog(), Series(0)
-        self.start_ns = 0
-        self.span = 0.0
-        self.generation = 0
-
-    @property
-    def numbers(self) -> TopicNumbers | None:
-        """All topics, and the numbers in their messages, once it is open."""
-        return None if self._source is None else self._source.numbers
-
-    @property
-    def foreign(self) -> bool:
-        """True when it is open and not one of our sessions."""
-        return self._source is not None and self._source.session is None
-
-    @property
-    def time(self) -> float:
-        """Time shown."""
-        return (self._playback.at_ns - self.start_ns) / 1e9
+        self.data = FeedData(0, 0, SessionLog(), Series(0))
+        self.transport = RecordingTransport()
 
     def advance(self, now: float) -> None:
         """Take the recording once it is open, and play."""
@@ -122,16 +160,15 @@ class RecordingFeed:
             self._begin(self._opener.source)
         if self._opener.fault is not None:
             self._fault = str(self._opener.fault)
-        self._now = now
-        self._playback.advance(now)
+        self.transport.advance(now)
 
     def _begin(self, source: BagSource) -> None:
         self._source = source
-        self.log, self.series = source.log, source.series
-        self.start_ns, self.span = source.start_ns, (source.end_ns - source.start_ns) / 1e9
-        self._playback = Playback(source.start_ns, source.end_ns)
+        foreign = source.session is None
+        self.data = FeedData(1, source.start_ns, source.log, source.series, numbers=source.numbers, foreign=foreign)
+        self.transport.begin(source)
         self._reading = source.scan()
-        self.generation += 1
+        self._notices += source.unreadable
         _keep_for_good()
 
     def work(self) -> bool:
@@ -161,10 +198,10 @@ class RecordingFeed:
         if self._source is None:
             return None
         try:
-            return self._source.scene(self._playback.at_ns, shown)
+            return self._source.scene(self.transport.playback.at_ns, shown)
         except BadFile as fault:
             self._fault = str(fault)
-            self._playback.playing = False
+            self.transport.playback.playing = False
             return None
 
     def state(self, now: float) -> str:
@@ -184,48 +221,12 @@ class RecordingFeed:
     def take_notices(self) -> list[str]:
         """Return the topics that cannot be read, once it is open, and results of saving."""
         notices, self._notices = self._notices, []
-        if self._source is not None and self._noticed != self.generation:
-            self._noticed = self.generation
-            notices += self._source.unreadable
         return notices
-
-    @property
-    def playing(self) -> bool:
-        """True while time goes on."""
-        return self._playback.playing
-
-    @property
-    def speed(self) -> float:
-        """Recorded seconds per second."""
-        return self._playback.speed
 
     def use_map(self, grid: OccupancyGrid) -> None:
         """Show this map in place of the recorded one."""
         if self._source is not None:
             self._source.map = grid
-
-    def play(self, on: bool) -> None:
-        """Let time go on, from the beginning when it is at its end."""
-        self._playback.play(self._now, on)
-
-    def step(self, steps: int) -> None:
-        """Go so many ticks on or back."""
-        if self._source is not None:
-            self._playback.playing = False
-            self._playback.seek(self._source.step(self._playback.at_ns, steps))
-
-    def set_speed(self, speed: float) -> None:
-        """Play at this speed."""
-        self._playback.set_speed(self._now, speed)
-
-    def seek(self, time: float) -> None:
-        """Go to this time, or the nearest one in the recording."""
-        self._playback.seek(self.start_ns + round(time * 1e9))
-
-    def loop(self, span: tuple[float, float] | None) -> None:
-        """Play from one time to another again and again; None: to the end."""
-        start, end = (self.start_ns + round(time * 1e9) for time in span or (0.0, 0.0))
-        self._playback.loop = None if span is None else (start, end)
 
     def save_section(self, path: Path, start: float, end: float) -> str:
         """Save a section as a bag, in a thread; a notice reports the result."""

@@ -3,6 +3,7 @@
 import asyncio
 import threading
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 
 from sim.common.grid import OccupancyGrid
@@ -17,10 +18,8 @@ from thbridge.watching.wire import SessionMessage, WatchStatus, parse_status
 from ui.model.watching.frames import Frames
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import Scene, ShownLayers
-from ui.model.watching.series import Series
-from ui.model.watching.session_log import SessionLog
 from ui.sources.rooms import rooms_of
-from ui.windows.researcher.feeds.feed import FeedRequest
+from ui.windows.researcher.feeds.feed import FeedData, FeedRequest
 
 SENDER = "watch"
 """Sender of this window's requests."""
@@ -63,6 +62,59 @@ class WatchConnection:
             self._loop.close()
 
 
+class SessionTransport:
+    """The time of a running session; see `FeedTransport`.
+
+    Args:
+        source: the session's messages.
+        ask: sends a request to it.
+
+    Attributes:
+        status: the watch server's last status; None before the first of a connection.
+    """
+
+    def __init__(self, source: LiveSource, ask: Callable[[FeedRequest], object]) -> None:
+        self.status: WatchStatus | None = None
+        self._source = source
+        self._ask = ask
+
+    @property
+    def time(self) -> float:
+        """Time of the latest message."""
+        return (self._source.end_ns - self._source.start_ns) / 1e9
+
+    span = time
+
+    @property
+    def playing(self) -> bool:
+        """True while it goes on, by the watch server's status."""
+        return self.status is None or not (self.status.paused or self.status.ended)
+
+    @property
+    def speed(self) -> float:
+        """Speed that is asked for."""
+        return 1.0 if self.status is None else self.status.rate
+
+    def play(self, on: bool) -> None:
+        """Ask the session to go on, or to stop."""
+        self._ask(Resume() if on else Pause())
+
+    def step(self, steps: int) -> None:
+        """Ask for so many ticks; time cannot go back."""
+        if steps > 0:
+            self._ask(Step(steps))
+
+    def set_speed(self, speed: float) -> None:
+        """Ask for this speed."""
+        self._ask(SetRate(speed))
+
+    def seek(self, time: float) -> None:
+        """Do nothing: only the session's bag can be searched, afterwards."""
+
+    def loop(self, span: tuple[float, float] | None) -> None:
+        """Do nothing: a session goes on."""
+
+
 class SessionFeed:
     """A running session; see `Feed`.
 
@@ -73,14 +125,12 @@ class SessionFeed:
 
     live = True
     refusal = ""
-    numbers = None
-    foreign = False
 
     def __init__(self, connection: WatchConnection, address: str) -> None:
         self._connection = connection
         self._address = address
         self._source = LiveSource()
-        self._status: WatchStatus | None = None
+        self.transport = SessionTransport(self._source, self.ask)
         self._lost: ConnectionLost | None = None
         self._connected = False
         self._refusals = 0
@@ -91,52 +141,17 @@ class SessionFeed:
         self._asked_for_rooms = -1
 
     @property
+    def data(self) -> FeedData:
+        """All that is known since it is watched, and its log as far as the session tells of what was before."""
+        source = self._source
+        known_since = 0.0 if source.joined_ns is None else (source.joined_ns - source.start_ns) / 1e9
+        return FeedData(source.sessions, source.start_ns, source.log, source.series, known_since)
+
+    @property
     def ended_bag(self) -> str | None:
         """Path of the session's bag, on its own machine, once the session has ended."""
-        return self._status.bag if self._status is not None and self._status.ended else None
-
-    @property
-    def generation(self) -> int:
-        """Number of the session on this connection."""
-        return self._source.sessions
-
-    @property
-    def start_ns(self) -> int:
-        """ROS time of the first message received."""
-        return self._source.start_ns
-
-    @property
-    def log(self) -> SessionLog:
-        """Log of what happened, as far as the session tells of what was before it is watched."""
-        return self._source.log
-
-    @property
-    def series(self) -> Series:
-        """Numbers over time, since it is watched."""
-        return self._source.series
-
-    @property
-    def time(self) -> float:
-        """Time of the latest message."""
-        return (self._source.end_ns - self._source.start_ns) / 1e9
-
-    span = time
-
-    @property
-    def known_since(self) -> float:
-        """Time at which this window joined the session."""
-        joined = self._source.joined_ns
-        return 0.0 if joined is None else (joined - self._source.start_ns) / 1e9
-
-    @property
-    def playing(self) -> bool:
-        """True while it goes on, by the watch server's status."""
-        return self._status is None or not (self._status.paused or self._status.ended)
-
-    @property
-    def speed(self) -> float:
-        """Speed that is asked for."""
-        return 1.0 if self._status is None else self._status.rate
+        status = self.transport.status
+        return status.bag if status is not None and status.ended else None
 
     def advance(self, now: float) -> None:
         """Take the messages received."""
@@ -145,7 +160,7 @@ class SessionFeed:
             match event:
                 case WatchConnected():
                     self._connected, self._lost = True, None
-                    self._status = None  # of the session before, which may have ended
+                    self.transport.status = None  # of the session before, which may have ended
                 case ConnectionLost():
                     self._connected, self._lost = False, event
                 case SessionMessage():
@@ -160,7 +175,7 @@ class SessionFeed:
         self._find_rooms()
 
     def _take_status(self, status: WatchStatus, now: float) -> None:
-        before, self._status = self._status, status
+        before, self.transport.status = self.transport.status, status
         self._lags.append((now, status.lag))
         while self._lags[0][0] < now - LAG_WINDOW:
             self._lags.popleft()
@@ -174,19 +189,19 @@ class SessionFeed:
 
     def _measure(self, now: float) -> None:
         """Record the delay of the latest message, for comparison with the quickest of the last seconds."""
-        if not self.playing or self.speed == 0.0:
+        if not self.transport.playing or self.transport.speed == 0.0:
             self._delays.clear()
-        self._delays.append((now, now - self._source.end_ns / 1e9 / (self.speed or 1.0)))
+        self._delays.append((now, now - self._source.end_ns / 1e9 / (self.transport.speed or 1.0)))
         while self._delays[0][0] < now - DELAY_WINDOW:
             self._delays.popleft()
 
     def _find_rooms(self) -> None:
         """Read the session's rooms in a thread, since reading a map takes longer than a frame."""
         record = self._source.session
-        if record is not None and self._asked_for_rooms != self.generation:
-            self._asked_for_rooms = self.generation
-            threading.Thread(target=self._read_rooms, args=(record, self.generation), daemon=True).start()
-        if self._rooms is not None and self._rooms[0] == self.generation:
+        if record is not None and self._asked_for_rooms != self._source.sessions:
+            self._asked_for_rooms = self._source.sessions
+            threading.Thread(target=self._read_rooms, args=(record, self._source.sessions), daemon=True).start()
+        if self._rooms is not None and self._rooms[0] == self._source.sessions:
             self._source.rooms, self._rooms = self._rooms[1], None
 
     def _read_rooms(self, record: SessionRecord, generation: int) -> None:
@@ -206,7 +221,8 @@ class SessionFeed:
             return "session ended"
         if not self._connected:
             return "not connected"
-        if self._status is not None and self._status.paused:
+        status = self.transport.status
+        if status is not None and status.paused:
             return "live, paused"
         stale = self._source.stale_for(now)
         if stale > STALE_AFTER:
@@ -216,8 +232,8 @@ class SessionFeed:
         lost = self._lags[-1][1] - min(lag for _, lag in self._lags) if self._lags else 0.0
         if lost > LAG_THRESHOLD:
             state += f"; the session is too slow, {lost:.1f} s in the last {LAG_WINDOW:.0f}"
-        if self._status is not None and self._status.dropped:
-            state += f"; {self._status.dropped} messages lost"
+        if status is not None and status.dropped:
+            state += f"; {status.dropped} messages lost"
         return state
 
     def trouble(self) -> str:
@@ -242,25 +258,6 @@ class SessionFeed:
 
     def use_map(self, grid: OccupancyGrid) -> None:
         """Do nothing: a session has its map."""
-
-    def play(self, on: bool) -> None:
-        """Ask the session to go on, or to stop."""
-        self.ask(Resume() if on else Pause())
-
-    def step(self, steps: int) -> None:
-        """Ask for so many ticks; time cannot go back."""
-        if steps > 0:
-            self.ask(Step(steps))
-
-    def set_speed(self, speed: float) -> None:
-        """Ask for this speed."""
-        self.ask(SetRate(speed))
-
-    def seek(self, time: float) -> None:
-        """Do nothing: only the session's bag can be searched, afterwards."""
-
-    def loop(self, span: tuple[float, float] | None) -> None:
-        """Do nothing: a session goes on."""
 
     def save_section(self, path: Path, start: float, end: float) -> str:
         """Refuse: only a recording has sections."""
