@@ -80,7 +80,7 @@ def _openings(
         return
     topics: tuple[Belief, ...] = (Literal(matter), Literal(matter, holds=False))
     if conversation.rulebook.games[game].about == "rule":
-        topics = conversation.proposals(side, matter)
+        topics = conversation.agents[side].proposals(matter)
     for topic in topics:
         yield from conversation.opening(side, game, topic, parent)
 

@@ -11,7 +11,7 @@ from thbridge.dialogue.argumentation.arguments import Argument, Belief, argument
 from thbridge.dialogue.argumentation.beliefs import Beliefs
 from thbridge.dialogue.argumentation.cases import Side, Stance
 from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule, opposed
-from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown
+from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, matter_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +98,22 @@ class Agent:
     is_person: bool = False
     picture: Picture = field(default_factory=Picture)
     store: tuple[DialogueMove, ...] = ()
+
+    def proposals(self, proposition: Proposition) -> tuple[Rule, ...]:
+        """Return the rules about a proposition that it holds, and those that its arguments about it amount to.
+
+        Such a rule leads from the literals of an argument to its conclusion; what else the argument rests on is its
+        support.
+        """
+        rules = [rule for rule in self.beliefs.rules if matter_of(rule) == proposition]
+        known = {(frozenset(rule.premises), rule.conclusion) for rule in rules}
+        for conclusion in (Literal(proposition), Literal(proposition, holds=False)):
+            for argument in self.beliefs.arguments(conclusion):
+                premises = argument.premises - {conclusion}
+                if premises and (premises, conclusion) not in known:
+                    known.add((premises, conclusion))
+                    rules.append(Rule(tuple(each for each in self.beliefs.origins if each in premises), conclusion))
+        return tuple(rules)
 
 
 def _tells(held: Literal, proposition: Proposition) -> bool:

@@ -1,11 +1,11 @@
 """Control layer: the dialogues of one robot and one person, in sequence, one inside another, or at the same time."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
 from thbridge.dialogue.argumentation.arguments import Belief
 from thbridge.dialogue.argumentation.cases import DialogueCase, DialogueKind, Side, Stance, case_of
-from thbridge.dialogue.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import DialogueMove, kind_of_content, matter_of
 from thbridge.dialogue.games.dialogue_game import (
@@ -116,31 +116,28 @@ class Conversation:
             case DialogueKind.INQUIRY if self.able(other_side(side), proposition):
                 topics = [("information-seeking", yes)]
             case DialogueKind.INQUIRY:
-                topics = [("inquiry", rule) for rule in self.proposals(side, proposition)]
+                topics = [("inquiry", rule) for rule in self.agents[side].proposals(proposition)]
             case _:
                 topics = []
-        return tuple(opening for game, topic in topics for opening in self._ways(game, topic, side, parent))
-
-    def proposals(self, side: Side, proposition: Proposition) -> tuple[Rule, ...]:
-        """Return the rules about a proposition that a side holds, and those that its arguments about it amount to.
-
-        Such a rule leads from the literals of an argument to its conclusion; what else the argument rests on is its
-        support.
-        """
-        beliefs = self.agents[side].beliefs
-        rules = [rule for rule in beliefs.rules if matter_of(rule) == proposition]
-        known = {(frozenset(rule.premises), rule.conclusion) for rule in rules}
-        for conclusion in (Literal(proposition), Literal(proposition, holds=False)):
-            for argument in beliefs.arguments(conclusion):
-                premises = argument.premises - {conclusion}
-                if premises and (premises, conclusion) not in known:
-                    known.add((premises, conclusion))
-                    rules.append(Rule(tuple(each for each in beliefs.origins if each in premises), conclusion))
-        return tuple(rules)
+        return tuple(opening for game, topic in topics for opening in self.opening(side, game, topic, parent))
 
     def opening(self, side: Side, game: str, topic: Belief, parent: int | None = None) -> tuple[Opening, ...]:
         """Return the ways in which a side may open this game about this topic, whatever the nine cases say of it."""
-        return self._ways(game, topic, side, parent)
+        fresh = self._new(game, topic, side, parent)
+        if parent is not None and not fresh.questions_refusal:
+            outer = self.play(parent)
+            if outer.end is not None or outer.speaker is not side or self.waits(parent):
+                return ()
+        if self.rulebook.games[game].about != kind_of_content(topic):
+            return ()
+        if _is_talked_over(self.open_plays, topic):
+            return ()
+        said = _said_inside(self.plays, parent, side)
+        return tuple(
+            Opening(game, topic, legal.move)
+            for legal in self._legal(fresh)
+            if legal.move not in said and self._has_answer(fresh, legal)
+        )
 
     def open(self, side: Side, opening: Opening, *, parent: int | None = None, at: float = 0.0) -> "Conversation":
         """Return the conversation with a new dialogue. Raises IllegalMoveError when that is not legal.
@@ -151,7 +148,7 @@ class Conversation:
             parent: number of the dialogue that waits for it.
             at: simulated time, s.
         """
-        if opening not in self._ways(opening.game, opening.topic, side, parent):
+        if opening not in self.opening(side, opening.game, opening.topic, parent):
             raise IllegalMoveError(f"the {side} may not open {opening.game} with {opening.move}")
         fresh = self._new(opening.game, opening.topic, side, parent)
         now = self._with(self.play(parent).questioned()) if parent and fresh.questions_refusal else self
@@ -201,32 +198,6 @@ class Conversation:
             return ()
         listener = other_side(play.speaker)
         return legal_replies(play, self.agents, self.rulebook, lambda what: self.able(listener, what))
-
-    def _ways(self, game: str, topic: Belief, side: Side, parent: int | None) -> tuple[Opening, ...]:
-        fresh = self._new(game, topic, side, parent)
-        if parent is not None and not fresh.questions_refusal:
-            outer = self.play(parent)
-            if outer.end is not None or outer.speaker is not side or self.waits(parent):
-                return ()
-        if self.rulebook.games[game].about != kind_of_content(topic):
-            return ()
-        if self._is_talked_over(topic):
-            return ()
-        said = self._said_inside(parent, side)
-        return tuple(
-            Opening(game, topic, legal.move)
-            for legal in self._legal(fresh)
-            if legal.move not in said and self._has_answer(fresh, legal)
-        )
-
-    def _is_talked_over(self, topic: Belief) -> bool:
-        """Return True while another dialogue is about the same matter, whose replies and their limits hold for it."""
-        return any(matter_of(play.topic) == matter_of(topic) for play in self.open_plays)
-
-    def _said_inside(self, parent: int | None, side: Side) -> frozenset[DialogueMove]:
-        """Openings that a side has made inside a dialogue: none comes twice, so that the dialogue that waits ends."""
-        inside = [play for play in self.plays if parent is not None and (play.parent, play.initiator) == (parent, side)]
-        return frozenset(play.moves[0][1] for play in inside)
 
     def _new(self, game: str, topic: Belief, side: Side, parent: int | None) -> GamePlay:
         number, refused = len(self.plays) + 1, self.refused
@@ -283,3 +254,14 @@ class Conversation:
 
     def _with(self, play: GamePlay) -> "Conversation":
         return replace(self, plays=(*self.plays[: play.number - 1], play, *self.plays[play.number :]))
+
+
+def _is_talked_over(open_plays: Iterable[GamePlay], topic: Belief) -> bool:
+    """Return True while another dialogue is about the same matter, whose replies and their limits hold for it."""
+    return any(matter_of(play.topic) == matter_of(topic) for play in open_plays)
+
+
+def _said_inside(plays: Iterable[GamePlay], parent: int | None, side: Side) -> frozenset[DialogueMove]:
+    """Openings that a side has made inside a dialogue: none comes twice, so that the dialogue that waits ends."""
+    inside = [play for play in plays if parent is not None and (play.parent, play.initiator) == (parent, side)]
+    return frozenset(play.moves[0][1] for play in inside)

@@ -128,8 +128,8 @@ BROKEN: dict[str, Break] = {
     "a rule is another matter than its conclusion": _set(
         control, "matter_of", lambda topic: topic if isinstance(topic, Rule) else topic.proposition
     ),
-    "one matter is talked over in two dialogues": _set(Conversation, "_is_talked_over", lambda *_: False),
-    "inner dialogues are opened again and again": _set(Conversation, "_said_inside", lambda *_: frozenset()),
+    "one matter is talked over in two dialogues": _set(control, "_is_talked_over", lambda *_: False),
+    "inner dialogues are opened again and again": _set(control, "_said_inside", lambda *_: frozenset()),
     "no reply is used up": _set(Conversation, "_used_up", lambda *_: frozenset()),
     "a reply inside another dialogue is not used up": _set(Conversation, "_used_up", _used_up_outside),
     "a reply that led to agreement is used up": _set(Conversation, "_used_up", _used_up_by_agreement),
