@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from thbridge.analysis.measured.game import Report, Track
-from thbridge.analysis.measured.gathering import OUTCOMES
+from thbridge.analysis.measured.robot_messages import OUTCOMES
 from thbridge.ros.messages.goal_status import GoalStatusCode
 
 

@@ -4,7 +4,6 @@ Only messages are used, so it works on bags of other robots, too, and lists what
 hold several games; each has a report of its own, since robots are put back and energy and score begin anew.
 """
 
-import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -17,28 +16,20 @@ from sim.common.robot_numbers import namespace_of, robot_name
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.measured.batches import MessageBatches
 from thbridge.analysis.measured.dialogues import DialogueGatherer
-from thbridge.analysis.measured.game import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
+from thbridge.analysis.measured.game import ObstacleTrack, Report, TimelineEntry, Track
 from thbridge.analysis.measured.game_starts import OF_A_GAME, game_start
-from thbridge.analysis.measured.tracks import FOUND_BY_NAME, SeriesByTopic, TrajectoryTopics, deviations
+from thbridge.analysis.measured.robot_messages import RobotMessages
+from thbridge.analysis.measured.tracks import FOUND_BY_NAME, SeriesByTopic, TrajectoryTopics
 from thbridge.files.errors import BadFile
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.rooms import RoomNames
 from thbridge.json_text import json_of
 from thbridge.recording.bag.reading.reader import RawMessage, info
 from thbridge.ros.messages import types, unpack
-from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.identification import is_md5
-from thbridge.ros.messages.plausible import is_plausible
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
-from thbridge.ros.messages.unpack import PoseInFrame
 from thbridge.ros.names import MAP, ROOMS, THINGS
 from thbridge.ros.robots import usual_first
-
-OUTCOMES: dict[int, str] = {
-    GoalStatusCode.SUCCEEDED: "arrived",
-    GoalStatusCode.ABORTED: "no path",
-    GoalStatusCode.PREEMPTED: "cancelled",
-}
 
 _TF_OLD = "tf/tfMessage"
 """The older type of tf, with the same fields as tf2's."""
@@ -132,11 +123,7 @@ class ReportBuilder:
         self._unread: dict[str, str] = {}
         self._batches = MessageBatches(self._series, self._unread, self._seconds_of)
         self._handlers: dict[str, Callable[[float, str, bytes], None]] = {
-            types.POSE_WITH_COVARIANCE: self._pose_with_covariance,
-            types.POSE_STAMPED: self._pose,
-            types.BATTERY_STATE: self._battery,
-            types.MOVE_BASE_GOAL: self._goal,
-            types.MOVE_BASE_RESULT: self._result,
+            **RobotMessages(self._series, self._seconds).handlers,
             types.OCCUPANCY_GRID: self._map,
             types.SESSION: self._take_session,
             types.SCORE: self._take_score,
@@ -146,7 +133,6 @@ class ReportBuilder:
             types.DIALOGUE_MOVE: self._dialogue_move,
             types.DIALOGUE_STATE: self._dialogue_state,
             types.INPUT: self._input,
-            types.DIAGNOSTIC_ARRAY: self._diagnoses,
         }
 
     @property
@@ -235,42 +221,6 @@ class ReportBuilder:
         if self._score is None:
             yield "No score: nobody published /hunt/score."
 
-    def _pose_with_covariance(self, time: float, topic: str, data: bytes) -> None:
-        self._add_pose(time, topic, unpack.pose_with_covariance(data))
-
-    def _pose(self, time: float, topic: str, data: bytes) -> None:
-        self._add_pose(time, topic, unpack.pose_stamped(data))
-
-    def _add_pose(self, time: float, topic: str, message: PoseInFrame) -> None:
-        poses = self._series.poses.get(topic)
-        if poses is None:
-            poses = self._series.poses[topic] = self._series.poses_of(message.frame, "")
-        pose = message.pose
-        if not is_plausible(pose.x, pose.y, pose.theta):
-            self._series.left_out[topic] += 1
-            return
-        stamp = self._seconds(message.stamp_ns) if message.stamp_ns else math.nan
-        poses.add(time, stamp, pose)
-        if (row := deviations(time, message.covariance)) is not None:
-            _, position, heading = row
-            poses.deviations.extend((time, stamp, position, heading))
-
-    def _battery(self, time: float, topic: str, data: bytes) -> None:
-        message = unpack.battery_state(data)
-        left = message.charge if math.isfinite(message.charge) else 100.0 * message.percentage
-        if is_plausible(left):
-            self._series.energy[topic].extend((time, left))
-
-    def _goal(self, time: float, topic: str, data: bytes) -> None:
-        self._series.goals[_action(topic)][unpack.move_base_goal(data).goal_id] = time
-
-    def _result(self, time: float, topic: str, data: bytes) -> None:
-        message = unpack.move_base_result(data)
-        start = self._series.goals[_action(topic)].pop(message.goal_id, None)
-        if start is not None:
-            outcome = OUTCOMES.get(message.status, f"status {message.status}")
-            self._series.attempts[_action(topic)].append(GoalAttempt(start, time, outcome, message.text))
-
     def _map(self, time: float, topic: str, data: bytes) -> None:
         if "costmap" not in topic:
             self._grids[topic] = unpack.occupancy_grid(data)
@@ -316,16 +266,8 @@ class ReportBuilder:
     def _dialogue_state(self, time: float, topic: str, data: bytes) -> None:
         self._dialogues.take_state(unpack.dialogue_state(data))
 
-    def _diagnoses(self, time: float, topic: str, data: bytes) -> None:
-        self._series.ways_made.take(time, unpack.diagnostic_array(data))
-
     def _input(self, time: float, topic: str, data: bytes) -> None:
         self._inputs += unpack.outside_input(data).kind in {"said", "received", "asked"}
-
-
-def _action(topic: str) -> str:
-    """The name of the action of a topic of goals or results, with a slash at its end."""
-    return topic.rpartition("/")[0] + "/"
 
 
 def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:
