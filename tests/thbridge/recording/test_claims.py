@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag.writing.writer import BagNotWritten, BagWriter
+from thbridge.recording.bag.writing.disk import BagNotWritten
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.claims import lock_of
 from thbridge.recording.recordings import active_of, make_room
 

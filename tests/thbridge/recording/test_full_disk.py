@@ -13,7 +13,8 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.reading.reader import messages
-from thbridge.recording.bag.writing.writer import WHOLE, BagNotWritten, BagWriter
+from thbridge.recording.bag.writing.disk import BagNotWritten
+from thbridge.recording.bag.writing.writer import WHOLE, BagWriter
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.publisher import TeamPublisher
 

@@ -7,15 +7,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
-from thbridge.recording.bag.writing.parts import QueuedChunk, SplitBagWriter
+from thbridge.recording.bag.writing.disk import BEHIND_SECONDS, BagDisk, BagNotWritten
+from thbridge.recording.bag.writing.parts import QueuedChunk
 from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
-from thbridge.recording.claims import claim, release
-from thbridge.recording.recordings import active_of, part_of, parts_of
 from thbridge.ros.names import CALLER
 from thbridge.ros.topics import MessageFilter, RosMessage, Topic
 
@@ -23,28 +21,7 @@ SYNC_SECONDS = 0.5
 """Wall time after which all messages so far are forced onto the disk: half of the second that may be lost, to leave
 time for a busy machine."""
 
-BEHIND_SECONDS = 10.0
-"""Delay of the disk that ends the recording."""
-
-WAITING_BYTES = 2 * 2**20
-"""Bytes waiting for the disk beyond which the session waits, too: as many as bz2 packs in a tenth of a second."""
-
-CLOSE_SECONDS = 60.0
-"""Longest wait for the disk at the end of a recording."""
-
-ALMOST_ALL = "it holds all but the last second"
-
 WHOLE = SplitLimits()
-
-
-class BagNotWritten(BadFile):
-    """A recording could not begin or go on; the message tells what is kept, and in which file."""
-
-    def __init__(self, path: Path, problem: str, remedy: str) -> None:
-        super().__init__(path, problem, remedy)
-
-    def __reduce__(self) -> tuple[type["BagNotWritten"], tuple[Path, str, str]]:  # type: ignore[override]  # fewer parts
-        return (type(self), (self.path, self.problem, self.remedy))
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,20 +90,7 @@ class BagWriter:
         self._stamp_ns = -1
         self._period = 0
         self._open = True
-        try:
-            claim(path)
-        except BadFile as taken:
-            raise BagNotWritten(path, taken.problem, taken.remedy) from None
-        except OSError as error:
-            raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
-        _refuse_taken(path)
-        self._syncing = make_queue("bag sync")
-        self._writing = make_queue("bag writer")
-        try:
-            self._parts = SplitBagWriter(path, compression, splitting, self._syncing)
-        except OSError as error:
-            self._stop_queues()
-            raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
+        self._disk = BagDisk(path, compression, splitting, make_queue)
         self._synced = clock()
 
     def write(self, message: RosMessage) -> None:
@@ -167,11 +131,7 @@ class BagWriter:
         if self._clock() - self._synced < SYNC_SECONDS:
             return
         self._check()
-        if self._chunks.size:
-            piece = self._piece(self._chunks.snapshot())
-            self._writing.submit(lambda: self._parts.preview(piece))
-        else:
-            self._writing.submit(self._parts.sync)
+        self._disk.sync(self._piece(self._chunks.snapshot()) if self._chunks.size else None)
         self._synced = self._clock()
         self._check()
 
@@ -179,11 +139,17 @@ class BagWriter:
         """Complete the bag and give it its final name; a second call does nothing.
 
         Raises:
-            BagNotWritten: the disk is full or gone.
+            BagNotWritten: the disk is full or gone, or takes too long.
         """
         if not self._open:
             return
-        self._complete()
+        self._give_chunk()
+        in_time = self._disk.finish()
+        self._check_failures()
+        self._open = False
+        if not in_time:
+            raise self._disk.stuck()
+        self._disk.end()
 
     def __enter__(self) -> Self:
         return self
@@ -249,95 +215,28 @@ class BagWriter:
     def _hand_over(self) -> None:
         """Submit the chunk, and check that the disk keeps up."""
         self._give_chunk()
-        # A session at full speed waits here for the disk; one in real time never has so many bytes waiting.
-        self._writing.wait(WAITING_BYTES, BEHIND_SECONDS)
+        self._disk.keep_up()
         self._check()
 
     def _give_chunk(self) -> None:
         if self._chunks.size:
             piece = self._piece(self._chunks.take())
             self._latched_before = tuple(self._latched.items()) if self._splitting.wanted else ()
-            self._writing.submit(lambda: self._parts.append(piece), len(piece.chunk.data))
+            self._disk.append(piece)
 
     def _piece(self, chunk: Chunk) -> QueuedChunk:
         return QueuedChunk(chunk, self._latched_before, self._period)
 
-    def _complete(self) -> None:
-        """Have everything written. Raises BagNotWritten when that fails or takes too long."""
-        self._give_chunk()
-        self._writing.submit(self._parts.finish)
-        in_time = self._writing.wait(0, CLOSE_SECONDS) and self._syncing.wait(0, CLOSE_SECONDS)
-        self._check_failures()
-        if not in_time:
-            raise self._stuck()
-        self._open = False
-        self._stop_queues()
-
     def _check(self) -> None:
         """Raise BagNotWritten when the disk failed or is too slow."""
         self._check_failures()
-        behind = max(self._writing.oldest_wait(), self._syncing.oldest_wait())
-        if behind > BEHIND_SECONDS:
-            self._complete()
+        if (behind := self._disk.behind) > BEHIND_SECONDS:
+            self.close()
             problem = f"the disk is too slow: it was {behind:.0f} s behind"
-            raise BagNotWritten(self._parts.last, problem, "it holds everything up to here; record onto a faster disk")
+            raise BagNotWritten(self._disk.last, problem, "it holds everything up to here; record onto a faster disk")
 
     def _check_failures(self) -> None:
-        for queue in (self._writing, self._syncing):
-            if queue.failure is not None:
-                raise self._saved(queue.failure)
-
-    def _saved(self, failure: Exception) -> Exception:
-        """Save what can be saved, and return the error to raise."""
-        self._give_chunk()  # the file may be intact: perhaps only its folder is gone, or its name is taken
-        in_time = self._writing.wait(0, CLOSE_SECONDS)
-        self._open = False
-        self._stop_queues()
-        if not (in_time and self._syncing.wait(0, CLOSE_SECONDS)):
-            return self._stuck()
-        if not isinstance(failure, OSError):
-            self._parts.abandon()
-            return failure
-        try:
-            self._parts.salvage()
-        except OSError:
-            self._parts.abandon()
-            return self._left(_reason(failure), f"{ALMOST_ALL}: make room, then")
-        return BagNotWritten(self._parts.last, _reason(failure), f"{ALMOST_ALL}; make room before recording again")
-
-    def _stuck(self) -> BagNotWritten:
-        """Leave the threads of a disk that does not answer, and return the error to raise."""
-        self._open = False
-        self._stop_queues()
-        problem = f"the disk does not answer, not even within {CLOSE_SECONDS:.0f} s"
-        return self._left(problem, "it holds what reached the disk: when that works again,")
-
-    def _left(self, problem: str, remedy: str) -> BagNotWritten:
-        """The error for a file that could not be completed, with its remedy."""
-        active = self._parts.unfinished
-        if active is None or not active.exists():
-            return BagNotWritten(self.path, problem, "record again, into a folder that stays")
-        return BagNotWritten(active, problem, f"{remedy} run `thbridge bag reindex {active}`")
-
-    def _stop_queues(self) -> None:
-        self._writing.end()
-        self._syncing.end()
-        release(self.path)
-
-
-def _refuse_taken(path: Path) -> None:
-    """Raise BagNotWritten when there is a recording of this name."""
-    finished = [file for file in parts_of(path) if file.exists()]
-    active = [file for file in (active_of(path), active_of(part_of(path, 0))) if file.exists()]
-    if finished:
-        raise BagNotWritten(finished[0], "there is such a file already", "choose another name, or move it elsewhere")
-    if active:
-        raise BagNotWritten(
-            active[0],
-            "a recording of this name is being written, or was cut off",
-            f"save it with `thbridge bag reindex {active[0]}`, or choose another name",
-        )
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()
+        if (failure := self._disk.failure) is not None:
+            self._give_chunk()  # the file may be intact: perhaps only its folder is gone, or its name is taken
+            self._open = False
+            raise self._disk.saved(failure)

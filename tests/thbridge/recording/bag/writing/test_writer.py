@@ -19,12 +19,12 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.reading.reader import info, messages
 from thbridge.recording.bag.repair import reindex
-from thbridge.recording.bag.writing import bag_file
+from thbridge.recording.bag.writing import bag_file, disk
 from thbridge.recording.bag.writing import chunks as bag_chunks
-from thbridge.recording.bag.writing import writer as bag_writer
 from thbridge.recording.bag.writing.bag_file import BagFile
+from thbridge.recording.bag.writing.disk import BagNotWritten
 from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
-from thbridge.recording.bag.writing.writer import WHOLE, BagNotWritten, BagWriter
+from thbridge.recording.bag.writing.writer import WHOLE, BagWriter
 from thbridge.recording.recordings import make_room, parts_of
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 
@@ -391,7 +391,7 @@ def test_a_disk_that_is_too_slow_ends_the_recording_with_everything_in_it(
 def test_a_disk_that_does_not_answer_leaves_the_file_to_be_mended(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bag_writer, "CLOSE_SECONDS", 0.05)
+    monkeypatch.setattr(disk, "CLOSE_SECONDS", 0.05)
     gate = threading.Event()
     writer = BagWriter(tmp_path / "a.bag", PLAIN, make_queue=lambda name: Stalled(name, gate, time.monotonic))
     writer.write(text(0))

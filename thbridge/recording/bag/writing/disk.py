@@ -1,0 +1,150 @@
+"""The disk that a bag is written to, by threads of its own: whether it keeps up, and what is kept when it fails."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from thbridge.recording.bag.options import Compression, SplitLimits
+from thbridge.recording.bag.writing.parts import QueuedChunk, SplitBagWriter
+from thbridge.recording.bag.writing.worker import JobQueue
+from thbridge.recording.claims import claim, release
+from thbridge.recording.recordings import active_of, part_of, parts_of
+
+BEHIND_SECONDS = 10.0
+"""Delay of the disk that ends the recording."""
+
+WAITING_BYTES = 2 * 2**20
+"""Bytes waiting for the disk beyond which the session waits, too: as many as bz2 packs in a tenth of a second."""
+
+CLOSE_SECONDS = 60.0
+"""Longest wait for the disk at the end of a recording."""
+
+ALMOST_ALL = "it holds all but the last second"
+
+
+class BagNotWritten(BadFile):
+    """A recording could not begin or go on; the message tells what is kept, and in which file."""
+
+    def __init__(self, path: Path, problem: str, remedy: str) -> None:
+        super().__init__(path, problem, remedy)
+
+    def __reduce__(self) -> tuple[type["BagNotWritten"], tuple[Path, str, str]]:  # type: ignore[override]  # fewer parts
+        return (type(self), (self.path, self.problem, self.remedy))
+
+
+class BagDisk:
+    """Files of a bag and the threads that write them.
+
+    Args:
+        path: path of the finished bag.
+        compression: compression of the bag's chunks.
+        splitting: limits after which the recording goes on in another file.
+        make_queue: makes the two job queues, from a name for each.
+
+    Raises:
+        BagNotWritten: the bag exists already, or the folder cannot be written to.
+    """
+
+    def __init__(
+        self, path: Path, compression: Compression, splitting: SplitLimits, make_queue: Callable[[str], JobQueue]
+    ) -> None:
+        self._path = path
+        try:
+            claim(path)
+        except BadFile as taken:
+            raise BagNotWritten(path, taken.problem, taken.remedy) from None
+        except OSError as error:
+            raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
+        _refuse_taken(path)
+        self._syncing = make_queue("bag sync")
+        self._writing = make_queue("bag writer")
+        try:
+            self._parts = SplitBagWriter(path, compression, splitting, self._syncing)
+        except OSError as error:
+            self.end()
+            raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
+
+    @property
+    def failure(self) -> Exception | None:
+        """The error of the thread that failed; None while none has."""
+        return self._writing.failure or self._syncing.failure
+
+    @property
+    def behind(self) -> float:
+        """Seconds that the oldest work has waited."""
+        return max(self._writing.oldest_wait(), self._syncing.oldest_wait())
+
+    @property
+    def last(self) -> Path:
+        """Final path of the last bag."""
+        return self._parts.last
+
+    def append(self, piece: QueuedChunk) -> None:
+        """Write a chunk."""
+        self._writing.submit(lambda: self._parts.append(piece), len(piece.chunk.data))
+
+    def sync(self, growing: QueuedChunk | None) -> None:
+        """Force everything onto the disk, with the chunk that is still growing if there is one."""
+        self._writing.submit(self._parts.sync if growing is None else lambda: self._parts.preview(growing))
+
+    def keep_up(self) -> None:
+        """Wait for the disk at full speed; a session in real time never has so many bytes waiting."""
+        self._writing.wait(WAITING_BYTES, BEHIND_SECONDS)
+
+    def finish(self) -> bool:
+        """Complete the files; return False when that takes too long."""
+        self._writing.submit(self._parts.finish)
+        return self._writing.wait(0, CLOSE_SECONDS) and self._syncing.wait(0, CLOSE_SECONDS)
+
+    def saved(self, failure: Exception) -> Exception:
+        """Save what can be saved, and return the error to raise."""
+        in_time = self._writing.wait(0, CLOSE_SECONDS)
+        self.end()
+        if not (in_time and self._syncing.wait(0, CLOSE_SECONDS)):
+            return self.stuck()
+        if not isinstance(failure, OSError):
+            self._parts.abandon()
+            return failure
+        try:
+            self._parts.salvage()
+        except OSError:
+            self._parts.abandon()
+            return self._left(_reason(failure), f"{ALMOST_ALL}: make room, then")
+        return BagNotWritten(self._parts.last, _reason(failure), f"{ALMOST_ALL}; make room before recording again")
+
+    def stuck(self) -> BagNotWritten:
+        """Leave the threads of a disk that does not answer, and return the error to raise."""
+        self.end()
+        problem = f"the disk does not answer, not even within {CLOSE_SECONDS:.0f} s"
+        return self._left(problem, "it holds what reached the disk: when that works again,")
+
+    def _left(self, problem: str, remedy: str) -> BagNotWritten:
+        """The error for a file that could not be completed, with its remedy."""
+        active = self._parts.unfinished
+        if active is None or not active.exists():
+            return BagNotWritten(self._path, problem, "record again, into a folder that stays")
+        return BagNotWritten(active, problem, f"{remedy} run `thbridge bag reindex {active}`")
+
+    def end(self) -> None:
+        """Let the threads end, and others record under this name."""
+        self._writing.end()
+        self._syncing.end()
+        release(self._path)
+
+
+def _refuse_taken(path: Path) -> None:
+    """Raise BagNotWritten when there is a recording of this name."""
+    finished = [file for file in parts_of(path) if file.exists()]
+    active = [file for file in (active_of(path), active_of(part_of(path, 0))) if file.exists()]
+    if finished:
+        raise BagNotWritten(finished[0], "there is such a file already", "choose another name, or move it elsewhere")
+    if active:
+        raise BagNotWritten(
+            active[0],
+            "a recording of this name is being written, or was cut off",
+            f"save it with `thbridge bag reindex {active[0]}`, or choose another name",
+        )
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
