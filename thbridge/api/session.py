@@ -20,9 +20,9 @@ from sim.robot.software import PropagatedOutput
 from sim.team import TeamSnapshot
 from thbridge.api.errors import HuntError, told
 from thbridge.api.participant import HuntParticipant, QueuePlayer, checked_index, whole
-from thbridge.api.snapshot import HuntSnapshot, Ranges
+from thbridge.api.snapshot import HuntSnapshot, Ranges, snapshot_of
 from thbridge.api.study import HuntStudy, Simulated, setting_of
-from thbridge.api.view import HuntView
+from thbridge.api.view import HuntView, view_of
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.recording import build_record, build_recorder, build_writer
 from thbridge.app.compose.robots import build_team
@@ -204,7 +204,7 @@ class HuntSession:
                 happened = any(event.kind == condition for event in self.events[seen:])
             if happened:
                 return True
-            if self._session.tick >= last or self._is_over:
+            if self._session.tick >= last or self.over:
                 return False
 
     def play(self, at_most: float = AN_HOUR) -> bool:
@@ -219,7 +219,7 @@ class HuntSession:
         last = self._session.tick + max(round(at_most * TICKS_PER_SECOND), 1)
         while not self._finished and self._session.tick < last:
             self._step()
-        return self._is_over
+        return self.over
 
     def _step(self) -> None:
         if self._closed:
@@ -240,11 +240,6 @@ class HuntSession:
         if record.events or record.utterances or record.refusals:
             self._note(record)
 
-    @property
-    def _is_over(self) -> bool:
-        game = self._session.game
-        return game is not None and game.ended is not None
-
     # How things stand
 
     @property
@@ -260,7 +255,8 @@ class HuntSession:
     @property
     def over(self) -> bool:
         """True when the game is over."""
-        return self._is_over
+        game = self._session.game
+        return game is not None and game.ended is not None
 
     @property
     def ready(self) -> tuple[int, ...]:
@@ -279,12 +275,12 @@ class HuntSession:
         """The state after the last tick. Raises HuntError: before the first."""
         if self._last is None:
             raise HuntError("nothing has happened yet. Step the session first.")
-        return HuntSnapshot(self._last, self._session.game, tuple(self._scans))
+        return snapshot_of(self._last, self._session.game, tuple(self._scans))
 
     @property
     def view(self) -> HuntView | None:
         """The part of it that the participant may know; None until they are told, in the first ticks."""
-        return None if self._tabui.view is None else HuntView(self._tabui.view)
+        return None if self._tabui.view is None else view_of(self._tabui.view)
 
     # Requests to the game, by its rules and without a dialogue
 
@@ -446,7 +442,7 @@ class HuntSession:
         self.close()
 
     def __repr__(self) -> str:
-        state = "closed" if self._closed else "over" if self._is_over else "open"
+        state = "closed" if self._closed else "over" if self.over else "open"
         return f"<HuntSession {state}, {self.seconds:.2f} s of {self.study!r}>"
 
 

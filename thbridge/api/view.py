@@ -45,31 +45,26 @@ class HuntAgreement:
     room: int
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class HuntView:
-    """The game as a person may know it, as arrays: a row for each of the n robots, robot 1 first; rooms likewise."""
+    """The game as a person may know it, as arrays: a row for each of the n robots, robot 1 first; rooms likewise.
 
-    def __init__(self, view: View) -> None:
-        self._view = view
+    Attributes:
+        ready: True once robots take requests.
+        consent: text that the participant has to agree to before anything else; None: nothing.
+        score: points.
+        over: reason for the game's end; None while it goes on.
+        names: possible names of treasures; empty until one was found.
+        refusal: the reason for which the participant's last refused request was refused; None without one.
+    """
 
-    @property
-    def ready(self) -> bool:
-        """True once robots take requests."""
-        return self._view.ready
-
-    @property
-    def consent(self) -> str | None:
-        """Text that the participant has to agree to before anything else; None: nothing."""
-        return self._view.consent
-
-    @property
-    def score(self) -> int:
-        """Points."""
-        return self._view.score
-
-    @property
-    def over(self) -> str | None:
-        """Reason for the game's end; None while it goes on."""
-        return self._view.over
+    ready: bool
+    consent: str | None
+    score: int
+    over: str | None
+    names: tuple[str, ...]
+    refusal: str | None
+    _view: View
 
     @cached_property
     def energy(self) -> Floats:
@@ -128,11 +123,6 @@ class HuntView:
         return tuple(None if room.verdict is None else room.verdict.points for room in self._view.rooms)
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Possible names of treasures; empty until one was found."""
-        return self._view.names
-
-    @property
     def dialogues(self) -> tuple[HuntDialogue, ...]:
         """Dialogues under way."""
         return tuple(
@@ -145,10 +135,11 @@ class HuntView:
         """Agreements that are not acted upon yet."""
         return tuple(HuntAgreement(number_of(each.robot), each.matter, each.room) for each in self._view.consents)
 
-    @property
-    def refusal(self) -> str | None:
-        """The reason for which the participant's last refused request was refused; None without one."""
-        return None if self._view.refusal is None else self._view.refusal.sentence
-
     def __repr__(self) -> str:
         return f"<HuntView score {self.score}, {int(self.visited.sum())} rooms visited, over: {self.over}>"
+
+
+def view_of(view: View) -> HuntView:
+    """Return the view that a participant was sent as callers get it."""
+    refusal = None if view.refusal is None else view.refusal.sentence
+    return HuntView(view.ready, view.consent, view.score, view.over, view.names, refusal, view)
