@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from itertools import count
@@ -236,9 +236,9 @@ class HuntSession:
                 if (scan := output.observations.scan) is not None:
                     self._scans[robot] = scan.ranges
                 if (result := output.navigation.result) is not None:
-                    self._note_goal(robot, result)
+                    self.events.append(HuntEvent(self.seconds, "goal", number_of(robot), text=_end_of_goal(result)))
         if record.events or record.utterances or record.refusals:
-            self._note(record)
+            self.events += _events_in(record, self.seconds)
 
     # How things stand
 
@@ -393,36 +393,6 @@ class HuntSession:
     def _index(self, robot: int) -> int:
         return checked_index(robot, self.study.robots)
 
-    # Events
-
-    def _note(self, record: TickRecord) -> None:
-        seconds = self.seconds
-        self.events += [noted(seconds, event) for event in record.events]
-        for said in record.utterances:
-            topic = said.topic
-            self.events.append(
-                HuntEvent(
-                    seconds,
-                    "said",
-                    number_of(topic.robot),
-                    topic.room.people,
-                    said.text,
-                    {"speaker": said.speaker.name.lower(), "dialogue": said.dialogue},
-                )
-            )
-        for refusal in record.refusals:
-            self.events.append(HuntEvent(seconds, "refused", text=refusal.refused.sentence))
-
-    def _note_goal(self, robot: int, result: GoalResult) -> None:
-        match result:
-            case GoalReached():
-                text = "reached"
-            case NoPath(sentence=sentence):
-                text = sentence
-            case _:
-                text = "cancelled"
-        self.events.append(HuntEvent(self.seconds, "goal", number_of(robot), text=text))
-
     # The end
 
     def close(self) -> None:
@@ -460,6 +430,27 @@ def noted(seconds: float, event: Event) -> HuntEvent:
         None if room is None else room.people,
         data=data,
     )
+
+
+def _events_in(record: TickRecord, seconds: float) -> Iterator[HuntEvent]:
+    """Yield what happened in a tick as callers get it: in the game, in dialogues, and requests that were refused."""
+    for event in record.events:
+        yield noted(seconds, event)
+    for said in record.utterances:
+        topic, data = said.topic, {"speaker": said.speaker.name.lower(), "dialogue": said.dialogue}
+        yield HuntEvent(seconds, "said", number_of(topic.robot), topic.room.people, said.text, data)
+    for refusal in record.refusals:
+        yield HuntEvent(seconds, "refused", text=refusal.refused.sentence)
+
+
+def _end_of_goal(result: GoalResult) -> str:
+    match result:
+        case GoalReached():
+            return "reached"
+        case NoPath(sentence=sentence):
+            return sentence
+        case _:
+            return "cancelled"
 
 
 def inside(session: HuntSession) -> Session:
