@@ -76,7 +76,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--to", type=Path, default=Path("docs/learning"), help="folder of the results")
     parser.add_argument("--learners", type=int, default=5, help="random seeds to learn from (default: 5)")
-    parser.add_argument("--batches", type=int, default=120, help=f"steps of {BATCH} games each (default: 120)")
+    parser.add_argument("--batches", type=int, default=100, help=f"steps of {BATCH} games each (default: 100)")
     parser.add_argument("--rate", type=float, default=1.5, help="rate of learning (default: 1.5)")
     arguments = parser.parse_args()
     arguments.to.mkdir(parents=True, exist_ok=True)
