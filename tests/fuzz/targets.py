@@ -21,7 +21,7 @@ from tests.support.ros.nav2_parameters import AMCL, CONTROLLER
 from thbridge.analysis.bag_summary import summarise
 from thbridge.analysis.check import judge
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.measured.gathering import read_games
+from thbridge.analysis.report.builder import read_games
 from thbridge.analysis.to_mcap import to_mcap
 from thbridge.analysis.to_ros2 import to_ros2
 from thbridge.batch.design import read_design

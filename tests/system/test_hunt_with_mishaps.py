@@ -6,7 +6,7 @@ import pytest
 
 from tests.support.bags.rosbags_reader import messages
 from tests.support.programs.processes import play_headless
-from thbridge.analysis.measured.gathering import read_report
+from thbridge.analysis.report.builder import read_report
 from thbridge.recording.bag.reading.reader import messages as recorded
 
 pytestmark = pytest.mark.slow

@@ -18,7 +18,7 @@ import thbridge
 from thbridge.files.map_files import read_map
 from thbridge.files.resources import shipped
 print(Path(thbridge.__file__).parent)
-print(Path(thbridge.__file__).with_name("analysis").joinpath("report", "page.html").is_file())
+print(Path(thbridge.__file__).with_name("analysis").joinpath("report_page", "page.html").is_file())
 print(len([*(shipped().root / "docs").rglob("*.md")]), any((shipped().root / "docs" / "pictures").glob("*")))
 print(len(read_map(shipped().find("maps", "arena8", Path())).rooms), *shipped().names("templates"))
 """

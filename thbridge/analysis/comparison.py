@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from thbridge.analysis.measured.game import Report, Track
-from thbridge.analysis.measured.robot_messages import OUTCOMES
+from thbridge.analysis.report.report import Report, Track
+from thbridge.analysis.report.robot_messages import OUTCOMES
 from thbridge.ros.messages.goal_status import GoalStatusCode
 
 

@@ -13,7 +13,7 @@ from rosbags.typesys.store import Typestore
 from thbridge.analysis.comparison import figures_of
 from thbridge.analysis.export.bag_rows import rows_of_bag
 from thbridge.analysis.export.exporting import ExportSummary, table_name
-from thbridge.analysis.measured.gathering import read_games
+from thbridge.analysis.report.builder import read_games
 from thbridge.api.errors import HuntError, told
 from thbridge.api.session import with_strategy
 from thbridge.api.study import HuntStudy, Simulated, StudyValue, setting_of

@@ -10,7 +10,7 @@ from ui.command_line.outputs import STANDARD_OUTPUT, destination
 from ui.command_line.terminal import note
 
 if TYPE_CHECKING:
-    from thbridge.analysis.measured.tracks import TrajectoryTopics
+    from thbridge.analysis.report.tracks import TrajectoryTopics
 
 
 def write_report(
@@ -29,8 +29,8 @@ def write_report(
         BadFile: the bag or the map cannot be read, or the page not be written.
     """
     # Half a second of imports that nobody needs who makes no report.
-    from thbridge.analysis.measured.tracks import FOUND_BY_NAME  # noqa: PLC0415
-    from thbridge.analysis.report.page import build_report  # noqa: PLC0415
+    from thbridge.analysis.report.tracks import FOUND_BY_NAME  # noqa: PLC0415
+    from thbridge.analysis.report_page.page import build_report  # noqa: PLC0415
 
     if page.exists() and bag.exists() and page.samefile(bag):
         raise BadFile(page, "this is the bag itself", "choose another file by --to")

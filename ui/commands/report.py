@@ -24,7 +24,7 @@ def report(
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
     """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
-    from thbridge.analysis.measured.gathering import trajectory_topics
+    from thbridge.analysis.report.builder import trajectory_topics
     from ui.command_line.heap import give_large_blocks_back
     from ui.command_line.progress import shown_progress
     from ui.command_line.report import write_report

@@ -18,7 +18,7 @@ from tests.support.programs.peer_programs import run_peer
 from tests.support.programs.ports import free_port, free_udp_port
 from tests.support.programs.processes import THBRIDGE, Program, until
 from tests.support.windows.desktop import Seen, desktop, needs_desktop
-from thbridge.analysis.measured.gathering import read_report
+from thbridge.analysis.report.builder import read_report
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.replay.mavlink_replay import hunt_result_of

@@ -14,8 +14,8 @@ import pytest
 from tests.peers.window_player import STUDY, Keys, Mouse, Player, Sight, on
 from tests.support.programs.processes import THBRIDGE
 from tests.support.windows.desktop import Desktop, Seen, desktop, needs_desktop
-from thbridge.analysis.measured.game import TimelineEntry
-from thbridge.analysis.measured.gathering import read_report
+from thbridge.analysis.report.builder import read_report
+from thbridge.analysis.report.report import TimelineEntry
 from thbridge.files.resources import shipped
 from thbridge.recording.bag.reading.reader import messages
 

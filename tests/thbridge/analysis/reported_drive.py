@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.analysis.measured.game import Report
-from thbridge.analysis.measured.gathering import read_report
+from thbridge.analysis.report.builder import read_report
+from thbridge.analysis.report.report import Report
 from thbridge.ros.messages.types import plain_definition
 from thbridge.ros.publisher import TeamPublisher
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from thbridge.analysis.comparison import RobotFigures, figures_of
-from thbridge.analysis.measured.game import NEVER, GoalAttempt, Report, Track
+from thbridge.analysis.report.report import NEVER, GoalAttempt, Report, Track
 from thbridge.ros.messages.session_records import ScoreRecord
 
 NONE = np.empty((0, 4))

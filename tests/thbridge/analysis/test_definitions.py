@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from tests.support.bags.bags_with_faults import Planted, clean, found, judged, rules, write
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.measured.gathering import read_report
+from thbridge.analysis.report.builder import read_report
 from thbridge.analysis.to_mcap import to_mcap
 from thbridge.analysis.to_ros2 import to_ros2
 from thbridge.files.tables.table_files import TableFormat

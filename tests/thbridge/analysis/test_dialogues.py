@@ -7,10 +7,10 @@ import pytest
 
 from tests.support.dialogue import recorded_dialogues
 from tests.thbridge.analysis.reported_drive import Recorded, recorded
-from thbridge.analysis.measured.dialogues import RecordedGame, count_ends
-from thbridge.analysis.measured.game import Report
-from thbridge.analysis.measured.gathering import read_report
-from thbridge.analysis.report.page import render
+from thbridge.analysis.report.builder import read_report
+from thbridge.analysis.report.dialogues import RecordedGame, count_ends
+from thbridge.analysis.report.report import Report
+from thbridge.analysis.report_page.page import render
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.ros.messages.records import Record
 from thbridge.ros.publisher import messages_of

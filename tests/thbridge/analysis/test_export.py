@@ -175,7 +175,7 @@ LOOK = """
 import sys
 from pathlib import Path
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.report.page import build_report
+from thbridge.analysis.report_page.page import build_report
 from thbridge.files.tables.table_files import TableFormat
 bag = Path(sys.argv[1])
 export_bag(bag, bag.with_suffix(""), tuple(TableFormat))

@@ -11,9 +11,9 @@ import pytest
 from sim.common.observations import TICK
 from tests.support.programs.commands import thbridge
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.measured.game import Report
-from thbridge.analysis.measured.gathering import read_games
-from thbridge.analysis.report.page import build_report
+from thbridge.analysis.report.builder import read_games
+from thbridge.analysis.report.report import Report
+from thbridge.analysis.report_page.page import build_report
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntOutcome, PlayOptions, play

@@ -9,11 +9,11 @@ import pytest
 from tests.support.bags.bags_with_faults import START, STEP, Entry, Line, Planted, clean, write
 from tests.support.slow import slow
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.measured.gathering import read_report
 from thbridge.analysis.plot.figures import draw
 from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.analysis.plot.style import ONE_COLUMN, FigureFormat
-from thbridge.analysis.report.page import build_report
+from thbridge.analysis.report.builder import read_report
+from thbridge.analysis.report_page.page import build_report
 from thbridge.files.tables.table_files import TableFormat
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.recording import open_recording

@@ -14,11 +14,11 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_colors import robot_color
 from tests.thbridge.analysis.reported_drive import session
-from thbridge.analysis.measured.game import Report, TimelineEntry, WayMade
-from thbridge.analysis.measured.gathering import read_report
 from thbridge.analysis.plot.figures import SIGMAS, draw
 from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat, FigureStyle
+from thbridge.analysis.report.builder import read_report
+from thbridge.analysis.report.report import Report, TimelineEntry, WayMade
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import RoomNames
 

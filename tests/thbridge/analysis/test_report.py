@@ -8,9 +8,9 @@ from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery
 from tests.support.bags.drawn_team import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
 from tests.thbridge.analysis.reported_drive import Recorded, recorded, session
-from thbridge.analysis.measured.game import Report
-from thbridge.analysis.measured.gathering import read_games, read_report
-from thbridge.analysis.measured.paths import pieces
+from thbridge.analysis.report.builder import read_games, read_report
+from thbridge.analysis.report.paths import pieces
+from thbridge.analysis.report.report import Report
 from thbridge.hunt.codec import to_json
 from thbridge.hunt.events import MoveFailed
 from thbridge.hunt.rooms import Room, RoomNames

@@ -9,9 +9,9 @@ from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, Twist
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.measured.game import Report, Track
-from thbridge.analysis.measured.gathering import read_report
-from thbridge.analysis.measured.tracks import TrajectoryTopics
+from thbridge.analysis.report.builder import read_report
+from thbridge.analysis.report.report import Report, Track
+from thbridge.analysis.report.tracks import TrajectoryTopics
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.messages.types import plain_definition

@@ -8,8 +8,8 @@ import pytest
 
 from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from tests.thbridge.analysis.reported_drive import session
-from thbridge.analysis.measured.game import Report, WayMade
-from thbridge.analysis.report.page import build_report, render
+from thbridge.analysis.report.report import Report, WayMade
+from thbridge.analysis.report_page.page import build_report, render
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions

@@ -13,9 +13,9 @@ from tests.support.bags.bags_with_faults import TF_LINE as TF
 from tests.support.bags.foreign_bags import odometry, transform
 from tests.support.bags.late_stamps import BEGIN, HOUR, LATE, TENTH, pose
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.measured.game import Track
-from thbridge.analysis.measured.gathering import read_report
-from thbridge.analysis.measured.paths import pieces
+from thbridge.analysis.report.builder import read_report
+from thbridge.analysis.report.paths import pieces
+from thbridge.analysis.report.report import Track
 from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.reading.reader import messages
 

@@ -10,7 +10,7 @@ from rosbags.rosbag1 import Writer
 from sim.common.grid import OccupancyGrid
 from tests.support.bags.foreign_bags import Robot, write
 from tests.ui.sources.scanned_bags import TICKS, opened, scanned
-from thbridge.analysis.measured.gathering import read_report
+from thbridge.analysis.report.builder import read_report
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.recording.bag.writing.writer import BagWriter

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from thbridge.analysis.export.exporting import ExportSummary, export, rooms_in, session_in
 from thbridge.analysis.export.tables import TableRows
-from thbridge.analysis.measured.game_starts import game_starts
+from thbridge.analysis.report.game_starts import game_starts
 from thbridge.files.progress import Tell, followed, untold
 from thbridge.recording.bag.reading.reader import info, recorded
 from thbridge.recording.bag.records import BagConnection

@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.common.robot_numbers import number_of
 from thbridge.analysis.export.tables import SECONDS, Table, TableRows
-from thbridge.analysis.measured.dialogues import DialogueGatherer, RecordedGame
+from thbridge.analysis.report.dialogues import DialogueGatherer, RecordedGame
 from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
 from thbridge.files.tables.table_files import Column, Values
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord

@@ -11,7 +11,7 @@ import numpy as np
 from thbridge.analysis.export import dialogues, poses
 from thbridge.analysis.export.tables import GAME, ROOM_NAME, SECONDS, Table, TableRows, TopicTables, short_name
 from thbridge.analysis.fields.layout import layout_of
-from thbridge.analysis.measured.game_starts import OF_A_GAME, GameStart
+from thbridge.analysis.report.game_starts import OF_A_GAME, GameStart
 from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack

@@ -11,9 +11,9 @@ import numpy as np
 from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.export.tables import Table, TableRows
-from thbridge.analysis.measured.game import Track
-from thbridge.analysis.measured.paths import at_times, wrapped
-from thbridge.analysis.measured.tracks import BY_RECORDING, SeriesByTopic
+from thbridge.analysis.report.paths import at_times, wrapped
+from thbridge.analysis.report.report import Track
+from thbridge.analysis.report.tracks import BY_RECORDING, SeriesByTopic
 from thbridge.files.tables.table_files import Column, Values
 from thbridge.ros.messages.types import ODOMETRY, POSE_STAMPED, POSE_WITH_COVARIANCE
 from thbridge.ros.robots import is_map_frame, is_odom_frame

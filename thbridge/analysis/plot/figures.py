@@ -11,11 +11,11 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFo
 
 from sim.common.robot_colors import robot_color
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.measured.game import Report, TimelineEntry, Track
 from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, clock, label_above, robot_handles
 from thbridge.analysis.plot.thinning import changes, peaks
+from thbridge.analysis.report.report import Report, TimelineEntry, Track
 from thbridge.hunt.refusals import RequestRefused
 
 SIGMAS = 2.0

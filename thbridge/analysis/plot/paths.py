@@ -13,10 +13,10 @@ from matplotlib.ticker import MaxNLocator
 from sim.common.grid import OCCUPIED, UNKNOWN, OccupancyGrid
 from sim.common.robot_colors import robot_color
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.measured.game import Report
-from thbridge.analysis.measured.paths import pieces
 from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, label_above, robot_handles
 from thbridge.analysis.plot.thinning import simplified
+from thbridge.analysis.report.paths import pieces
+from thbridge.analysis.report.report import Report
 
 _THING = "#f0b429"
 

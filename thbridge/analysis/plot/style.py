@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from sim.common.robot_colors import robot_color
-from thbridge.analysis.measured.game import Track
+from thbridge.analysis.report.report import Track
 
 INK = "#1f2933"
 FAINT = "#9aa5b1"

@@ -1,1 +1,1 @@
-"""Report of a recording as an HTML page."""
+"""Report on a recording, ours or of other robots: paths, errors, deviations, events, dialogues."""

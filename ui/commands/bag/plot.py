@@ -42,9 +42,9 @@ def bag_plot(
     progress: ProgressOption = ProgressKind.AUTO,
 ) -> None:
     """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
-    from thbridge.analysis.measured.gathering import read_games, trajectory_topics
     from thbridge.analysis.plot.figures import draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
+    from thbridge.analysis.report.builder import read_games, trajectory_topics
     from thbridge.files.disk.whole import write_whole
     from thbridge.files.progress import followed
     from thbridge.hunt.refusals import RequestRefused

@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.table import Table
 
 from thbridge.analysis.comparison import RobotFigures, RunFigures
-from thbridge.analysis.measured.game import label_of
+from thbridge.analysis.report.report import label_of
 from thbridge.app.compose.machine import machine, versions
 from thbridge.app.replay.replay import Difference, Replayed
 from thbridge.ros.messages.session_records import MACHINE, SessionRecord

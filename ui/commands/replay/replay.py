@@ -48,7 +48,7 @@ def replay(
 
     from sim.common.observations import TICK
     from thbridge.analysis.comparison import RunFigures, figures_of
-    from thbridge.analysis.measured.gathering import read_games
+    from thbridge.analysis.report.builder import read_games
     from thbridge.app.compose.setting import read_setting
     from thbridge.app.replay.replay import ReplayOptions, recorded_study, session_of
     from thbridge.app.replay.replay import replay as run_again

@@ -5,7 +5,7 @@ from collections import deque
 
 from sim.common.geometry import Pose2
 from sim.numerics.elementary import wrap_angle
-from thbridge.analysis.measured.sound_paths import EARLIEST, LATEST
+from thbridge.analysis.report.sound_paths import EARLIEST, LATEST
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.cursor import Cursor
 from ui.model.watching.curves import Curve

@@ -10,7 +10,7 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.measured.tracks import deviations
+from thbridge.analysis.report.tracks import deviations
 from thbridge.roles.shared.notices import Ellipse
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import ENDED, GoalStatus

@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 from sim.common.robot_numbers import index_of, robot_name
-from thbridge.analysis.measured.tracks import BATTERIES, ESTIMATES, NO_ESTIMATES
+from thbridge.analysis.report.tracks import BATTERIES, ESTIMATES, NO_ESTIMATES
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.names import frame_name
 from thbridge.ros.robots import (

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from sim.common.geometry import Pose2
-from thbridge.analysis.measured.paths import RELOCATED
-from thbridge.analysis.measured.tracks import deviations
+from thbridge.analysis.report.paths import RELOCATED
+from thbridge.analysis.report.tracks import deviations
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.unpack import BatteryCharge
 from thbridge.ros.robots import is_map_frame

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from sim.common.robot_numbers import robot_name
-from thbridge.analysis.measured.ways_made import WaysMade
+from thbridge.analysis.report.ways_made import WaysMade
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.events import Commander
 from thbridge.hunt.rooms import RoomNames

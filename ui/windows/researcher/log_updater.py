@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from thbridge.analysis.measured.game import index_in, label_of
+from thbridge.analysis.report.report import index_in, label_of
 from ui.model.watching.scene import Entry, EntryKind
 from ui.windows.researcher.docked_window import DockedWindow
 from ui.windows.researcher.docks.log import LogRow

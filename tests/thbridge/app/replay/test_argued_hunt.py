@@ -14,7 +14,7 @@ import pytest
 from pyarrow import parquet
 
 from thbridge.analysis.export.folder import export_bag
-from thbridge.analysis.measured.gathering import read_report
+from thbridge.analysis.report.builder import read_report
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions, play

@@ -7,10 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.bags.foreign_bags import Robot, write
-from thbridge.analysis.measured.gathering import read_report
 from thbridge.analysis.plot.figures import draw
 from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.analysis.plot.style import TWO_COLUMNS
+from thbridge.analysis.report.builder import read_report
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.recording.bag.reading.reader import messages
 from ui.cli import app

@@ -1,7 +1,7 @@
 from typing import get_args
 
 from tests.support.ros.watched_messages import StampedMessage, event
-from thbridge.analysis.measured.game import WayMade
+from thbridge.analysis.report.report import WayMade
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import GameEnded, HandbackRequested, TreasureIdentified, TreasurePictured, TreasureTakenUp
 from thbridge.ros import names

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from thbridge.analysis.measured.dialogues import DialogueGatherer, RecordedGame
+from thbridge.analysis.report.dialogues import DialogueGatherer, RecordedGame
 from thbridge.experiment.export.families.attempts import Attempt
 from thbridge.experiment.export.families.trials import Trial
 from thbridge.experiment.progress import Run

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sim.common.robot_numbers import number_of
-from thbridge.analysis.measured.dialogues import RecordedGame
+from thbridge.analysis.report.dialogues import RecordedGame
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.export.families.attempts import Attempt, attempt_columns
 from thbridge.experiment.export.families.described import (

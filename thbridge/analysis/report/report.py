@@ -8,7 +8,7 @@ import numpy as np
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import index_of, robot_name
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.measured.dialogues import RecordedDialogues
+from thbridge.analysis.report.dialogues import RecordedDialogues
 from thbridge.hunt.rooms import RoomNames
 from thbridge.ros.messages.session_records import ScoreRecord, SessionRecord
 

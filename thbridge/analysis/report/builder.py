@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import namespace_of, robot_name
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.measured.batches import MessageBatches
-from thbridge.analysis.measured.dialogues import DialogueGatherer
-from thbridge.analysis.measured.game import ObstacleTrack, Report, TimelineEntry, Track
-from thbridge.analysis.measured.game_starts import OF_A_GAME, game_start
-from thbridge.analysis.measured.robot_messages import RobotMessages
-from thbridge.analysis.measured.tracks import FOUND_BY_NAME, SeriesByTopic, TrajectoryTopics
+from thbridge.analysis.report.batches import MessageBatches
+from thbridge.analysis.report.dialogues import DialogueGatherer
+from thbridge.analysis.report.game_starts import OF_A_GAME, game_start
+from thbridge.analysis.report.report import ObstacleTrack, Report, TimelineEntry, Track
+from thbridge.analysis.report.robot_messages import RobotMessages
+from thbridge.analysis.report.tracks import FOUND_BY_NAME, SeriesByTopic, TrajectoryTopics
 from thbridge.files.errors import BadFile
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.rooms import RoomNames

@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_colors import robot_color
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.measured.dialogues import ENDS, RecordedDialogues, RecordedGame
-from thbridge.analysis.measured.game import Report, Track, label_of
-from thbridge.analysis.measured.gathering import gather_games
-from thbridge.analysis.measured.tracks import FOUND_BY_NAME, TrajectoryTopics
 from thbridge.analysis.plot.figures import energy, error, timeline
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock
+from thbridge.analysis.report.builder import gather_games
+from thbridge.analysis.report.dialogues import ENDS, RecordedDialogues, RecordedGame
+from thbridge.analysis.report.report import Report, Track, label_of
+from thbridge.analysis.report.tracks import FOUND_BY_NAME, TrajectoryTopics
 from thbridge.files.progress import Tell, followed, untold
 from thbridge.recording.bag.reading.reader import info, messages
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
-from thbridge.analysis.measured.game import GoalAttempt, Track
-from thbridge.analysis.measured.paths import corrected, distance, errors, relocations
-from thbridge.analysis.measured.sound_paths import RECORDED, STAMPED, SoundPath, sound_path, unfit_stamps
-from thbridge.analysis.measured.ways_made import WaysMade
+from thbridge.analysis.report.paths import corrected, distance, errors, relocations
+from thbridge.analysis.report.report import GoalAttempt, Track
+from thbridge.analysis.report.sound_paths import RECORDED, STAMPED, SoundPath, sound_path, unfit_stamps
+from thbridge.analysis.report.ways_made import WaysMade
 from thbridge.files.disk.spool import SpoolFile
 from thbridge.files.tables.number_rows import NumberRows
 from thbridge.ros.messages.plausible import LARGEST

@@ -3,8 +3,8 @@
 import math
 from collections.abc import Callable
 
-from thbridge.analysis.measured.game import GoalAttempt
-from thbridge.analysis.measured.tracks import SeriesByTopic, deviations
+from thbridge.analysis.report.report import GoalAttempt
+from thbridge.analysis.report.tracks import SeriesByTopic, deviations
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.plausible import is_plausible

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from thbridge.analysis.measured.game import WayMade
+from thbridge.analysis.report.report import WayMade
 from thbridge.ros.messages.pack import DiagnosticStatus
 from thbridge.ros.names import MAKES_WAY_FOR, NAVIGATION
 

@@ -10,7 +10,7 @@ from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 from thbridge.analysis.fields.layout import FixedBlock, layout_of
 from thbridge.analysis.fields.rows import GatheredRows
-from thbridge.analysis.measured.tracks import SeriesByTopic
+from thbridge.analysis.report.tracks import SeriesByTopic
 from thbridge.ros.messages.types import ODOMETRY, TFMESSAGE, TWIST, plain_definition
 from thbridge.ros.names import frame_name
 from thbridge.ros.robots import is_map_frame, is_odom_frame

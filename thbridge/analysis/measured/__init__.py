@@ -1,1 +1,0 @@
-"""Measurements from a recording, ours or of other robots: paths, errors, deviations, events, dialogues."""

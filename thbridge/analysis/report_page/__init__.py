@@ -1,0 +1,1 @@
+"""Page of a report: HTML with the pictures in it."""
