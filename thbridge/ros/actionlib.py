@@ -124,7 +124,7 @@ class MoveBaseServer:
         self._named = 0
         self._now = 0
         self._driven: Goal | None = None
-        self._halted: _Entry | None = None
+        self._cancelled: _Entry | None = None
         self._dead = False
         self._outgoing: list[ActionServerMessage] = []
 
@@ -242,8 +242,8 @@ class MoveBaseServer:
         current, entry = self._current, self._next
         if entry is None or entry is current or entry.status in ENDED:
             self._next = current
-            if current is not None and current.status is GoalStatusCode.PREEMPTING and self._halted is not current:
-                self._halted = current
+            if current is not None and current.status is GoalStatusCode.PREEMPTING and self._cancelled is not current:
+                self._cancelled = current
                 return [CancelGoal(self._robot)]
             return []
         # A new goal preempts the present one. If it cannot be driven to, the robot must stop all the same, because

@@ -72,7 +72,7 @@ class ModelRobot:
         self.readings = replace(self.readings, leg=HelmLeg(number, LegState.UNDER_WAY, 1.0))
         return number
 
-    def halt(self):
+    def stop_robot(self):
         self._done("halt")
 
     def drive(self, twist):

@@ -38,8 +38,8 @@ class Game(ModelRobot):
         self.readings = replace(self.readings, under_way=self.refusal is None or self.readings.under_way)
         return number
 
-    def halt(self):
-        super().halt()
+    def stop_robot(self):
+        super().stop_robot()
         leg = self.readings.leg
         if leg is not None and leg.state is LegState.UNDER_WAY:
             leg = replace(leg, state=LegState.FAILED, reason="stopped")

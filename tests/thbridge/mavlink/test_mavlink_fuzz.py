@@ -72,7 +72,7 @@ class Sailor:
         self._leg = HelmLeg(number, LegState.UNDER_WAY, 1.0)
         return number
 
-    def halt(self):
+    def stop_robot(self):
         if self._leg is not None and self._leg.state is LegState.UNDER_WAY:
             self._leg = replace(self._leg, state=LegState.FAILED, reason="halted")
 

@@ -40,10 +40,10 @@ class Robot:
         self.inputs: list[SendGoal | CancelGoal] = []
 
     def go(self, goal: Goal) -> None:
-        self.halt()
+        self.cancel()
         self.goal = goal
 
-    def halt(self) -> None:
+    def cancel(self) -> None:
         if self.goal is not None:
             self.results.append(Cancelled(self.goal))
         self.goal = None
@@ -56,7 +56,7 @@ class Robot:
     def step(self, *requests: ActionRequest, dead: bool = False) -> list[ActionServerMessage]:
         self.inputs = self.server.take(self.tick, requests)
         for item in self.inputs:
-            self.go(item.goal) if isinstance(item, SendGoal) else self.halt()
+            self.go(item.goal) if isinstance(item, SendGoal) else self.cancel()
         if dead:
             self.goal, self.results = None, []
         result = self.results.pop(0) if self.results else None
@@ -229,7 +229,7 @@ def test_clients_can_take_back_the_games_goal_and_the_game_can_set_it_again() ->
 def test_a_goal_of_the_game_that_ends_in_its_first_tick_is_told_whole() -> None:
     robot = Robot()
     robot.go(Goal(5, HERE))
-    robot.halt()
+    robot.cancel()
     messages = robot.step()
     assert [type(item) for item in messages if not isinstance(item, StatusList)] == [GoalSet, GoalEnded]
     assert ends(messages) == [("robot1-5", GoalStatusCode.PREEMPTED)]

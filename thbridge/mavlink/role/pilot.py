@@ -159,7 +159,7 @@ class Pilot:
             return denied or self._trips.begin(_goal_pose(target, here), None, here, state)
         return self._trips.begin(Pose2(*outline.goal), room, here, state)
 
-    def halt(self) -> None:
+    def stop_robot(self) -> None:
         """See `VehicleInterface`."""
         self._trips.abort(reasons.STOPPED)
         self._ask(CancelGoal(self._robot))

@@ -220,7 +220,7 @@ class VehicleInterface(Protocol):
         """Put this station in command instead of all others. A repeated call has no effect."""
 
     def release(self) -> None:
-        """Give the command back to the participant; a leg under way continues, unless it was halted before."""
+        """Give the command back to the participant; a leg under way continues, unless it was stopped before."""
 
     def go_to(self, target: Target) -> int | Denied:
         """Send the robot to a point of the map; this replaces a leg under way.
@@ -231,7 +231,7 @@ class VehicleInterface(Protocol):
             The number of the leg; `Readings.leg` tells how it ends.
         """
 
-    def halt(self) -> None:
+    def stop_robot(self) -> None:
         """Stop, and abort the leg under way, or the game's move, whoever ordered it."""
 
     def drive(self, twist: Twist) -> Denied | None:

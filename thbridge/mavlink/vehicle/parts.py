@@ -44,7 +44,7 @@ class MissionControl(Protocol):
         """
 
     def pause(self) -> None:
-        """Stop running it and keep the current item. The caller must halt the robot itself."""
+        """Stop running it and keep the current item. The caller must stop the robot itself."""
 
     def select(self, item: int) -> Denied | None:
         """Continue with this item, now if the mission runs and else when it starts."""

@@ -136,7 +136,7 @@ class MoveBaseClient:
             self._finish(Cancelled(self._current.goal))
         self._send(goal, now_ns, again=False)
 
-    def halt(self, now_ns: int) -> None:
+    def cancel(self, now_ns: int) -> None:
         """Cancel our goal; goals of other clients stay."""
         current = self._current
         if current is not None and current.cancelled_ns is None:
@@ -209,7 +209,7 @@ class MoveBaseClient:
         elif current.unlisted_ns is not None and now_ns - current.unlisted_ns > UNLISTED_TIMEOUT_NS:
             self._resend_or_give_up(current, now_ns)
         elif self._lost_ns is not None and now_ns - max(self._lost_ns, current.sent_ns) > LOST_TIMEOUT_NS:
-            self.halt(now_ns)
+            self.cancel(now_ns)
             self._finish(NoPath(goal, "lost", "the robot does not know where it is"))
 
     def _resend_or_give_up(self, current: _ActiveGoal, now_ns: int) -> None:

@@ -150,9 +150,9 @@ class RemoteRobot:
                 self._goals.go(goal, now_ns)
             case CancelGoal():
                 self._commands.stop(now_ns)
-                self._goals.halt(now_ns)
+                self._goals.cancel(now_ns)
             case DriveManually(_, command, ticks):
-                self._goals.halt(now_ns)
+                self._goals.cancel(now_ns)
                 self._commands.drive(command, now_ns, ticks * TICK_NS)
             case SetPoseEstimate(_, base_in_map, covariance):
                 data = pack.pose_with_covariance(tick_of(now_ns), self.names.map_frame, base_in_map, covariance)
@@ -163,7 +163,7 @@ class RemoteRobot:
     def stop(self, now_ns: int) -> None:
         """Stop the robot, because nothing will be sent to it any more."""
         self._commands.stop(now_ns)
-        self._goals.halt(now_ns)
+        self._goals.cancel(now_ns)
         self._publish_goals(now_ns)
 
     def step(self, now_ns: int) -> RobotOutput | None:

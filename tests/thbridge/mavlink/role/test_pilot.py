@@ -230,7 +230,7 @@ def test_the_same_room_again_goes_on(taken: PilotedHunt) -> None:
 def test_halt_ends_whatever_is_under_way(taken: PilotedHunt, ticks: int) -> None:
     number = taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(ticks)
-    taken.pilot.halt()
+    taken.pilot.stop_robot()
     readings = taken.run(10)
     assert (readings.leg.number, readings.leg.state, readings.leg.reason) == (number, FAILED, "It was stopped.")
     assert not readings.under_way and taken.session.game.robots[0].bound_for is None
@@ -244,7 +244,7 @@ def test_anybody_at_the_helm_may_halt_what_the_participant_ordered(flight: Pilot
     flight.run(20)
     flight.pilot.release()
     flight.run(2)
-    flight.pilot.halt()
+    flight.pilot.stop_robot()
     flight.run(10)
     assert [event.room for event in flight.events(MoveFailed)] == [Room(4)]
 
@@ -427,4 +427,4 @@ def test_nothing_is_granted_before_there_is_a_game() -> None:
     pilot = Pilot(0, build_game_setup(setting()), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
     for refused in (pilot.take(STATION), pilot.go_to(Target(0.0, 0.0)), pilot.drive(Twist(0.0, 0.0)), pilot.leave()):
         assert isinstance(refused, Denied) and refused.kind is DenialKind.NOT_NOW
-    pilot.halt()
+    pilot.stop_robot()

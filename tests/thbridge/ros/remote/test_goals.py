@@ -97,8 +97,8 @@ def test_a_goal_that_is_taken_back_is_cancelled(server):
     name = server.go()
     server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.run(0.5)
-    server.client.halt(server.now)
-    server.client.halt(server.now)
+    server.client.cancel(server.now)
+    server.client.cancel(server.now)
     assert server.sent() == []
     assert server.cancels == [name]
     server.listed[name] = (GoalStatusCode.PREEMPTED, "")
@@ -110,7 +110,7 @@ def test_a_cancel_that_nobody_obeys_ends_the_goal_all_the_same_and_is_repeated(s
     name = server.go()
     server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.run(0.5)
-    server.client.halt(server.now)
+    server.client.cancel(server.now)
     server.sent()
     server.run(CANCEL_TIMEOUT_NS / SECOND + 0.5)
     assert server.client.results == [Cancelled(GOAL)]
@@ -210,7 +210,7 @@ def test_another_clients_goal_takes_over_and_is_not_fought(server):
     server.run(1)
     assert server.client.results == [Cancelled(GOAL)]
     assert server.client.goal(server.now, THERE) == Goal(0, HERE, GoalOwner.STRANGER)
-    server.client.halt(server.now)
+    server.client.cancel(server.now)
     assert server.sent() == []
     assert server.cancels == []
     server.listed["rviz-1"] = (GoalStatusCode.SUCCEEDED, "")

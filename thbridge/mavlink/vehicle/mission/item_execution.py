@@ -107,13 +107,13 @@ class ItemExecution:
         return result
 
     def stand(self) -> None:
-        """Halt the robot if it drives for the mission."""
+        """Stop the robot if it drives for the mission."""
         if self._leg is not None:
-            self._robot.halt()
+            self._robot.stop_robot()
             self._leg = None
 
     def drop(self) -> None:
-        """Stop executing the item, which will begin again. The caller must halt the robot itself."""
+        """Stop executing the item, which will begin again. The caller must stop the robot itself."""
         self._stage = self._leg = None
 
     def restart(self) -> None:
@@ -175,7 +175,7 @@ class ItemExecution:
         return _Driving()
 
     def _skip(self, item: int, denied: Denied) -> ItemSkip | Denied:
-        """Skip an item; halt where it comes again without a way in between: nothing is left to do."""
+        """Skip an item; stop where it comes again without a way in between: nothing is left to do."""
         if item in self._skipped:
             return denied
         self._skipped.add(item)

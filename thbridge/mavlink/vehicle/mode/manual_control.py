@@ -55,7 +55,7 @@ class ManualControl:
         return denied
 
     def release_control(self) -> None:
-        """Forget the last command; the robot itself is not halted."""
+        """Forget the last command; the robot itself is not stopped."""
         self._wanted = self._until = None
 
     def step(self, tick: int, base_in_map: Pose2) -> None:

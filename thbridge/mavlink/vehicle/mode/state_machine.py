@@ -24,7 +24,7 @@ from thbridge.mavlink.vehicle.parts import Announce, MissionControl, TextSeverit
 from thbridge.mavlink.wire.mode_numbers import Mode
 
 _STOPPING = TICKS_PER_SECOND
-"""Ticks after a halt in which a robot that still moves does so because it is stopping."""
+"""Ticks after a stop in which a robot that still moves does so because it is stopping."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +143,7 @@ class ModeStateMachine:
     def stop(self) -> None:
         """Stop, whoever sent the robot, and enter HOLD."""
         self._leave()
-        self._robot.halt()
+        self._robot.stop_robot()
         self._mode = Mode.HOLD
         self._stopped_at = self._tick
 
@@ -255,7 +255,7 @@ class ModeStateMachine:
         return self._readings.under_way and self._tick - self._stopped_at >= _STOPPING
 
     def _leave(self) -> None:
-        """Abort the activity of the mode; the robot itself is not halted."""
+        """Abort the activity of the mode; the robot itself is not stopped."""
         if self.plan.running:
             self.plan.pause()
         self._forget_leg()

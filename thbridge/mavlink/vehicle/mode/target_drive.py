@@ -44,7 +44,7 @@ class TargetDrive:
         self.number, self.target = number, target
 
     def abort(self) -> None:
-        """Forget the leg; the robot itself is not halted."""
+        """Forget the leg; the robot itself is not stopped."""
         self.number = self.target = None
 
     def step(self, readings: RobotReadings) -> None:
