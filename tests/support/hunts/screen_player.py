@@ -34,14 +34,14 @@ class ScreenPlayer:
         theirs: all words so far that come from the study, and not from the program.
     """
 
-    def __init__(self, model: Participant | None = None, **stage) -> None:
+    def __init__(self, model: Participant | None = None, **hunt) -> None:
         self.model = model or Participant()
         self.now = 0.0
         self.theirs: set[str] = set()
-        self.staged = stage
+        self.options = hunt
         self.tabui = TabUI(self, self)
-        self.stage = HuntWithoutSimulator(participant=self.tabui, **stage)
-        self.names = tuple(sorted({kind.name for kind in self.stage.templates.kinds}))
+        self.hunt = HuntWithoutSimulator(participant=self.tabui, **hunt)
+        self.names = tuple(sorted({kind.name for kind in self.hunt.templates.kinds}))
         self.model.connected(self.now)
         self.run(6)
 
@@ -58,7 +58,7 @@ class ScreenPlayer:
         self.model.lost("The server has gone.", self.now)
         self.now += 2.0
         self.tabui = TabUI(self, self)
-        self.stage = HuntWithoutSimulator(participant=self.tabui, history=self.stage.log.entries, **self.staged)
+        self.hunt = HuntWithoutSimulator(participant=self.tabui, history=self.hunt.log.entries, **self.options)
         self.model.connected(self.now)
 
     @property
@@ -73,7 +73,7 @@ class ScreenPlayer:
         for _ in range(ticks):
             self.now += TICK
             self.tabui.poll_player()
-            self.stage.run(1)
+            self.hunt.run(1)
         return self.screen
 
     def do(self, act: Act, ticks: int = 12) -> Screen:
@@ -109,7 +109,7 @@ def agree(seat):
 
 
 def events(seat, kind):
-    return [event for event in seat.stage.log.events if isinstance(event, kind)]
+    return [event for event in seat.hunt.log.events if isinstance(event, kind)]
 
 
 def play(seat, look=lambda screen: None):
@@ -127,7 +127,7 @@ def play(seat, look=lambda screen: None):
         elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
             seat.do(TakePictureAct())
         elif isinstance(pop, TreasurePopup):
-            right = seat.stage.session.game.treasures[pop.room - 1].name
+            right = seat.hunt.session.game.treasures[pop.room - 1].name
             look(seat.press(PickName(right)))
             seat.do(IdentifyTreasureAct() if seat.offered(IdentifyTreasureAct()).enabled else LeaveTreasureAct())
         elif screen.ask_advice.enabled:

@@ -57,30 +57,30 @@ class ScriptedHunt:
 
     def __init__(self, **options) -> None:
         self.player = ScriptedPlayer()
-        self.stage = HuntWithoutSimulator(participant=TabUI(self.player), **options)
-        self.stage.run(10)
+        self.hunt = HuntWithoutSimulator(participant=TabUI(self.player), **options)
+        self.hunt.run(10)
 
     def wish(self, *wishes: ParticipantRequest, ticks: int = 6) -> View:
         self.player.wish = wishes
-        self.stage.tabui.poll_player()
-        self.stage.run(ticks)
+        self.hunt.tabui.poll_player()
+        self.hunt.run(ticks)
         self.player.wish = ()
         return self.view
 
     def ask(self, *requests: CommandRequest | WizardRequest, ticks: int = 5) -> View:
         for request in requests:
-            self.stage.session.ask(self.outside, request)
-        self.stage.run(ticks)
+            self.hunt.session.ask(self.outside, request)
+        self.hunt.run(ticks)
         return self.view
 
     @property
     def view(self) -> View:
-        view = self.stage.view()
+        view = self.hunt.view()
         assert view is not None
         return view
 
     def events(self, *kinds: type) -> list:
-        return [event for event in self.stage.log.events if isinstance(event, kinds)]
+        return [event for event in self.hunt.log.events if isinstance(event, kinds)]
 
 
 RULEBOOK, LANGUAGE = read_rulebook(), read_language()
@@ -132,9 +132,9 @@ class WizardHunt(ScriptedHunt):
 
     @property
     def held(self) -> WizardState:
-        return self.stage.tick_records[-1].wizard
+        return self.hunt.tick_records[-1].wizard
 
     @property
     def said(self) -> list[tuple[Author, str]]:
-        spoken = [item for tick_record in self.stage.tick_records for item in tick_record.utterances]
+        spoken = [item for tick_record in self.hunt.tick_records for item in tick_record.utterances]
         return [(item.author, item.text) for item in spoken if item.topic.robot == 0]

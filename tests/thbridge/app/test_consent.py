@@ -87,9 +87,9 @@ def test_a_participant_of_2016_is_not_waited_for(setting: StudySetting) -> None:
 
 def test_a_server_writes_a_game_from_its_start_once_its_participant_has_agreed(tmp_path: Path) -> None:
     status = ConsentStatus.AWAITED
-    stage = HuntWithoutSimulator()
-    stage.run(6)
-    started, *rest = stage.log.events
+    hunt = HuntWithoutSimulator()
+    hunt.run(6)
+    started, *rest = hunt.log.events
     hidden = next(event for event in rest if isinstance(event, TreasuresHidden))
     log = ConsentedLog(JournalStore(tmp_path), lambda: status)
     log.append((started, hidden))

@@ -120,9 +120,9 @@ def test_a_built_in_participant_decides_where_it_fails(name: str, fault: str, ca
 
 
 def test_a_fault_is_among_what_the_participant_says() -> None:
-    stage = HuntWithoutSimulator(participant=TabUI(build_bot(templates(), "mute", 7)))
-    stage.run(30)
-    assert any('"kind":"Failed"' in line and "NoneType" in line for line in stage.lines)
+    hunt = HuntWithoutSimulator(participant=TabUI(build_bot(templates(), "mute", 7)))
+    hunt.run(30)
+    assert any('"kind":"Failed"' in line and "NoneType" in line for line in hunt.lines)
 
 
 @pytest.mark.parametrize(

@@ -82,7 +82,7 @@ def test_a_robot_of_others_under_way_is_not_called_back_by_the_participant(play:
     play.ask(TAKE, StationSend(0, 3), ticks=3)
     refusal = play.wish(StopRobot(0), ticks=4).refusal
     assert refusal is not None and (refusal.wish, refusal.sentence) == ("CallBack", SENTENCE)
-    play.stage.run(10)
+    play.hunt.run(10)
     assert play.events(RobotArrived) == [RobotArrived(0, Room(3))]
 
 
@@ -110,7 +110,7 @@ def test_a_ground_station_sends_its_robot_without_talk_and_what_is_there_is_told
     assert play.events(RobotDeparted, RobotArrived) == [RobotDeparted(0, Room(3), 17.0), RobotArrived(0, Room(3))]
     assert [event.room for event in play.events(TreasureSensed)] == [Room(3)]
     assert view.room(3).sensed and view.room(3).undecided
-    assert not [utterance for tick_record in play.stage.tick_records for utterance in tick_record.utterances]
+    assert not [utterance for tick_record in play.hunt.tick_records for utterance in tick_record.utterances]
 
 
 def test_rules_hold_for_ground_stations_and_the_participant_is_not_bothered(play: ScriptedHunt) -> None:
@@ -130,7 +130,7 @@ def test_rules_hold_for_ground_stations_and_the_participant_is_not_bothered(play
 
 def test_a_ground_station_pictures_names_and_leaves_where_its_robots_stand(play: ScriptedHunt) -> None:
     play.ask(TAKE, TakeCommand(1, NAME), StationSend(0, 3), StationSend(1, 4), ticks=20)
-    game = play.stage.session.game
+    game = play.hunt.session.game
     name = game.treasure(Room(3)).name
     view = play.ask(StationTakePicture(0), StationIdentify(0, name), StationLeave(1))
     assert view.room(3).picture is not None and view.room(3).verdict.points > 0 and view.room(4).left
@@ -177,13 +177,13 @@ def test_a_robot_that_is_called_back_before_it_was_told_to_go_never_set_out(play
 
 def test_a_researcher_has_the_robot_while_it_lasts_and_then_whoever_had_it(play: ScriptedHunt) -> None:
     play.ask(TAKE)
-    play.stage.puppets.researchers = ("/rviz", None)
-    play.stage.run(60)
+    play.hunt.puppets.researchers = ("/rviz", None)
+    play.hunt.run(60)
     robot = play.view.robots[0]
     # What a researcher's program is called is not for the participant.
     assert (robot.commander, robot.commander_name) == (Commander.RESEARCHER, "")
-    play.stage.puppets.researchers = (None, None)
-    play.stage.run(60)
+    play.hunt.puppets.researchers = (None, None)
+    play.hunt.run(60)
     assert play.view.robots[0].commander is Commander.GROUND_STATION
     assert play.events(CommanderChanged)[1:] == [
         CommanderChanged(0, Commander.RESEARCHER, "/rviz"),
@@ -201,32 +201,32 @@ def test_whoever_commands_a_robot_has_it_in_the_next_game_too(play: ScriptedHunt
 
 def test_a_keeper_that_comes_back_gives_robots_back_to_the_participant(play: ScriptedHunt) -> None:
     play.ask(TAKE)
-    again = ScriptedHunt(history=play.stage.log.entries)
+    again = ScriptedHunt(history=play.hunt.log.entries)
     assert again.view.robots[0].commander is Commander.PARTICIPANT
     assert again.events(CommanderChanged)[-1] == CommanderChanged(0, Commander.PARTICIPANT, "")
 
 
 def test_nobody_is_sent_before_the_treasures_are_hidden() -> None:
-    stage = HuntWithoutSimulator()
+    hunt = HuntWithoutSimulator()
     for _ in range(20):
-        stage.session.ask("station", TAKE)
-        stage.session.ask("station", StationSend(0, 3))
-        stage.run(1)
-    happened = [type(event) for event in stage.log.events if isinstance(event, TreasuresHidden | RobotDeparted)]
+        hunt.session.ask("station", TAKE)
+        hunt.session.ask("station", StationSend(0, 3))
+        hunt.run(1)
+    happened = [type(event) for event in hunt.log.events if isinstance(event, TreasuresHidden | RobotDeparted)]
     assert happened[0] is TreasuresHidden and RobotDeparted in happened
 
 
 @pytest.mark.parametrize("strategy", BotStrategy)
 def test_a_simulated_participant_waits_for_robots_that_others_command(strategy: BotStrategy) -> None:
-    stage = HuntWithoutSimulator(robots=2, strategy=strategy)
-    stage.run(5)
-    stage.session.ask("station", TAKE)
-    stage.run(3000)
-    departures = [event for event in stage.log.events if isinstance(event, RobotDeparted) and event.robot == 0]
-    assert stage.session.game.ended is None and not departures
-    stage.session.ask("station", ReleaseCommand(0))
-    stage.finish()
-    assert any(isinstance(event, RobotDeparted) and event.robot == 0 for event in stage.log.events)
+    hunt = HuntWithoutSimulator(robots=2, strategy=strategy)
+    hunt.run(5)
+    hunt.session.ask("station", TAKE)
+    hunt.run(3000)
+    departures = [event for event in hunt.log.events if isinstance(event, RobotDeparted) and event.robot == 0]
+    assert hunt.session.game.ended is None and not departures
+    hunt.session.ask("station", ReleaseCommand(0))
+    hunt.finish()
+    assert any(isinstance(event, RobotDeparted) and event.robot == 0 for event in hunt.log.events)
 
 
 def test_programs_of_before_are_understood(play: ScriptedHunt) -> None:
@@ -249,7 +249,7 @@ def test_a_robot_is_asked_for_at_once_and_again_after_ten_seconds(play: Scripted
     assert play.wish(RequestHandback(0)).robots[0].asked_back
     assert play.wish(RequestHandback(0), ticks=480).robots[0].asked_back
     assert play.events(HandbackRequested) == [HandbackRequested(0)]
-    play.stage.run(20)
+    play.hunt.run(20)
     assert not play.view.robots[0].asked_back
     assert play.wish(RequestHandback(0)).robots[0].asked_back
     assert play.events(HandbackRequested) == [HandbackRequested(0)] * 2 and play.view.refusal is None
@@ -266,8 +266,8 @@ def test_who_takes_a_robot_next_is_asked_anew(play: ScriptedHunt) -> None:
 def test_a_researcher_is_asked_too_and_nobody_for_what_is_the_participants(play: ScriptedHunt) -> None:
     play.wish(RequestHandback(0), RequestHandback(1), RequestHandback(9))
     assert not play.events(HandbackRequested)
-    play.stage.puppets.researchers = ("/rviz", None)
-    play.stage.run(60)
+    play.hunt.puppets.researchers = ("/rviz", None)
+    play.hunt.run(60)
     assert play.wish(RequestHandback(0)).robots[0].asked_back
     assert play.events(HandbackRequested) == [HandbackRequested(0)]
 
@@ -293,25 +293,25 @@ def test_what_a_station_leaves_unnamed_the_participant_still_names(play: Scripte
     while view.dialogues:
         (dialogue,) = view.dialogues
         view = play.wish(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0), ticks=4)
-    name = play.stage.session.game.treasure(Room(3)).name
+    name = play.hunt.session.game.treasure(Room(3)).name
     assert play.wish(IdentifyTreasure(3, name)).room(3).verdict.points > 0
     assert play.events(TreasureIdentified)[0].robot == 0
 
 
 @pytest.mark.parametrize("strategy", BotStrategy)
 def test_a_simulated_participant_looks_after_what_stations_leave(strategy: BotStrategy) -> None:
-    stage = HuntWithoutSimulator(robots=2, strategy=strategy)
-    stage.run(5)
-    stage.session.ask("station", TAKE)
+    hunt = HuntWithoutSimulator(robots=2, strategy=strategy)
+    hunt.run(5)
+    hunt.session.ask("station", TAKE)
     for room in (7, 8):
         # The station moves on as soon as its robot is there, before anybody can have decided.
-        stage.session.ask("station", StationSend(0, room))
-        while RobotArrived(0, Room(room)) not in stage.log.events:
-            stage.run(1)
-            assert len(stage.tick_records) < 200, "the robot does not arrive"
-    stage.session.ask("station", ReleaseCommand(0))
-    stage.finish()
-    happened = stage.log.events
+        hunt.session.ask("station", StationSend(0, room))
+        while RobotArrived(0, Room(room)) not in hunt.log.events:
+            hunt.run(1)
+            assert len(hunt.tick_records) < 200, "the robot does not arrive"
+    hunt.session.ask("station", ReleaseCommand(0))
+    hunt.finish()
+    happened = hunt.log.events
     decided = [
         event for event in happened if isinstance(event, TreasureIdentified | TreasureLeft) and event.room == Room(7)
     ]
@@ -319,4 +319,4 @@ def test_a_simulated_participant_looks_after_what_stations_leave(strategy: BotSt
         at for at, event in enumerate(happened) if event == RobotArrived(0, Room(7))
     )
     assert not any(isinstance(event, TreasurePictured) and event.room == Room(7) for event in happened)
-    assert all(room.is_decided for room in stage.session.game.rooms if room.sensed)
+    assert all(room.is_decided for room in hunt.session.game.rooms if room.sensed)

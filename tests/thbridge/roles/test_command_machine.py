@@ -58,29 +58,29 @@ steps |= st.tuples(st.just("researchers"), researchers)
 @given(st.lists(st.tuples(st.lists(steps, max_size=3), st.integers(0, 6)), max_size=12))
 def test_only_commanders_send_robots_and_nobody_is_left_on_the_way(played):
     player = ScriptedPlayer()
-    stage = HuntWithoutSimulator(participant=TabUI(player))
-    stage.run(8)
+    hunt = HuntWithoutSimulator(participant=TabUI(player))
+    hunt.run(8)
     sent = set()
     for together, ticks in played:
         player.wish = ()
         for who, what in together:
             if who == "researchers":
-                stage.puppets.researchers = what
+                hunt.puppets.researchers = what
             elif who == "station":
-                stage.session.ask("station", what)
+                hunt.session.ask("station", what)
                 sent |= {(what.robot, what.room)} if isinstance(what, StationSend) else set()
             else:
-                player.wish += _wished(stage.view(), what)
-        stage.tabui.poll_player()
-        stage.run(ticks)
+                player.wish += _wished(hunt.view(), what)
+        hunt.tabui.poll_player()
+        hunt.run(ticks)
     player.wish = ()
-    stage.puppets.researchers = (None, None)
+    hunt.puppets.researchers = (None, None)
     for robot in (0, 1):
-        stage.session.ask("station", ReleaseCommand(robot))
-    stage.run(80)
-    assert all(robot.bound_for is None for robot in stage.session.game.robots)
-    assert all(robot.command == CommandHolder() for robot in stage.session.game.robots)
-    _judge(stage.log.events, sent)
+        hunt.session.ask("station", ReleaseCommand(robot))
+    hunt.run(80)
+    assert all(robot.bound_for is None for robot in hunt.session.game.robots)
+    assert all(robot.command == CommandHolder() for robot in hunt.session.game.robots)
+    _judge(hunt.log.events, sent)
 
 
 def _wished(view, wish):

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from tests.support.hunts import hunt_without_simulator
 from tests.support.hunts.game_states import fold
-from tests.support.hunts.hunt_without_simulator import HuntWithoutSimulator
+from tests.support.hunts.hunt_without_simulator import RULES, HuntWithoutSimulator, scripted_engine
 from tests.support.hunts.scripted_hunt import ScriptedPlayer, go
 from thbridge.dialogue.moves import Continue, Speaker
 from thbridge.hunt import rules
@@ -165,7 +164,7 @@ def test_a_room_is_visited_once_and_spoken_of_with_one_robot(scripted):
 
 def test_a_robot_without_the_energy_is_refused_before_it_moves():
     player = ScriptedPlayer()
-    played = HuntWithoutSimulator(participant=TabUI(player), rules=replace(hunt_without_simulator.RULES, energy=15.0))
+    played = HuntWithoutSimulator(participant=TabUI(player), rules=replace(RULES, energy=15.0))
     played.run(5)
     player.wish = (SelectRoom(0, 3),)
     played.tabui.poll_player()
@@ -308,8 +307,8 @@ def test_a_line_of_2016_moves_no_robot_that_does_not_answer(scripted):
 def test_how_robots_are_outlives_every_program(scripted):
     report(scripted, 0, Condition.SILENT)
     keeper = Keeper(
-        hunt_without_simulator.RULES,
-        lambda game: hunt_without_simulator.scripted_engine(scripted.templates),
+        RULES,
+        lambda game: scripted_engine(scripted.templates),
         tuple(scripted.log.events),
     )
     assert [robot.condition for robot in keeper.state.robots] == [Condition.SILENT, Condition.WELL]
@@ -327,9 +326,7 @@ def test_a_hunt_whose_last_robot_falls_silent_is_over():
 
 
 def test_a_hunt_with_a_room_that_nobody_reaches_is_given_up_after_all_others():
-    played = HuntWithoutSimulator(
-        robots=2, strategy=BotStrategy.NEAREST, rules=replace(hunt_without_simulator.RULES, energy=1000.0)
-    )
+    played = HuntWithoutSimulator(robots=2, strategy=BotStrategy.NEAREST, rules=replace(RULES, energy=1000.0))
     played.puppets.stuck = {0, 1}
     played.finish()
     assert played.session.game.ended.reason is EndReason.GIVEN_UP

@@ -126,23 +126,23 @@ class Forgetful:
 def test_the_keeper_and_its_neighbours(said):
     briefing = Briefing(names=("Blue Bottle",), pictures={"x.jpg": bytes(50_000), "rsz_t1.jpg": b"1"}, consent="Yes?")
     bot = build_bot(templates(), BotStrategy.SUGGESTION, 7)
-    stage = HuntWithoutSimulator(participant=TabUI(bot, Forgetful()), briefing=briefing)
-    stage.run(8)
-    stage.router.local.attach("Noise")
+    hunt = HuntWithoutSimulator(participant=TabUI(bot, Forgetful()), briefing=briefing)
+    hunt.run(8)
+    hunt.router.local.attach("Noise")
     for message in said:
-        stage.router.local.submit("Noise", message)
-        stage.run(1)
-    stage.run(10)
-    started = max(i for i, event in enumerate(stage.log.events) if isinstance(event, GameStarted))
-    assert fold(stage.log.events[started], stage.log.events[started + 1 :]) == stage.session.game
+        hunt.router.local.submit("Noise", message)
+        hunt.run(1)
+    hunt.run(10)
+    started = max(i for i, event in enumerate(hunt.log.events) if isinstance(event, GameStarted))
+    assert fold(hunt.log.events[started], hunt.log.events[started + 1 :]) == hunt.session.game
 
 
 @pytest.mark.parametrize("number", [-1, 0, 1, 1 << 70])
 def test_a_view_with_a_dialogue_that_cannot_be_numbered_so_is_not_taken(number):
-    stage = HuntWithoutSimulator()
-    stage.run(8)
+    hunt = HuntWithoutSimulator()
+    hunt.run(8)
     talk = view.DialogueView(number, 1, 0, "select-room", 1, ("Shall I go?",), ("Continue", "Stop"))
-    line = encode_notice(KEEPER, legacy.TABUI, structs.replace(stage.view(), dialogues=(talk,)))
+    line = encode_notice(KEEPER, legacy.TABUI, structs.replace(hunt.view(), dialogues=(talk,)))
     assert (view.View.of_notice(parse_notice(line)) is None) == (number != 1)
 
 
@@ -151,12 +151,12 @@ def test_a_view_with_a_dialogue_that_cannot_be_numbered_so_is_not_taken(number):
     [((), (), True), (("continue", "stop"), ("robot",), True), (("continue",), (), False), ((), ("robot",) * 2, False)],
 )
 def test_a_view_names_all_acts_and_speakers_or_none_as_those_of_older_releases(acts, speakers, is_taken):
-    stage = HuntWithoutSimulator()
-    stage.run(8)
+    hunt = HuntWithoutSimulator()
+    hunt.run(8)
     talk = view.DialogueView(
         1, 1, 0, "select-room", 1, ("Shall I go?",), ("Continue", "Stop"), acts=acts, speakers=speakers
     )
-    line = encode_notice(KEEPER, legacy.TABUI, structs.replace(stage.view(), dialogues=(talk,)))
+    line = encode_notice(KEEPER, legacy.TABUI, structs.replace(hunt.view(), dialogues=(talk,)))
     assert (view.View.of_notice(parse_notice(line)) is not None) == is_taken
 
 

@@ -12,14 +12,12 @@ from ui.command_line.story import print_story, tell
 def test_who_commands_a_robot_is_told() -> None:
     play = ScriptedHunt()
     play.ask(TAKE)
-    play.stage.puppets.researchers = ("/rviz", None)
-    play.stage.run(60)
-    play.stage.puppets.researchers = (None, None)
-    play.stage.run(60)
+    play.hunt.puppets.researchers = ("/rviz", None)
+    play.hunt.run(60)
+    play.hunt.puppets.researchers = (None, None)
+    play.hunt.run(60)
     play.ask(ReleaseCommand(0))
-    sentences = [
-        sentence.split("s  ", 1)[1] for tick in play.stage.tick_records for sentence in tell(tick, RoomNames())
-    ]
+    sentences = [sentence.split("s  ", 1)[1] for tick in play.hunt.tick_records for sentence in tell(tick, RoomNames())]
     assert [sentence for sentence in sentences if "commanded" in sentence] == [
         "Robot 1 is commanded by ground station 255 from now on.",
         "Robot 1 is commanded by /rviz from now on.",
@@ -30,13 +28,13 @@ def test_who_commands_a_robot_is_told() -> None:
 
 def test_names_are_told_as_words_and_no_file_of_a_picture() -> None:
     play = ScriptedHunt()
-    play.stage.run(2)
+    play.hunt.run(2)
     events = (
         TreasurePictured(Room(3), 0, "rsz_t3.jpg", 5.0),
         TreasureIdentified(Room(3), 0, "beer_bottle", 20, 1.0),
         TreasureIdentified(None, None, None, -10, 0.0),
     )
-    tick = dataclasses.replace(play.stage.tick_records[-1], events=events, utterances=())
+    tick = dataclasses.replace(play.hunt.tick_records[-1], events=events, utterances=())
     assert [sentence.split("s  ", 1)[1] for sentence in tell(tick, RoomNames())] == [
         "Robot 1 takes a picture in room 3.",
         "The treasure in room 3 is named beer bottle: +20 points.",
@@ -46,9 +44,9 @@ def test_names_are_told_as_words_and_no_file_of_a_picture() -> None:
 
 def test_the_name_of_a_room_stands_beside_its_number() -> None:
     play = ScriptedHunt()
-    play.stage.run(2)
+    play.hunt.run(2)
     events = (RobotArrived(0, Room(3)), RobotArrived(1, Room(4)), TreasureLeft(Room(3)))
-    tick = dataclasses.replace(play.stage.tick_records[-1], events=events, utterances=())
+    tick = dataclasses.replace(play.hunt.tick_records[-1], events=events, utterances=())
     assert [sentence.split("s  ", 1)[1] for sentence in tell(tick, RoomNames({3: "Kitchen"}))] == [
         "Robot 1 is in room 3 (Kitchen).",
         "Robot 2 is in room 4.",
@@ -59,9 +57,9 @@ def test_the_name_of_a_room_stands_beside_its_number() -> None:
 def test_a_sentence_is_one_line_where_no_terminal_is(capsys, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "40")
     play = ScriptedHunt()
-    play.stage.run(2)
+    play.hunt.run(2)
     events = (RobotArrived(0, Room(3)),)
-    tick = dataclasses.replace(play.stage.tick_records[-1], events=events, utterances=())
+    tick = dataclasses.replace(play.hunt.tick_records[-1], events=events, utterances=())
     print_story(tick, RoomNames({3: "Store of instruments beside the long corridor"}))
     assert capsys.readouterr().out == (
         "    0.2 s  Robot 1 is in room 3 (Store of instruments beside the long corridor).\n"

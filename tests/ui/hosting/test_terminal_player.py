@@ -34,18 +34,18 @@ class Seat:
         texts: Texts = ENGLISH,
     ) -> None:
         self.shown: list[str] = []
-        self.person = TerminalPlayer(self.shown.append, lambda: self.stage.tabui.room_names, lambda: texts)
-        self.stage = HuntWithoutSimulator(
+        self.person = TerminalPlayer(self.shown.append, lambda: self.hunt.tabui.room_names, lambda: texts)
+        self.hunt = HuntWithoutSimulator(
             participant=TabUI(self.person), briefing=briefing, set_name=set_name, talk=talk
         )
-        self.stage.run(6)
+        self.hunt.run(6)
 
     def type(self, line: str, ticks: int = 8) -> list[str]:
         """Type a line; return the lines shown in answer."""
         before = len(self.shown)
         self.person.type(line)
-        self.stage.tabui.poll_player()
-        self.stage.run(ticks)
+        self.hunt.tabui.poll_player()
+        self.hunt.run(ticks)
         return self.shown[before:]
 
 
@@ -76,7 +76,7 @@ def test_a_person_hunts_by_keyboard_alone(seat):
     assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
     assert seat.type("c") == ["Robot 1: Are you sure?   [c Continue, s Stop]"]
     assert seat.type("c", 20)[0] == "Robot 1 sets out for room 3; it has 83 energy left."
-    treasure = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
+    treasure = next(event for event in seat.hunt.log.events if isinstance(event, TreasuresHidden)).treasures[2]
     assert seat.shown[-2:] == [
         "Robot 1 is in room 3.",
         f"Room 3: something {', '.join(treasure.properties.values()).lower()}. n 3 NAME names it.",
@@ -87,7 +87,7 @@ def test_a_person_hunts_by_keyboard_alone(seat):
     assert seat.type(f"n 3 {treasure.name.lower()}") == [
         f"Room 3: {treasure.name} is right, {treasure.points} points won."
     ]
-    assert any(isinstance(event, TreasureIdentified) for event in seat.stage.log.events)
+    assert any(isinstance(event, TreasureIdentified) for event in seat.hunt.log.events)
 
 
 def test_the_name_of_a_room_stands_beside_its_number():
@@ -108,7 +108,7 @@ def test_the_name_of_a_room_stands_beside_its_number():
 
 
 def test_the_rules_are_those_of_the_windows_sheet(seat):
-    view = seat.stage.tabui.view
+    view = seat.hunt.tabui.view
     assert seat.type("rules") == [f"  {rule}" for rule in rules_of(shipped_texts(), view)]
     assert "  A right name wins the treasure's points. A wrong name may lose some." in seat.shown
 
@@ -121,7 +121,7 @@ def test_names_of_files_are_read_and_typed_as_words():
     assert seat.type("names") == ["  beer bottle, beer bottle opener, fuzzy die"]
     seat.type("n 3 beer bottle")
     assert "Room 3: Beer bottle is wrong" in seat.shown[-1]
-    named = next(event for event in seat.stage.log.events if isinstance(event, TreasureIdentified))
+    named = next(event for event in seat.hunt.log.events if isinstance(event, TreasureIdentified))
     assert named.name == "beer_bottle", "the journal has the name of the file"
 
 
@@ -137,7 +137,7 @@ def test_what_is_left_can_be_taken_up_again(seat):
 def test_stop_sends_nobody(seat):
     seat.type("2 ?")
     seat.type("s")
-    assert not any(isinstance(event, RobotDeparted) for event in seat.stage.log.events)
+    assert not any(isinstance(event, RobotDeparted) for event in seat.hunt.log.events)
 
 
 @pytest.mark.parametrize(
@@ -158,21 +158,21 @@ def test_what_cannot_be_done_is_said(seat, typed, answer):
 
 
 def test_a_person_is_told_of_robots_that_do_not_answer_or_know_where_they_are(seat):
-    seat.stage.puppets.conditions = [Condition.SILENT, Condition.LOST]
-    seat.stage.run(60)
+    seat.hunt.puppets.conditions = [Condition.SILENT, Condition.LOST]
+    seat.hunt.run(60)
     assert seat.shown[-2:] == ["Robot 1 does not answer any more.", "Robot 2 does not know where it is."]
     assert "  Robot 2 does not know where it is." in seat.type("?")
     assert seat.type("1 3") == ["Robot 1 does not answer."]
 
 
 def test_a_person_is_told_whose_a_robot_is(seat):
-    seat.stage.session.ask("station", TakeCommand(0, "ground station 255"))
-    seat.stage.run(10)
+    seat.hunt.session.ask("station", TakeCommand(0, "ground station 255"))
+    seat.hunt.run(10)
     assert seat.shown[-1:] == ["Robot 1 is commanded by ground station 255 now."]
     assert "  Robot 1 is commanded by ground station 255." in seat.type("?")
     assert seat.type("1 3")[0].startswith("Robot 1 is commanded by ground station 255. You get it back")
-    seat.stage.session.ask("station", ReleaseCommand(0))
-    seat.stage.run(10)
+    seat.hunt.session.ask("station", ReleaseCommand(0))
+    seat.hunt.run(10)
     assert seat.shown[-1:] == ["Robot 1 is yours again."]
 
 
@@ -185,7 +185,7 @@ def test_a_person_is_asked_to_take_part_before_anything_else():
     assert seat.shown == ["We record", "what you do.", QUESTION]
     assert seat.type("1 3") == [QUESTION]
     assert seat.type("Yes")[0] == "Game 1. Type rules for its rules, ? to see how things stand, h for help."
-    assert [event.at[-1:] for event in seat.stage.log.events if isinstance(event, ConsentGiven)] == ["Z"]
+    assert [event.at[-1:] for event in seat.hunt.log.events if isinstance(event, ConsentGiven)] == ["Z"]
     assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
 
 
@@ -198,13 +198,13 @@ def test_a_person_may_say_no(word):
 
 def test_a_person_asks_for_a_robot_and_names_what_a_station_left(seat):
     for request in (TakeCommand(0, "ground station 255"), StationSend(0, 3)):
-        seat.stage.session.ask("station", request)
-    seat.stage.run(20)
+        seat.hunt.session.ask("station", request)
+    seat.hunt.run(20)
     assert seat.type("a 1") == ["You have asked ground station 255 for robot 1 back."]
-    seat.stage.session.ask("station", StationSend(0, 4))
-    seat.stage.run(3)
+    seat.hunt.session.ask("station", StationSend(0, 4))
+    seat.hunt.run(3)
     assert any(line.startswith("  Room 3: something") for line in seat.type("?", 2))
-    treasure = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
+    treasure = next(event for event in seat.hunt.log.events if isinstance(event, TreasuresHidden)).treasures[2]
     assert f"Room 3: {treasure.name} is right, {treasure.points} points won." in seat.type(f"n 3 {treasure.name}")
     assert not any(line.startswith("  Room 3") for line in seat.type("?"))
 
@@ -213,7 +213,7 @@ def test_a_person_has_more_sensed_and_tells_what_they_see():
     seat = Seat(set_name="four-properties")
     seat.type("1 3")
     seat.type("c", 20)
-    kind = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
+    kind = next(event for event in seat.hunt.log.events if isinstance(event, TreasuresHidden)).treasures[2]
     assert "m 3 weight lets the robot sense it for 2 energy." in seat.shown[-1]
     assert seat.type("m 3 smell") == ["Robots sense nothing of that name on request."]
     assert seat.type("t 3 material wood") == ["Too little is known about what is there."]
@@ -252,7 +252,7 @@ def test_what_is_agreed_in_the_terminal_is_done_at_once():
     seat.type("1 ?")
     said, *_ = seat.type("1")
     assert said.startswith("You: All right")
-    assert any(isinstance(event, RobotDeparted) for event in seat.stage.log.events)
+    assert any(isinstance(event, RobotDeparted) for event in seat.hunt.log.events)
 
 
 def test_robots_that_wait_at_once_are_answered_in_any_order():
@@ -278,12 +278,12 @@ def test_who_does_not_know_what_was_found_asks_a_robot_that_argues():
     )
     seat = Seat(briefing, talk=arguing_engine(DialogueCondition.COLLABORATOR))
     seat.type("1 ?")
-    room = seat.stage.view().dialogues[0].room
+    room = seat.hunt.view().dialogues[0].room
     seat.type("1", ticks=60)
     answer = " ".join(seat.type(f"n {room} ?"))
     assert "I would say the treasure" in answer
     seat.type("1")
-    (named,) = [event for event in seat.stage.log.events if isinstance(event, TreasureIdentified)]
+    (named,) = [event for event in seat.hunt.log.events if isinstance(event, TreasureIdentified)]
     assert named.name is not None and named.name in answer and named.points > 0
 
 
@@ -294,7 +294,7 @@ def test_a_person_plays_in_the_games_language():
     help_text = seat.type("hilfe")[0]
     for english, word in (("end", "ende"), ("names", "namen"), ("rules", "regeln")):
         assert f"\n  {word} " in f"\n{help_text}" and word == german.text(f"terminal.word_{english}")
-    assert seat.type("Regeln") == seat.type("rules") == [f"  {rule}" for rule in rules_of(german, seat.stage.view())]
+    assert seat.type("Regeln") == seat.type("rules") == [f"  {rule}" for rule in rules_of(german, seat.hunt.view())]
     assert seat.type("namen") == ["Es wurde noch kein Schatz gefunden."]
     seat.type("1 3")
     seat.type("c")

@@ -75,8 +75,8 @@ REASONS: list[StrEnum] = [*RuleReason, *KeeperReason, *NoTour]
 class GermanSeat(ScreenPlayer):
     """A participant who reads every screen, and finds nothing English on it."""
 
-    def __init__(self, **stage) -> None:
-        super().__init__(Participant(texts=GERMAN), **stage)
+    def __init__(self, **hunt) -> None:
+        super().__init__(Participant(texts=GERMAN), **hunt)
 
     def run(self, ticks: int = 12) -> Screen:
         for _ in range(max(ticks, 1)):
@@ -129,7 +129,7 @@ def test_a_whole_game():
         seat.press(act)
         assert seat.screen.banner is not None
     # Another goal on the way, and a stop.
-    seat.stage.puppets.ticks = 60
+    seat.hunt.puppets.ticks = 60
     seat.go(3)
     seat.press(SelectRoomAct(1))
     seat.press(Cancel())
@@ -138,7 +138,7 @@ def test_a_whole_game():
     seat.press(Confirm())
     seat.agree()
     seat.press(StopRobotAct(), 40)
-    seat.stage.puppets.ticks = 8
+    seat.hunt.puppets.ticks = 8
     # A find, with all that can be done with it.
     pop = seat.go(3).popup
     assert pop.room == 3
@@ -150,7 +150,7 @@ def test_a_whole_game():
         seat.press(fact.tell[0].act if fact.tell else ConsiderRoom(None))
     seat.press(IdentifyTreasureAct())
     seat.press(TypeLetter("q"))
-    wrong = next(name for name in seat.names if name != seat.stage.session.game.treasures[2].name)
+    wrong = next(name for name in seat.names if name != seat.hunt.session.game.treasures[2].name)
     seat.press(PickName(wrong))
     seat.press(RequestSuggestionAct())
     seat.press(Cancel())
@@ -167,19 +167,19 @@ def test_a_whole_game():
     seat.press(ShowNext())
     # What goes wrong with robots.
     seat.press(ChooseRobot(1))
-    seat.stage.puppets.stuck = {1}
+    seat.hunt.puppets.stuck = {1}
     seat.go(5)
     assert seat.run(30).banner.text == GERMAN.text("hints.refused_no_path")
     for condition in (Condition.LOST, Condition.SILENT, Condition.WELL):
-        seat.stage.puppets.conditions = [Condition.WELL, condition]
+        seat.hunt.puppets.conditions = [Condition.WELL, condition]
         seat.run(60)
     # Others command one for a while.
-    seat.stage.session.ask("station", TAKE)
+    seat.hunt.session.ask("station", TAKE)
     seat.run()
     seat.press(ChooseRobot(0))
     seat.do(RequestHandbackAct())
     seat.press(RequestHandbackAct())
-    seat.stage.session.ask("station", ReleaseCommand(0))
+    seat.hunt.session.ask("station", ReleaseCommand(0))
     seat.run()
     # The connection, the end, and another game.
     seat.model.lost("", seat.now)

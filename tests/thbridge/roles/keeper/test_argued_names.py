@@ -45,17 +45,17 @@ class AtTreasure(ArguingHunt):
 
     def named(self, name: str) -> TreasureIdentified | None:
         self.wish(IdentifyTreasure(self.place, name))
-        return next((event for event in self.stage.log.events if isinstance(event, TreasureIdentified)), None)
+        return next((event for event in self.hunt.log.events if isinstance(event, TreasureIdentified)), None)
 
     @property
     def true_name(self) -> str:
         known = self.view.room(self.place).known
-        return next(kind.name for kind in self.stage.templates.kinds if kind.properties == known)
+        return next(kind.name for kind in self.hunt.templates.kinds if kind.properties == known)
 
     @property
     def wrong_name(self) -> str:
         colour = self.view.room(self.place).known["colour"]
-        return next(kind.name for kind in self.stage.templates.kinds if kind.properties["colour"] != colour)
+        return next(kind.name for kind in self.hunt.templates.kinds if kind.properties["colour"] != colour)
 
 
 def test_a_name_that_fits_what_was_sensed_is_agreed_at_once() -> None:

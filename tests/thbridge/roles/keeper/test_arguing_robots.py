@@ -71,7 +71,7 @@ def test_two_robots_ask_at_once_and_are_answered_in_any_order() -> None:
 def test_a_robot_that_finds_no_way_says_where_it_would_go_instead() -> None:
     table = ArguingHunt()
     room = table.suggested()
-    table.stage.puppets.stuck.add(0)
+    table.hunt.puppets.stuck.add(0)
     table.wish(SelectRoom(0, room))
     view = table.wish(SendRobot(0, room), ticks=80)
     assert view.robots[0].moving_to is None
@@ -87,22 +87,22 @@ def test_a_robot_that_finds_no_way_says_where_it_would_go_instead() -> None:
 
 def test_neglected_robots_decide_by_themselves_and_say_so() -> None:
     table = ArguingHunt(patience=100)
-    table.stage.run(90)
+    table.hunt.run(90)
     assert all(robot.moving_to is None for robot in table.view.robots)
     seen = set()
     for _ in range(60):
-        table.stage.run(1)
+        table.hunt.run(1)
         seen.update(table.view.last_words)
-    said = [each for record in table.stage.tick_records for each in record.utterances]
+    said = [each for record in table.hunt.tick_records for each in record.utterances]
     assert {each.topic.robot for each in said if isinstance(each.move, DecideAlone)} == {0, 1}
     assert all(each.text.startswith("Nobody has told me what to do for 2 s") for each in said)
     assert {(words.robot, words.agreed) for words in seen} == {(0, True), (1, True)}
     assert all(words.said[-1].startswith("Nobody has told me") for words in seen)
-    table.stage.run(3000)
+    table.hunt.run(3000)
     assert sum(room.state == "visited" for room in table.view.rooms) == 8
     # It names what it is sure of, and gives nothing up in her place.
     assert any(room.verdict is not None and room.verdict.points > 0 for room in table.view.rooms)
-    assert not any(isinstance(event, TreasureLeft) for event in table.stage.log.events)
+    assert not any(isinstance(event, TreasureLeft) for event in table.hunt.log.events)
     assert all(room.verdict is None or room.verdict.points > 0 for room in table.view.rooms)
 
 
@@ -112,19 +112,19 @@ def test_a_robot_that_is_attended_to_waits() -> None:
     for at in range(20):
         for robot in (0, 1):
             table.say("Back" if at % 2 else "I have a question", robot)
-        table.stage.run(30)
-    assert not any(isinstance(event, RobotDeparted) for event in table.stage.log.events)
+        table.hunt.run(30)
+    assert not any(isinstance(event, RobotDeparted) for event in table.hunt.log.events)
 
 
 def test_a_robot_gives_time_to_read_what_it_has_said() -> None:
     table = ArguingHunt(patience=100)
     table.wish(RequestSuggestion(0))
-    table.stage.run(600)
+    table.hunt.run(600)
     assert table.view.robots[0].moving_to is None
-    departed = [event.robot for event in table.stage.log.events if isinstance(event, RobotDeparted)]
+    departed = [event.robot for event in table.hunt.log.events if isinstance(event, RobotDeparted)]
     assert departed and 0 not in departed
-    table.stage.run(1200)
-    departed = [event.robot for event in table.stage.log.events if isinstance(event, RobotDeparted)]
+    table.hunt.run(1200)
+    departed = [event.robot for event in table.hunt.log.events if isinstance(event, RobotDeparted)]
     assert 0 in departed
 
 
@@ -146,16 +146,16 @@ def test_who_has_the_last_word(condition: DialogueCondition) -> None:
 def test_a_wizard_is_offered_the_legal_moves_of_the_robot() -> None:
     table = ArguingHunt()
     room = table.another_room()
-    table.stage.session.ask("wizard", WizardMode(0, on=True))
+    table.hunt.session.ask("wizard", WizardMode(0, on=True))
     table.wish(SelectRoom(0, room))
     assert table.dialogue().choices == ()
-    (turn,) = table.stage.tick_records[-1].wizard.turns
+    (turn,) = table.hunt.tick_records[-1].wizard.turns
     assert len(turn.sentences) >= 2
     challenge = next(at for at, sentence in enumerate(turn.sentences) if sentence.startswith("Why"))
-    table.stage.session.ask("wizard", WizardMove(turn.dialogue, turn.turn, challenge, ""))
-    table.stage.run(5)
+    table.hunt.session.ask("wizard", WizardMove(turn.dialogue, turn.turn, challenge, ""))
+    table.hunt.run(5)
     assert table.dialogue().said[-1].startswith("Why")
-    authors = [each.author for record in table.stage.tick_records for each in record.utterances]
+    authors = [each.author for record in table.hunt.tick_records for each in record.utterances]
     assert Author.WIZARD in authors
 
 
@@ -181,7 +181,7 @@ def test_what_was_agreed_is_in_sight_until_the_robot_is_there() -> None:
     assert words.said[-2].startswith("All right") and f"to room {room}" in words.said[-1]
     assert words.speakers[-2:] == ("person", "robot") and words.is_told
     assert table.wish(SendRobot(0, room)).last_words == (words,)
-    table.stage.run(30)
+    table.hunt.run(30)
     assert table.view.robots[0].place == room
     assert table.view.last_words == ()
 
@@ -223,7 +223,7 @@ def test_another_author_s_sentence_is_said_where_it_tells_the_same_and_recorded_
     table = ArguingHunt(talk=talk)
     room = table.another_room()
     table.wish(SelectRoom(0, room))
-    said = [each for record in table.stage.tick_records for each in record.utterances if each.authored]
+    said = [each for record in table.hunt.tick_records for each in record.utterances if each.authored]
     taken, refused = said[0], said[-1]
     assert taken.authored is not None and taken.text == taken.authored.offered == taken.authored.sentence
     assert refused.authored is not None and refused.authored.offered == "All right, I go to room 99."
@@ -244,5 +244,5 @@ def test_what_is_not_done_after_all_is_not_told() -> None:
     assert view.consents == ()
     (words,) = (each for each in view.last_words if each.robot == 1)
     assert (words.agreed, words.is_told, words.speakers[-1]) == (False, False, "person")
-    said = [each for record in table.stage.tick_records for each in record.utterances if each.topic.robot == 1]
+    said = [each for record in table.hunt.tick_records for each in record.utterances if each.topic.robot == 1]
     assert not any(isinstance(each.move, Conclude) and each.move.about is not None for each in said)

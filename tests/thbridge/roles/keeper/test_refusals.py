@@ -23,13 +23,13 @@ class Outsider:
     def __init__(self, *, tells_refusals: bool = False, robots: bool = True) -> None:
         outside = {legacy.TABUI} if robots else {legacy.TABUI, legacy.SIMR}
         self.heard: list[str] = []
-        self.stage = HuntWithoutSimulator(
+        self.hunt = HuntWithoutSimulator(
             outside=outside, tells_refusals=tells_refusals, outlets=SessionOutlets(self._perform)
         )
-        self.session = self.stage.session
+        self.session = self.hunt.session
         self.connection = self.session.router.connect(0.0)
         self.say("%%setid TabUI")
-        self.stage.run(6)
+        self.hunt.run(6)
 
     def _perform(self, outputs) -> None:
         for output in outputs:
@@ -41,10 +41,10 @@ class Outsider:
 
     def refused(self, line: str) -> list[str]:
         """Say a line; return the sentences of the refusals that follow."""
-        before = len(self.stage.tick_records)
+        before = len(self.hunt.tick_records)
         self.say(line)
-        self.stage.run(3)
-        return [each.refused.sentence for tick in self.stage.tick_records[before:] for each in tick.refusals]
+        self.hunt.run(3)
+        return [each.refused.sentence for tick in self.hunt.tick_records[before:] for each in tick.refusals]
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_what_is_refused_is_told_to_people_who_run_the_server_and_not_on_the_wir
 def test_a_visited_room_is_refused_with_its_reason():
     outsider = Outsider()
     assert outsider.refused("%%goto TabUI SimR 0 2 2 45") == []
-    outsider.stage.run(20)
+    outsider.hunt.run(20)
     assert outsider.refused("%%goto TabUI SimR 1 2 2 45") == ["Room 3 has been visited already."]
 
 
@@ -90,9 +90,9 @@ def test_a_reply_to_a_program_that_has_gone_is_told_as_that_and_none_of_the_keep
     outsider.refused("%%goto TabUI SimR 0 2 2 45")
     outsider.say("%%goto TabUI SimR 1 39 39 45")
     outsider.say("%%sshhuuttddoowwnn")
-    before = len(outsider.stage.tick_records)
-    outsider.stage.run(20)
-    told = [str(each) for tick in outsider.stage.tick_records[before:] for each in tick.refusals]
+    before = len(outsider.hunt.tick_records)
+    outsider.hunt.run(20)
+    told = [str(each) for tick in outsider.hunt.tick_records[before:] for each in tick.refusals]
     assert told == [
         'TabUI asked "%%goto TabUI SimR 1 39 39 45", refused: Room 40 is not a room of this game; it has 1 to 8.',
         'SimR said "%%error SimR TabUI "0;2"", which reached nobody: No program is called TabUI here.',
@@ -131,12 +131,12 @@ def test_a_line_of_2016_that_comes_twice_counts_once() -> None:
     outsider = Outsider(tells_refusals=True)
     goto, sense, snap = "%%goto TabUI SimR 0 2 2 45", '%%error TabUI Hider "2"', "%%snap TabUI Hider 2"
     assert outsider.refused(goto) + outsider.refused(goto) == []
-    outsider.stage.run(20)
+    outsider.hunt.run(20)
     for line in (sense, snap, sense, snap):
         assert outsider.refused(line) == []
     assert outsider.refused("%%goto TabUI SimR 0 4 4 45") == []
     assert outsider.refused(snap) == [], "what is known is sent again though its robot has gone on"
-    kinds = [type(event) for event in outsider.stage.log.events]
+    kinds = [type(event) for event in outsider.hunt.log.events]
     of_room_3 = [RobotDeparted, RobotArrived, TreasureSensed, TreasurePictured]
     assert kinds[2:] == [*of_room_3, TreasureLeft, RobotDeparted]
     assert len([line for line in outsider.heard if "%%image" in line]) == 3

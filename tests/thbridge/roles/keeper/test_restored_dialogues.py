@@ -45,8 +45,8 @@ class Standing:
         return cls(dialogues.views(), dialogues.agreements.all, conversations, dialogues.next_number)
 
 
-def restored(stage: HuntWithoutSimulator, talk: DialogueEngine, history: list[JournalEntry]) -> Keeper:
-    return Keeper(RULES, lambda _: talk, history, 1, stage.briefing)
+def restored(hunt: HuntWithoutSimulator, talk: DialogueEngine, history: list[JournalEntry]) -> Keeper:
+    return Keeper(RULES, lambda _: talk, history, 1, hunt.briefing)
 
 
 @pytest.mark.parametrize(
@@ -59,17 +59,17 @@ def restored(stage: HuntWithoutSimulator, talk: DialogueEngine, history: list[Jo
     ],
 )
 def test_a_keeper_that_is_restarted_at_any_moment_knows_what_was_said_and_agreed(talk):
-    stage = HuntWithoutSimulator(
+    hunt = HuntWithoutSimulator(
         talk=talk, participant=TabUI(build_bot(templates(), BotStrategy.RANDOM, 3, Attitude.SCEPTICAL))
     )
     stands: dict[int, Standing] = {}
-    while stage.session.game is None or stage.session.game.ended is None:
-        stage.run(1)
-        stands[len(stage.log.entries)] = Standing.of(stage.keeper._game.dialogues)
-    said = [entry for entry in stage.log.entries if isinstance(entry, DialogueSaid)]
+    while hunt.session.game is None or hunt.session.game.ended is None:
+        hunt.run(1)
+        stands[len(hunt.log.entries)] = Standing.of(hunt.keeper._game.dialogues)
+    said = [entry for entry in hunt.log.entries if isinstance(entry, DialogueSaid)]
     assert len(said) >= 15, "nobody talks: the test shows nothing"
     for length, standing in [*stands.items()][1 :: len(stands) // 12]:
-        keeper = restored(stage, talk, stage.log.entries[:length])
+        keeper = restored(hunt, talk, hunt.log.entries[:length])
         assert keeper.dialogues_not_restored == ()
         assert Standing.of(keeper._game.dialogues) == standing
         keeper.step(0, ())
@@ -81,7 +81,7 @@ def test_the_participant_answers_the_robot_after_a_restart_as_if_nothing_had_hap
     room = table.another_room()
     table.wish(SelectRoom(0, room))
     before = table.dialogue()
-    again = ArguingHunt(history=table.stage.log.entries)
+    again = ArguingHunt(history=table.hunt.log.entries)
     assert again.dialogue() == before
     again.say(f"All right, not room {room}")
     again.say("Where would you go, then?")
@@ -93,7 +93,7 @@ def test_a_robot_whose_answer_was_not_written_any_more_answers_after_the_restart
     table.wish(SelectRoom(0, table.another_room()))
     talk = table.dialogue()
     table.wish(AnswerDialogue(talk.dialogue, talk.turn, talk.acts.index("challenge")))
-    history = list(table.stage.log.entries)
+    history = list(table.hunt.log.entries)
     answer = next(
         at
         for at, entry in enumerate(history)
@@ -103,16 +103,16 @@ def test_a_robot_whose_answer_was_not_written_any_more_answers_after_the_restart
     assert history[answer + 1 :]
     again = ArguingHunt(history=cut)
     assert again.dialogue() == table.dialogue()
-    assert again.stage.log.entries[: len(history)] == history
+    assert again.hunt.log.entries[: len(history)] == history
 
 
 def test_a_dialogue_that_the_rules_do_not_allow_any_more_is_withdrawn_and_told():
     table = ArguingHunt()
     table.wish(SelectRoom(0, table.another_room()))
-    *before, last = table.stage.log.entries
+    *before, last = table.hunt.log.entries
     assert isinstance(last, DialogueSaid)
     other = structs.replace(last, move="assert(nonsense)")
-    keeper = restored(table.stage, table.talk, [*before, other])
+    keeper = restored(table.hunt, table.talk, [*before, other])
     assert keeper.dialogues_not_restored == (last.dialogue,)
     assert keeper._game.dialogues.views() == ()
 
@@ -120,9 +120,9 @@ def test_a_dialogue_that_the_rules_do_not_allow_any_more_is_withdrawn_and_told()
 def test_a_journal_has_every_sentence_with_its_speaker_and_author():
     table = ArguingHunt()
     table.wish(SelectRoom(0, table.another_room()))
-    opened = [entry for entry in table.stage.log.entries if isinstance(entry, DialogueOpened)][-1]
+    opened = [entry for entry in table.hunt.log.entries if isinstance(entry, DialogueOpened)][-1]
     said = [
-        each for each in table.stage.log.entries if isinstance(each, DialogueSaid) and each.dialogue == opened.dialogue
+        each for each in table.hunt.log.entries if isinstance(each, DialogueSaid) and each.dialogue == opened.dialogue
     ]
     assert [each.text for each in said] == [*table.dialogue().said]
     assert [each.speaker for each in said] == [*table.dialogue().speakers]

@@ -16,8 +16,8 @@ UNSURE = RequestSuggestion(0)
 def begun() -> tuple[TabUI, ScriptedPlayer]:
     """A participant's program that has its first view, and is not connected with anything from here on."""
     player = ScriptedPlayer()
-    stage = HuntWithoutSimulator(participant=(tabui := TabUI(player)))
-    stage.run(10)
+    hunt = HuntWithoutSimulator(participant=(tabui := TabUI(player)))
+    hunt.run(10)
     assert isinstance(tabui.view, View)
     return tabui, player
 

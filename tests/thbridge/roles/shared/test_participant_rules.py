@@ -67,8 +67,8 @@ def any_step(chance, view):
     )
 
 
-def play(stage, player, step):
-    view, puppets = stage.view(), stage.puppets
+def play(hunt, player, step):
+    view, puppets = hunt.view(), hunt.puppets
     player.wish = ()
     match step:
         case "slow" | "fast":
@@ -86,18 +86,18 @@ def play(stage, player, step):
             )
         case (TakeCommand() | ReleaseCommand(), *_):
             for request in step:
-                stage.session.ask("station", request)
+                hunt.session.ask("station", request)
         case (robot, Condition() as condition):
             puppets.conditions[robot] = condition
         case (robot, researcher):
             puppets.researchers = tuple(researcher if number == robot else None for number in ROBOTS)
         case _:
             player.wish = (step,)
-    stage.tabui.poll_player()
-    stage.run(12)
+    hunt.tabui.poll_player()
+    hunt.run(12)
     player.wish = ()
-    stage.tabui.poll_player()
-    stage.run(50)
+    hunt.tabui.poll_player()
+    hunt.run(50)
 
 
 def agreed_request(consent):
@@ -110,14 +110,14 @@ def agreed_request(consent):
             return IdentifyTreasure(consent.room, "Pink can")
 
 
-def keeper_refuses(stage, request):
+def keeper_refuses(hunt, request):
     """Reason for which the keeper refuses a request now, or None; the game goes on as if nobody had asked."""
-    asked = deepcopy(stage.keeper)
-    notices = [parse_notice(line) for line in asked.step(len(stage.tick_records), [encode_request_line(request)])]
+    asked = deepcopy(hunt.keeper)
+    notices = [parse_notice(line) for line in asked.step(len(hunt.tick_records), [encode_request_line(request)])]
     views = [View.of_notice(each) for each in notices if isinstance(each, Notice) and each.kind == "View"]
     assert len(views) < 2
-    refusal = views[0].refusal if views else stage.view().refusal
-    return None if refusal == stage.view().refusal else refusal.reason
+    refusal = views[0].refusal if views else hunt.view().refusal
+    return None if refusal == hunt.view().refusal else refusal.reason
 
 
 @settings(max_examples=20, deadline=None)
@@ -125,13 +125,13 @@ def keeper_refuses(stage, request):
 def test_what_the_view_says_is_possible_the_keeper_grants_and_nothing_else(seed, energy):
     chance = Random(seed)
     player = ScriptedPlayer()
-    stage = HuntWithoutSimulator(participant=TabUI(player), rules=replace(RULES, energy=energy))
-    stage.run(60)
+    hunt = HuntWithoutSimulator(participant=TabUI(player), rules=replace(RULES, energy=energy))
+    hunt.run(60)
     for _ in range(40):
-        play(stage, player, any_step(chance, stage.view()))
-        known = revealed(stage.view())
+        play(hunt, player, any_step(chance, hunt.view()))
+        known = revealed(hunt.view())
         for _ in range(3):
-            request = any_request(chance, stage.view())
+            request = any_request(chance, hunt.view())
             ruling = judge(known, request)
             reason = ruling.reason if isinstance(ruling, RequestRefused) else None
-            assert keeper_refuses(stage, request) == reason, request
+            assert keeper_refuses(hunt, request) == reason, request

@@ -61,7 +61,7 @@ def test_a_whole_hunt_by_keys_alone():
             assert act is not None, key
             seat.press(act)
 
-    seat.stage.puppets.ticks = 2
+    seat.hunt.puppets.ticks = 2
     for _ in range(400):
         screen = seat.screen
         if screen.phase is Phase.OVER:
@@ -83,7 +83,7 @@ def test_a_whole_hunt_by_keys_alone():
         else:
             press("Tab")
     assert seat.screen.phase is Phase.OVER
-    assert seat.stage.session.game.score != 0
+    assert seat.hunt.session.game.score != 0
     press("A")
     assert seat.screen.game == 2
     press("E", "Y")

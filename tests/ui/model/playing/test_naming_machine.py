@@ -94,7 +94,7 @@ class Naming(RuleBasedStateMachine):
 
     @rule(room=st.integers(1, 8), released=st.booleans())
     def somebody_else_sends_robot_1_on(self, room, released):
-        ask = self.seat.stage.session.ask
+        ask = self.seat.hunt.session.ask
         ask("station", TAKE)
         ask("station", StationSend(0, room))
         if released:
@@ -105,7 +105,7 @@ class Naming(RuleBasedStateMachine):
 
     @rule(condition=st.sampled_from(Condition))
     def robot_2_is_well_or_not(self, condition):
-        self.seat.stage.puppets.conditions[1] = condition
+        self.seat.hunt.puppets.conditions[1] = condition
         for _ in range(60):
             self.seat.run(1)
             self.look()
@@ -131,7 +131,7 @@ class Naming(RuleBasedStateMachine):
         if isinstance(pop, DialoguePopup) and ": name " in pop.title:
             room = next(talk.room for talk in talks if talk.robot == pop.robot)
             assert f"name it {name_in_words(self.said[room])}?" in pop.title
-        events = self.seat.stage.log.events
+        events = self.seat.hunt.log.events
         for event in events[self.read :]:
             if isinstance(event, TreasureIdentified):
                 assert event.name == self.said[event.room.people]

@@ -63,7 +63,7 @@ def test_a_whole_hunt_by_what_is_offered():
     assert seat.screen.phase is Phase.OVER
     assert events(seat, TreasureIdentified)
     assert events(seat, TreasurePictured)
-    assert seat.screen.score == seat.stage.session.game.score > 0
+    assert seat.screen.score == seat.hunt.session.game.score > 0
     assert seat.screen.ending.lines[0] in (
         "Every room has been visited.",
         "No robot has the energy to go any further.",
@@ -120,7 +120,7 @@ def test_an_answer_counts_for_what_was_on_the_screen_only():
     for _ in range(12):
         seat.now += 0.02
         seat.tabui.poll_player()
-        seat.stage.run(1)
+        seat.hunt.run(1)
     seat.model.do(AnswerDialogueAct(1), seat.now)
     assert before.popup.choices[1].label == "Stop"
     assert seat.view.robots[0].moving_to == 3
@@ -134,7 +134,7 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     assert pop.picked is None
     assert not pop.name_it.enabled
     assert pop.name_it.hint == "Pick a name first."
-    treasure = seat.stage.session.game.treasures[2]
+    treasure = seat.hunt.session.game.treasures[2]
     assert [fact.value for fact in pop.facts] == [*treasure.properties.values()]
     seat.press(PickName(treasure.name))
     pop = seat.do(IdentifyTreasureAct()).popup
@@ -183,7 +183,7 @@ def test_a_picture_is_talked_over_and_taken_once_agreed():
 def test_a_wrong_name_costs_and_is_said_so():
     seat = ScreenPlayer()
     go(seat, 3)
-    treasure = seat.stage.session.game.treasures[2]
+    treasure = seat.hunt.session.game.treasures[2]
     wrong = next(name for name in seat.names if name != treasure.name)
     seat.press(PickName(wrong))
     pop = seat.do(IdentifyTreasureAct()).popup
@@ -305,7 +305,7 @@ def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
 
 def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
     seat = ScreenPlayer()
-    seat.stage.puppets.ticks = 400
+    seat.hunt.puppets.ticks = 400
     seat.do(SelectRoomAct(3))
     agree(seat)
     screen = seat.do(SelectRoomAct(6))
@@ -338,7 +338,7 @@ def test_a_robot_that_arrives_before_it_is_called_back_is_not_sent_on():
 
 def test_stop_calls_a_robot_back():
     seat = ScreenPlayer()
-    seat.stage.puppets.ticks = 400
+    seat.hunt.puppets.ticks = 400
     seat.do(SelectRoomAct(3))
     agree(seat)
     seat.model.do(StopRobotAct(), seat.now)
@@ -364,7 +364,7 @@ def test_going_on_asks_before_it_leaves_a_treasure_behind():
 
 def test_a_refusal_is_told_and_takes_back_what_was_shown_for_it():
     seat = ScreenPlayer()
-    seat.stage.puppets.stuck = {0}
+    seat.hunt.puppets.stuck = {0}
     seat.do(SelectRoomAct(3))
     agree(seat)
     screen = seat.run(30)
@@ -454,23 +454,23 @@ def test_digits_choose_rooms():
 )
 def test_trouble_is_said_in_words(condition, state):
     seat = ScreenPlayer()
-    seat.stage.puppets.conditions[0] = condition
+    seat.hunt.puppets.conditions[0] = condition
     card = seat.run(60).cards[0]
     assert (card.state, card.trouble) == (state, True)
 
 
 def test_a_robot_that_somebody_speaks_for_is_thinking_until_they_do():
     seat = ScreenPlayer()
-    seat.stage.session.ask("wizard", WizardMode(0, on=True))
+    seat.hunt.session.ask("wizard", WizardMode(0, on=True))
     seat.do(RequestSuggestionAct())
     assert seat.screen.cards[0].state == "is being asked"
     seat.model = Participant()  # a window that was closed and opened again
     seat.model.connected(seat.now)
     seat.tabui.connected()
     assert seat.run().cards[0].state == "is thinking about where to go"
-    seat.stage.session.ask("wizard", WizardAdvice(0, 5))
+    seat.hunt.session.ask("wizard", WizardAdvice(0, 5))
     assert seat.run().cards[0].state == "is thinking"
-    seat.stage.session.ask("wizard", WizardMove(1, 0, 0, "Room 5?"))
+    seat.hunt.session.ask("wizard", WizardMove(1, 0, 0, "Room 5?"))
     assert seat.run().cards[0].state == "asks you something"
 
 
@@ -565,8 +565,8 @@ def test_leaving_the_last_find_says_that_it_ends_the_game():
 
 
 def test_the_picture_stays_in_sight_while_a_name_is_talked_over():
-    names = tuple(sorted({kind.name for kind in ScreenPlayer(set_name=TALKATIVE).stage.templates.kinds}))
-    pictures = {kind.image: b"image" for kind in ScreenPlayer(set_name=TALKATIVE).stage.templates.kinds}
+    names = tuple(sorted({kind.name for kind in ScreenPlayer(set_name=TALKATIVE).hunt.templates.kinds}))
+    pictures = {kind.image: b"image" for kind in ScreenPlayer(set_name=TALKATIVE).hunt.templates.kinds}
     seat = ScreenPlayer(set_name=TALKATIVE, briefing=Briefing(names=names, pictures=pictures))
     go(seat, 3)
     seat.do(TakePictureAct())
@@ -607,7 +607,7 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     seat.press(PickName(name))
     seat.do(ShowNext())
     seat.press(NextRobot(1))
-    seat.stage.puppets.ticks = 500
+    seat.hunt.puppets.ticks = 500
     seat.do(SelectRoomAct(4))
     agree(seat)
     lines = len(seat.screen.history)
@@ -638,7 +638,7 @@ def test_another_window_comes_into_the_middle_of_a_game():
     screen = seat.run()
     assert screen.history[0].text == "Game 1 is under way, with 2 robots and 8 rooms; the score is 0."
     assert len(screen.waiting) == 1
-    treasure = seat.stage.session.game.treasures[2]
+    treasure = seat.hunt.session.game.treasures[2]
     if not isinstance(screen.popup, TreasurePopup):
         seat.do(ShowNext())
     seat.press(PickName(treasure.name))

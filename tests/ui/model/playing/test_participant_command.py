@@ -98,11 +98,11 @@ def test_a_robot_of_others_is_not_stopped_here():
 
 def test_what_others_robots_find_is_named_here():
     seat = ScreenPlayer(robots=2)
-    seat.stage.session.ask("station", TAKE)
-    seat.stage.session.ask("station", StationSend(0, 3))
+    seat.hunt.session.ask("station", TAKE)
+    seat.hunt.session.ask("station", StationSend(0, 3))
     screen = seat.run(30)
     assert isinstance(screen.popup, TreasurePopup) and screen.popup.room == 3
-    seat.press(PickName(seat.stage.session.game.treasures[2].name))
+    seat.press(PickName(seat.hunt.session.game.treasures[2].name))
     seat.do(IdentifyTreasureAct() if seat.offered(IdentifyTreasureAct()).enabled else LeaveTreasureAct())
     agree(seat)
     assert events(seat, TreasureIdentified)[0].points > 0
@@ -110,11 +110,11 @@ def test_what_others_robots_find_is_named_here():
 
 def test_a_robot_that_came_back_is_sent_as_ever():
     seat = ScreenPlayer(robots=2)
-    seat.stage.session.ask("station", TAKE)
+    seat.hunt.session.ask("station", TAKE)
     seat.run()
     seat.press(SelectRoomAct(3))
     assert not events(seat, RobotDeparted)
-    seat.stage.session.ask("station", ReleaseCommand(0))
+    seat.hunt.session.ask("station", ReleaseCommand(0))
     seat.run()
     go(seat, 3)
     assert [event.room.people for event in events(seat, RobotDeparted)] == [3]
@@ -124,7 +124,7 @@ def test_a_robot_that_came_back_is_sent_as_ever():
 def test_a_participant_without_any_robot_of_their_own_is_told_what_is_left_to_do():
     seat = ScreenPlayer(model=Participant(), robots=2)
     for robot in (0, 1):
-        seat.stage.session.ask("station", TakeCommand(robot, NAME))
+        seat.hunt.session.ask("station", TakeCommand(robot, NAME))
     seat.run()
     seat.now += 10.0
     assert (
@@ -172,10 +172,10 @@ def test_who_cannot_end_the_game_is_told_whom_to_ask():
 
 def test_what_a_station_leaves_unnamed_stays_on_the_table():
     seat = ScreenPlayer(robots=2)
-    seat.stage.session.ask("station", TAKE)
-    seat.stage.session.ask("station", StationSend(0, 3))
+    seat.hunt.session.ask("station", TAKE)
+    seat.hunt.session.ask("station", StationSend(0, 3))
     assert seat.run(30).popup.room == 3
-    seat.stage.session.ask("station", StationSend(0, 4))
+    seat.hunt.session.ask("station", StationSend(0, 4))
     screen = seat.run(6)
     assert screen.banner.text == (
         "Robot 1 was sent on, and what it found stays in room 3. You may still say what it is."
@@ -190,7 +190,7 @@ def test_what_a_station_leaves_unnamed_stays_on_the_table():
     assert seat.do(ShowWaiting(0, 4)).popup.room == 4
     assert [waiting.text for waiting in seat.screen.waiting] == ["Robot 1 found something in room 3"]
     assert seat.do(ShowWaiting(0, 3)).popup.room == 3
-    seat.press(PickName(seat.stage.session.game.treasures[2].name))
+    seat.press(PickName(seat.hunt.session.game.treasures[2].name))
     seat.do(IdentifyTreasureAct())
     agree(seat)
     assert "is right" in seat.screen.popup.verdict and seat.screen.popup.title == "What robot 1 found in room 3"

@@ -147,17 +147,17 @@ class Game(RuleBasedStateMachine):
 
     @rule(robot=st.integers(0, 2), condition=st.sampled_from(Condition))
     def something_is_wrong_with_a_robot(self, robot, condition):
-        puppets = self.seat.stage.puppets
+        puppets = self.seat.hunt.puppets
         puppets.conditions[robot % puppets.robots] = condition
         self.seat.run(60)
 
     @rule(robot=st.integers(0, 2))
     def a_way_is_barred_or_free_again(self, robot):
-        self.seat.stage.puppets.stuck ^= {robot}
+        self.seat.hunt.puppets.stuck ^= {robot}
 
     @rule(ticks=st.sampled_from((5, 200)))
     def ways_take_so_long(self, ticks):
-        self.seat.stage.puppets.ticks = ticks
+        self.seat.hunt.puppets.ticks = ticks
 
     @rule()
     def the_connection_comes_back(self):
@@ -190,7 +190,7 @@ class Game(RuleBasedStateMachine):
         if seat.screen.help:
             seat.press(ShowHelp())
         settle(seat)
-        state, screen = seat.stage.session.game, seat.screen
+        state, screen = seat.hunt.session.game, seat.screen
         if state.ended is not None:
             assert screen.phase is Phase.OVER
             return
@@ -244,7 +244,7 @@ def settle(seat):
         return state.ended is None, [robot.bound_for for robot in state.robots]
 
     for _ in range(5):
-        if outline(revealed(seat.view).state) == outline(seat.stage.session.game):
+        if outline(revealed(seat.view).state) == outline(seat.hunt.session.game):
             return
         seat.run(1)
     raise AssertionError("the view does not catch up with the game")

@@ -77,7 +77,7 @@ class Arguer(WindowPlayer):
     @property
     def departures(self) -> list[tuple[int, int]]:
         """Robots and rooms."""
-        events = self.seat.stage.log.events
+        events = self.seat.hunt.log.events
         return [(event.robot, event.room.people) for event in events if isinstance(event, RobotDeparted)]
 
 
@@ -86,7 +86,7 @@ def sit(qtbot: QtBot, qapp: QApplication) -> Sit:
     def make(condition: DialogueCondition = DialogueCondition.COLLABORATOR) -> Arguer:
         look.apply_palette(qapp, LIGHT)
         seat = ScreenPlayer(talk=arguing_engine(condition), briefing=Briefing(condition=condition))
-        seat.stage.puppets.ticks = 200
+        seat.hunt.puppets.ticks = 200
         window = ParticipantWindow(seat.model, lambda: seat.now, LIGHT)
         qtbot.addWidget(window)
         window.resize(1024, 600)

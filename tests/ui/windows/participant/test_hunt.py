@@ -130,11 +130,11 @@ def test_a_whole_hunt(
         if seat.screen.phase is Phase.OVER:
             break
         pop = seat.screen.popup
-        right = seat.stage.session.game.treasures[pop.room - 1].name if isinstance(pop, TreasurePopup) else ""
+        right = seat.hunt.session.game.treasures[pop.room - 1].name if isinstance(pop, TreasurePopup) else ""
         play(sitting, right)
     assert seat.screen.phase is Phase.OVER
     assert seat.screen.score > 0
-    found_out = [type(event) for event in seat.stage.log.events if isinstance(event, PropertyMeasured | PropertyTold)]
+    found_out = [type(event) for event in seat.hunt.log.events if isinstance(event, PropertyMeasured | PropertyTold)]
     assert set(found_out) == ({PropertyMeasured, PropertyTold} if set_name == "four-properties" else set())
     assert sitting.window.ending.isVisible()
     assert len(sitting.views) == 1, "the map has stayed as it is"

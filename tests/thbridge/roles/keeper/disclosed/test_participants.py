@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from msgspec import structs
 
-from tests.support.hunts import hunt_without_simulator
+from tests.support.hunts.hunt_without_simulator import RULES, HuntWithoutSimulator, scripted_engine, templates
 from tests.support.hunts.scripted_hunt import ScriptedPlayer, go
 from thbridge.app.compose.game import build_floor_plan
 from thbridge.app.compose.setting import read_setting
@@ -62,7 +62,6 @@ from thbridge.study.study_file import Study
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
 
-Stage = hunt_without_simulator.HuntWithoutSimulator
 HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
 CONSENT = "We record what you do."
 YES = GiveConsent("2026-11-23T09:30:00Z")
@@ -87,13 +86,13 @@ class Played:
     def __init__(self, briefing: Briefing) -> None:
         self.player, self.eyes = ScriptedPlayer(), Eyes()
         self.tabui = TabUI(self.player, self.eyes)
-        self.stage = Stage(participant=self.tabui, briefing=briefing)
-        self.stage.run(5)
+        self.hunt = HuntWithoutSimulator(participant=self.tabui, briefing=briefing)
+        self.hunt.run(5)
 
     def say(self, *wishes: ParticipantRequest, ticks: int = 8) -> View:
         self.player.wish = wishes
         self.tabui.poll_player()
-        self.stage.run(ticks)
+        self.hunt.run(ticks)
         return self.tabui.view
 
     def go(self, robot: int, room: int) -> View:
@@ -108,7 +107,7 @@ class Played:
 
 def images(size: int) -> dict[str, bytes]:
     """A different file for each treasure of the set."""
-    names = [kind.image for kind in hunt_without_simulator.templates().kinds]
+    names = [kind.image for kind in templates().kinds]
     return {name: bytes([number]) * size for number, name in enumerate(names)}
 
 
@@ -120,7 +119,7 @@ def test_the_house_is_told_when_somebody_joins_and_when_they_join_again():
     played = Played(Briefing(HOUSE))
     assert played.eyes.of(FloorPlan) == [HOUSE]
     played.tabui.connected()
-    played.stage.run(3)
+    played.hunt.run(3)
     assert played.eyes.of(FloorPlan) == [HOUSE, HOUSE]
 
 
@@ -154,7 +153,7 @@ def test_a_picture_is_told_once_it_is_taken():
     played.go(0, 3)
     assert played.eyes.of(PicturePiece) == []
     view = played.picture(0, 3)
-    played.stage.run(4 * PIECE_PERIOD)
+    played.hunt.run(4 * PIECE_PERIOD)
     pieces = played.eyes.of(PicturePiece)
     assert [(piece.game, piece.room, piece.piece, piece.pieces) for piece in pieces] == [
         (1, 3, 0, 3),
@@ -168,17 +167,17 @@ def test_a_picture_is_told_once_it_is_taken():
 def test_who_comes_back_is_told_all_pictures_again_from_the_first_piece():
     played = Played(Briefing(HOUSE, pictures=images(2 * PIECE_SIZE)))
     played.picture(0, 3)
-    played.stage.run(2 * PIECE_PERIOD)
+    played.hunt.run(2 * PIECE_PERIOD)
     played.eyes.seen.clear()
     played.tabui.connected()
-    played.stage.run(4 * PIECE_PERIOD)
+    played.hunt.run(4 * PIECE_PERIOD)
     assert [(piece.room, piece.piece) for piece in played.eyes.of(PicturePiece)] == [(3, 0), (3, 1)]
 
 
 def test_a_picture_that_nobody_has_is_told_by_its_name_alone():
     played = Played(Briefing(HOUSE))
     assert played.picture(0, 3).room(3).picture is not None
-    played.stage.run(50)
+    played.hunt.run(50)
     assert played.eyes.of(PicturePiece) == []
 
 
@@ -230,7 +229,7 @@ def test_before_agreeing_nothing_else_is_granted():
         assert (view.consent, view.over, view.dialogues) == (CONSENT, None, ())
         assert (view.refusal.number, view.refusal.wish) == (number, kind_of(type(wish)))
         assert (view.refusal.reason, view.refusal.sentence) == ("not-agreed", "You have not agreed to take part yet.")
-    assert [type(event).__name__ for event in played.stage.log.events] == ["GameStarted", "TreasuresHidden"]
+    assert [type(event).__name__ for event in played.hunt.log.events] == ["GameStarted", "TreasuresHidden"]
 
 
 def test_who_has_agreed_plays_as_others_do():
@@ -238,7 +237,7 @@ def test_who_has_agreed_plays_as_others_do():
     assert played.say(GiveConsent()).consent is None
     assert played.say(GiveConsent()).refusal is None
     assert played.go(0, 3).room(3).state == "visited"
-    assert played.stage.log.events.count(ConsentGiven()) == 1
+    assert played.hunt.log.events.count(ConsentGiven()) == 1
 
 
 def test_agreement_holds_for_later_games_and_their_journals_say_so():
@@ -247,7 +246,7 @@ def test_agreement_holds_for_later_games_and_their_journals_say_so():
     played.say(EndGame(1))
     view = played.say(PlayAgain(1))
     assert (view.game, view.consent) == (2, None)
-    events = played.stage.log.events
+    events = played.hunt.log.events
     second = [event for event in events[events.index(ConsentGiven()) + 1 :] if not isinstance(event, TreasuresHidden)]
     assert [type(event).__name__ for event in second] == ["GameEnded", "GameStarted", "ConsentGiven"]
 
@@ -257,7 +256,7 @@ def test_the_record_has_the_time_of_the_yes_in_every_game():
     played.say(GiveConsent(YES.at))
     played.say(EndGame(1))
     played.say(PlayAgain(1))
-    assert [event for event in played.stage.log.events if isinstance(event, ConsentGiven)] == [ConsentGiven(YES.at)] * 2
+    assert [event for event in played.hunt.log.events if isinstance(event, ConsentGiven)] == [ConsentGiven(YES.at)] * 2
 
 
 def test_the_next_person_at_a_finished_game_is_asked_anew():
@@ -274,7 +273,7 @@ def test_the_next_person_at_a_finished_game_is_asked_anew():
     assert played.tabui.view.game == 2
     played.say(GiveConsent("2026-11-24T09:30:00Z"))
     assert played.say(PlayAgain(2)).consent is None
-    started, agreed, hidden = played.stage.log.events[-3:]
+    started, agreed, hidden = played.hunt.log.events[-3:]
     assert (type(started), agreed, type(hidden)) == (
         GameStarted,
         ConsentGiven("2026-11-24T09:30:00Z"),
@@ -283,7 +282,7 @@ def test_the_next_person_at_a_finished_game_is_asked_anew():
 
 
 def test_who_agreed_before_joining_has_agreed_when_the_game_starts():
-    played = Stage(participant=TabUI(ScriptedPlayer(), consent=YES), briefing=Briefing(consent=CONSENT))
+    played = HuntWithoutSimulator(participant=TabUI(ScriptedPlayer(), consent=YES), briefing=Briefing(consent=CONSENT))
     played.run(6)
     assert [type(event).__name__ for event in played.log.events] == ["GameStarted", "ConsentGiven", "TreasuresHidden"]
     assert played.log.events[1] == ConsentGiven(YES.at)
@@ -292,40 +291,40 @@ def test_who_agreed_before_joining_has_agreed_when_the_game_starts():
 
 def test_a_no_is_final_for_the_program_that_says_it_and_the_next_one_is_asked_anew():
     played = Played(Briefing(consent=CONSENT))
-    assert played.stage.keeper.consent is ConsentStatus.AWAITED
+    assert played.hunt.keeper.consent is ConsentStatus.AWAITED
     played.tabui.decline()
-    played.stage.run(4)
-    assert played.stage.keeper.consent is ConsentStatus.DECLINED
+    played.hunt.run(4)
+    assert played.hunt.keeper.consent is ConsentStatus.DECLINED
     played.tabui.declined = False
     assert played.say(GiveConsent(YES.at)).consent == CONSENT
-    assert played.stage.keeper.consent is ConsentStatus.DECLINED
+    assert played.hunt.keeper.consent is ConsentStatus.DECLINED
     played.tabui.connected()
     assert played.say(GiveConsent(YES.at), ticks=REJOIN_PERIOD + 4).consent is None
-    assert played.stage.keeper.consent is ConsentStatus.GIVEN
+    assert played.hunt.keeper.consent is ConsentStatus.GIVEN
 
 
 def test_a_no_after_the_yes_changes_nothing():
     played = Played(Briefing(consent=CONSENT))
     played.say(GiveConsent())
     played.tabui.decline()
-    played.stage.run(4)
-    assert played.stage.keeper.consent is ConsentStatus.GIVEN
+    played.hunt.run(4)
+    assert played.hunt.keeper.consent is ConsentStatus.GIVEN
 
 
 def test_agreement_outlives_the_server():
     played = Played(Briefing(consent=CONSENT))
     played.say(GiveConsent())
     again = Keeper(
-        hunt_without_simulator.RULES,
-        lambda game: hunt_without_simulator.scripted_engine(hunt_without_simulator.templates()),
-        tuple(played.stage.log.events),
+        RULES,
+        lambda game: scripted_engine(templates()),
+        tuple(played.hunt.log.events),
     )
     assert again.state.agreed
 
 
 @pytest.mark.parametrize("strategy", BotStrategy)
 def test_simulated_participants_agree(strategy):
-    played = Stage(strategy=strategy, briefing=Briefing(consent=CONSENT))
+    played = HuntWithoutSimulator(strategy=strategy, briefing=Briefing(consent=CONSENT))
     played.finish()
     assert played.session.game.agreed
     assert any(isinstance(event, RobotDeparted) for event in played.log.events)
@@ -333,9 +332,9 @@ def test_simulated_participants_agree(strategy):
 
 def test_programs_of_2016_cannot_be_asked_and_are_not():
     played = Played(Briefing(consent=CONSENT))
-    played.stage.keeper._participants._members.clear()
+    played.hunt.keeper._participants._members.clear()
     played.say(SendRobot(0, 3), ticks=20)
-    assert played.stage.session.game.room(Room(3)).visited
+    assert played.hunt.session.game.room(Room(3)).visited
 
 
 # --- who watches
@@ -386,7 +385,7 @@ def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed
     files = {kind.image: f"bytes of {kind.name}".encode() for kind in kinds}
     house = build_floor_plan(read_setting(Study(), Path()))
     briefing = Briefing(house, tuple(kind.name for kind in kinds), files, CONSENT)
-    played = Stage(robots=2, strategy=strategy, seed=seed, briefing=briefing, kinds=kinds)
+    played = HuntWithoutSimulator(robots=2, strategy=strategy, seed=seed, briefing=briefing, kinds=kinds)
     played.finish()
     secrets = {word for kind in kinds for word in (*kind.properties.values(), kind.name, kind.image)}
     secrets |= {base64.b64encode(data).decode() for data in files.values()}
@@ -416,7 +415,7 @@ def test_after_the_game_and_not_before_it_is_told_what_was_in_the_rooms_and_what
     played = Played(Briefing(answers=True, farewell="Thanks."))
     assert played.go(0, 3).debrief is None
     view = played.say(EndGame(1))
-    state = played.stage.keeper.state
+    state = played.hunt.keeper.state
     assert [(room.name, room.points) for room in view.debrief.rooms] == [
         (kind.name, kind.points) for kind in state.treasures
     ]

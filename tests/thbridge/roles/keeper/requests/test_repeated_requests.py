@@ -115,7 +115,7 @@ class Play:
         if self.condition.argues:
             manner = Manner(self.condition, misheard=0.3)
             talk = ArguingEngine(RULEBOOK, {None: manner}, WordedPhrasing(LANGUAGE, self.condition, 7), 7)
-        self.stage = HuntWithoutSimulator(
+        self.hunt = HuntWithoutSimulator(
             participant=self.lines,
             talk=talk,
             adviser=Adviser(error_rate=0.5, says_confidence=True),
@@ -123,14 +123,14 @@ class Play:
             set_name="four-properties",
         )
         if self.repeats:
-            say = self.stage.puppets.step
-            self.stage.puppets.step = lambda *heard: [line for line in say(*heard) for _ in range(2)]  # type: ignore[method-assign]
-        self.stage.run(10)
+            say = self.hunt.puppets.step
+            self.hunt.puppets.step = lambda *heard: [line for line in say(*heard) for _ in range(2)]  # type: ignore[method-assign]
+        self.hunt.run(10)
 
     @property
     def outcome(self) -> tuple[object, ...]:
         """All that a game consists of: its journal, its state, what the participant sees, what waits for a wizard."""
-        return self.stage.log.entries, self.stage.keeper.state, self.lines.view, self.stage.tick_records[-1].wizard
+        return self.hunt.log.entries, self.hunt.keeper.state, self.lines.view, self.hunt.tick_records[-1].wizard
 
 
 class RepeatedRequests(RuleBasedStateMachine):
@@ -156,8 +156,8 @@ class RepeatedRequests(RuleBasedStateMachine):
         return view
 
     def run(self, ticks: int) -> None:
-        self.once.stage.run(ticks)
-        self.twice.stage.run(ticks)
+        self.once.hunt.run(ticks)
+        self.twice.hunt.run(ticks)
 
     def send(self, message: TextMessage, gap: int) -> None:
         self._ask(lambda play: play.lines.waiting.append(message), gap)
@@ -273,18 +273,18 @@ class RepeatedRequests(RuleBasedStateMachine):
 
     @rule(request=of_others, gap=at_once_or_later)
     def others_ask(self, request: GameRequest, gap: int) -> None:
-        self._ask(lambda play: play.stage.session.ask("somebody", request), gap)
+        self._ask(lambda play: play.hunt.session.ask("somebody", request), gap)
 
-    @precondition(lambda self: self.once.stage.tick_records[-1].wizard.turns)
+    @precondition(lambda self: self.once.hunt.tick_records[-1].wizard.turns)
     @rule(move=st.integers(0, 2), gap=at_once_or_later)
     def a_wizard_speaks(self, move: int, gap: int) -> None:
-        held = self.once.stage.tick_records[-1].wizard.turns[0]
+        held = self.once.hunt.tick_records[-1].wizard.turns[0]
         request = WizardMove(held.dialogue, held.turn, move % len(held.sentences))
-        self._ask(lambda play: play.stage.session.ask("somebody", request), gap)
+        self._ask(lambda play: play.hunt.session.ask("somebody", request), gap)
 
     @rule(again=st.booleans(), gap=at_once_or_later)
     def ends_the_game_or_begins_another(self, again: bool, gap: int) -> None:
-        if (self.view.over is not None) == again and (again or len(self.once.stage.log.entries) > 40):
+        if (self.view.over is not None) == again and (again or len(self.once.hunt.log.entries) > 40):
             request = PlayAgain(self.view.game) if again else EndGame(self.view.game)
             self.ask(request, gap, is_late=not again)
 

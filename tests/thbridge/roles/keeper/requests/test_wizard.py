@@ -95,11 +95,11 @@ def test_advice_stands_though_the_question_comes_once_more(oz: WizardHunt) -> No
     oz.player.wish = (RequestSuggestion(0),)
     for step in range(60):  # at whatever tick it is asked again
         if step == 30:
-            oz.stage.session.ask("wizard", WizardAdvice(0, 5))
-            oz.stage.session.ask("wizard", WizardMove(1, 0, 0, "Room 5?"))
-        oz.stage.tabui.connected()
-        oz.stage.tabui.poll_player()
-        oz.stage.run(1)
+            oz.hunt.session.ask("wizard", WizardAdvice(0, 5))
+            oz.hunt.session.ask("wizard", WizardMove(1, 0, 0, "Room 5?"))
+        oz.hunt.tabui.connected()
+        oz.hunt.tabui.poll_player()
+        oz.hunt.run(1)
     (dialogue,) = oz.view.dialogues
     assert (dialogue.dialogue, dialogue.room, dialogue.said) == (1, 5, ("Room 5?",))
 
@@ -131,8 +131,8 @@ def test_a_room_that_is_talked_about_with_another_is_no_advice(oz: WizardHunt) -
 def test_a_puppet_that_does_not_answer_any_more_is_not_waited_for(oz: WizardHunt) -> None:
     oz.ask(WIZARD_ON)
     oz.wish(RequestSuggestion(0))
-    oz.stage.puppets.conditions[0] = Condition.SILENT
-    oz.stage.run(60)
+    oz.hunt.puppets.conditions[0] = Condition.SILENT
+    oz.hunt.run(60)
     assert (oz.view.thinking, oz.held.advice) == ((), ())
 
 
@@ -140,7 +140,7 @@ def test_puppets_stay_puppets_in_the_next_game(oz: WizardHunt) -> None:
     oz.ask(WIZARD_ON)
     oz.wish(EndGame(1))
     oz.wish(PlayAgain(1))
-    oz.stage.run(10)
+    oz.hunt.run(10)
     assert oz.view.game == 2
     assert oz.held == WizardState(puppets=(0,))
     assert oz.wish(SelectRoom(0, 2)).dialogues[0].choices == ()
@@ -148,14 +148,14 @@ def test_puppets_stay_puppets_in_the_next_game(oz: WizardHunt) -> None:
 
 @pytest.mark.parametrize("strategy", list(BotStrategy))
 def test_a_simulated_participant_waits_for_a_puppet_and_does_not_give_up(strategy: BotStrategy) -> None:
-    stage = HuntWithoutSimulator(strategy=strategy)
+    hunt = HuntWithoutSimulator(strategy=strategy)
     for robot in (0, 1):
-        stage.session.ask("wizard", WizardMode(robot, on=True))
-    stage.run(200)
-    assert stage.session.game is not None
-    assert stage.session.game.ended is None
-    assert all(stage.session.game.robots[robot].at == Room(0) for robot in (0, 1))
+        hunt.session.ask("wizard", WizardMode(robot, on=True))
+    hunt.run(200)
+    assert hunt.session.game is not None
+    assert hunt.session.game.ended is None
+    assert all(hunt.session.game.robots[robot].at == Room(0) for robot in (0, 1))
     for robot in (0, 1):
-        stage.session.ask("wizard", WizardMode(robot, on=False))
-    stage.finish()
-    assert sum(room.visited for room in stage.session.game.rooms) > 0
+        hunt.session.ask("wizard", WizardMode(robot, on=False))
+    hunt.finish()
+    assert sum(room.visited for room in hunt.session.game.rooms) > 0
