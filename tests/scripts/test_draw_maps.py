@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.support.project import ROOT
+
 SCRIPT = ROOT / "scripts" / "draw" / "maps.py"
 RESOLUTION = 0.05
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-ROOT = Path(__file__).parents[2]
+from tests.support.project import ROOT
+
 SCRIPT = ROOT / "scripts" / "draw" / "windows.py"
 PICTURES = ROOT / "docs" / "pictures" / "windows"
 

@@ -3,9 +3,9 @@
 import ast
 import importlib
 import re
-from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from tests.support.project import ROOT
+
 OURS = re.compile(r"^\s*from ((?:sim|thbridge|ui|tests)(?:\.\w+)*) import ([\w, ]+)", re.MULTILINE)
 MADE = {"sim.caller", "sim.callee"}
 """Modules that a test writes itself."""

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import get_args
 
 from sim.inputs import TEAM_INPUTS
+from tests.support.project import ROOT
 from thbridge.roles.shared.robot_requests import REQUESTS, CommandRequest
 from thbridge.roles.shared.view import DeclineConsent, ParticipantRequest
 from thbridge.text_protocol.wire.notice import kind_of
 from ui.model.playing.screen import Act
 
-ROOT = Path(__file__).parents[2]
 TABLES = [
     [cell.strip() for cell in line.strip("|").split("|")]
     for line in (ROOT / "docs" / "glossary.md").read_text().splitlines()

@@ -11,8 +11,8 @@ import pytest
 
 from scripts.endurance.growth import BOUNDS, Samples, growth_of, judge, slowdown_of
 from sim.numerics.float_array import FloatArray
+from tests.support.project import ROOT
 
-ROOT = Path(__file__).parents[2]
 HOURS = np.linspace(0.0, 24.0, 200)
 
 

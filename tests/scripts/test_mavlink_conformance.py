@@ -1,11 +1,11 @@
 """`docs/mavlink-conformance.md` names tests that there are."""
 
 import re
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.support.project import ROOT
+
 TABLE = (ROOT / "docs" / "mavlink-conformance.md").read_text()
 FOLDERS = dict(re.findall(r"`(\w+)` =\s+`(tests/[\w/]+)`", TABLE))
 NAMED = re.findall(r"`(\w+)/([\w/]+\.py)::(\w+)`", TABLE)

@@ -8,11 +8,11 @@ vectors, and `fastmath` and `parallel` let a compiler reorder. Kernels multiply 
 import ast
 import math
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.support.project import ROOT
+
 PARTS = ("app", "argumentation", "dialogue", "files", "hunt", "protocols", "roles", "ros", "study")
 FOLDERS = ("sim", *(f"thbridge/{part}" for part in PARTS))
 CARRIERS = {"live_graph", "rosgraph"}

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.project import ROOT
 from ui.model.shared.theme import DARK, LIGHT, SIMULATED, Palette
 
-ROOT = Path(__file__).parents[2]
 WINDOWS = ROOT / "ui" / "windows"
 SPEC = importlib.util.spec_from_file_location("write_contrast", ROOT / "scripts" / "write_contrast.py")
 assert SPEC is not None and SPEC.loader is not None

@@ -4,7 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from tests.support.project import ROOT
+
 SCRIPT = ROOT / "scripts" / "write_mavlink_parameters.py"
 
 

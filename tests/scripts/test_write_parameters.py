@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from sim.parameters import RobotParameters
+from tests.support.project import ROOT
 
-ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "scripts" / "write_parameters.py"
 
 COSTMAP = """

@@ -4,10 +4,10 @@ import importlib.util
 import re
 from pathlib import Path
 
+from tests.support.project import ROOT
 from thbridge.experiment.questionnaires.form import form_of_tree
 from thbridge.files.yaml.tree import parse
 
-ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "scripts" / "write_study_keys.py"
 PAGE = (ROOT / "docs" / "study-keys.md").read_text(encoding="utf-8")
 

@@ -6,13 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.programs.processes import run_thbridge
-from thbridge.hunt.events import (
-    CostsEstimated,
-    DialogueOpened,
-    DialogueSaid,
-    MoveFailed,
-    RobotDeparted,
-)
+from thbridge.hunt.events import CostsEstimated, DialogueOpened, DialogueSaid, MoveFailed, RobotDeparted
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.recording.journal import read_journal
 

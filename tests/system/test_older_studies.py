@@ -10,13 +10,11 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
-from tests.support.programs.commands import output_of
+from tests.support.programs.commands import invoke, output_of
 from tests.support.studies.kiosk_without_screen import RehearsedGames, WindowOfTwo
 from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import Tombstone
-from ui.cli import app
 
 OLD = Path(__file__).parent / "studies_of_0_1"
 
@@ -34,7 +32,7 @@ def study(old: Path) -> Path:
 
 
 def refused(*arguments: object) -> str:
-    done = CliRunner().invoke(app, list(map(str, arguments)))
+    done = invoke(*arguments)
     assert done.exit_code == 2, done.output
     return " ".join(done.output.split())
 
@@ -49,13 +47,13 @@ def test_a_study_file_with_every_key_of_then_has_no_faults_and_is_played(old: Pa
     assert "no faults" in output_of("study", "check", old / "study.yaml")
     bag = tmp_path / "now.bag"
     short = ("--headless", "--rate", "0", "--max-seconds", "1", "--no-report", "--bag", bag)
-    CliRunner().invoke(app, ["play", str(old / "study.yaml"), *map(str, short)])
+    invoke("play", old / "study.yaml", *short)
     assert bag.exists()
 
 
 def test_a_recorded_session_is_read_and_replayed(old: Path) -> None:
     assert "/thbridge/session" in output_of("bag", "info", old / "hunt.bag")
-    said = CliRunner().invoke(app, ["replay", str(old / "hunt.bag")]).output
+    said = invoke("replay", old / "hunt.bag").output
     # Another release may give something else for a seed; then it says where, and with what it was recorded.
     is_same = "are the same, bit for bit" in said
     assert is_same or ("The first difference:" in said and "Recorded with other versions" in said), said

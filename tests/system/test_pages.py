@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
-PROJECT = Path(__file__).parents[2]
+from tests.support.project import ROOT
+
 PAGES = sorted(
-    {page.name for page in (PROJECT / "docs").glob("your-own-*.md")} | {"languages.md", "protocol.md", "sweeps.md"}
+    {page.name for page in (ROOT / "docs").glob("your-own-*.md")} | {"languages.md", "protocol.md", "sweeps.md"}
 )
 """Pages that take from ten seconds to two minutes; tests/peers runs that of recordings, too."""
 SHORTENED = {"sweeps.md": ("replicates: 5", "replicates: 2")}
@@ -21,13 +22,13 @@ _SCRIPT = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PAGES)
 def test_a_page_runs_as_it_stands(name: str, tmp_path: Path) -> None:
-    text = (PROJECT / "docs" / name).read_text(encoding="utf-8")
+    text = (ROOT / "docs" / name).read_text(encoding="utf-8")
     said, enough = SHORTENED.get(name, ("", ""))
     assert said in text
     scripts = _SCRIPT.findall(text.replace(said, enough) if said else text)
     assert scripts
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    surroundings = {**os.environ, "PATH": path, "PYTHONPATH": str(PROJECT)}
+    surroundings = {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)}
     surroundings.pop("DISPLAY", None)
     for script in scripts:
         ran = subprocess.run(

@@ -19,6 +19,7 @@ from numpy._core._multiarray_umath import __cpu_features__
 
 from tests.support.programs.processes import THBRIDGE
 from tests.support.programs.processor_features import DISPATCHED, LIBM_WITHOUT_FMA, NUMPY_PLAIN
+from tests.support.project import ROOT
 from tests.system.portable_studies import STUDIES, bag_of
 from thbridge.recording.bag.reading.reader import RawMessage, messages
 from thbridge.recording.bag.writing.writer import BagWriter
@@ -28,7 +29,6 @@ from thbridge.ros.messages.differences import differences
 from thbridge.ros.messages.stamps import START_NS
 from thbridge.ros.topics import RosMessage, Topic
 
-ROOT = Path(__file__).parents[2]
 SHORT = ("two robots", "kalman filter, dwa")
 
 NUMPY_WITHOUT_AVX512 = {

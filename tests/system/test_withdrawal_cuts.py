@@ -11,10 +11,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 from tests.support.disks.forgetting_disk import ForgettingDisk
-from tests.support.programs.commands import output_of
+from tests.support.programs.commands import invoke, output_of
 from tests.support.studies.participants import another_person, people, traces
 from tests.support.studies.study_events import NOON
 from thbridge.experiment.folder import ExperimentFolder
@@ -22,7 +21,6 @@ from thbridge.experiment.restore import plan_restore, restore
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.withdrawal import plan_withdrawal, withdraw
 from thbridge.files.errors import BadFile
-from ui.cli import app
 
 WORDS = ("I like okapis", "I saw a zebra")
 pytestmark = pytest.mark.timeout(3600)
@@ -105,7 +103,7 @@ def check_withdrawal(folder: Path, gone: str, name: str) -> None:
     study = ExperimentFolder(folder / "study")
     begun = bool(study.pending_withdrawals.read())
     words = {"backup": ["--to", folder / "new"], "export": ["--to", folder / "out"], "withdraw": [gone, "--yes"]}
-    done = CliRunner().invoke(app, ["study", name, str(study.root), *map(str, words.get(name, []))])
+    done = invoke("study", name, study.root, *words.get(name, []))
     if not begun and name != "withdraw" and gone in people(study.root):
         # Nothing was deleted before the intention was on the disk.
         assert (study.recordings / gone / "step-9.bag").exists()

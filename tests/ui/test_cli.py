@@ -10,17 +10,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
 
 from tests.support.bags.small_bags import write_hundred_messages
-from tests.support.programs.commands import refusal
+from tests.support.programs.commands import invoke, refusal
+from tests.support.project import ROOT
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.consent import ParticipantDeclined
 from thbridge.recording.digest import digest_of
 from thbridge.study.study_file import load_study
-from ui.cli import NoteHandler, app
+from ui.cli import NoteHandler
 
-ROOT = Path(__file__).parents[2]
 COSTS = str(ROOT / "templates" / "original-2016" / "mapTimes")
 
 
@@ -31,13 +30,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def thbridge(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
 def json_of(*arguments: str | Path) -> dict:
     """Return the output of a command with --json: one object on one line."""
-    done = thbridge(*arguments, "--json")
+    done = invoke(*arguments, "--json")
     assert done.exit_code == 0, (done.output, done.exception)
     assert done.stdout.count("\n") == 1
     return json.loads(done.stdout)
@@ -207,12 +202,12 @@ def test_a_suggestion_is_the_first_room_of_the_cheapest_tour() -> None:
         "at_least": 49,
         "proven": True,
     }
-    message = thbridge("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5").stdout
+    message = invoke("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5").stdout
     assert message == "Next room 1; the cheapest tour is 1 2 5 and costs 49.\n"
 
 
 def test_maps_are_listed_and_without_fault() -> None:
-    names = thbridge("maps", "list").stdout.split()
+    names = invoke("maps", "list").stdout.split()
     assert names == ["arena8", "office", "practice", "warehouse12"]
     for name in names:
         found = json_of("maps", "check", name)
@@ -225,18 +220,18 @@ def test_a_map_with_faults_gives_them_all_and_exit_code_2() -> None:
         Path("mine", file).write_bytes((ROOT / "maps" / "arena8" / file).read_bytes())
     rooms = (ROOT / "maps" / "arena8" / "rooms.yaml").read_text()
     Path("mine", "rooms.yaml").write_text(rooms.replace("goal: [", "goal: [99, ", 2))
-    done = thbridge("maps", "check", "mine", "--json")
+    done = invoke("maps", "check", "mine", "--json")
     assert done.exit_code == 2
     found = json.loads(done.stdout)
     assert not found["ok"]
     assert len(found["findings"]) >= 2
     assert all("rooms.yaml" in finding["message"] for finding in found["findings"])
-    assert thbridge("maps", "check", "mine").exit_code == 2
+    assert invoke("maps", "check", "mine").exit_code == 2
 
 
 def test_the_study_that_is_written_is_without_fault_and_says_the_defaults() -> None:
-    assert thbridge("study", "init", "study.yaml").exit_code == 0
-    assert thbridge("study", "check", "study.yaml").stdout == "study.yaml: no faults\n"
+    assert invoke("study", "init", "study.yaml").exit_code == 0
+    assert invoke("study", "check", "study.yaml").stdout == "study.yaml: no faults\n"
     assert load_study(Path("study.yaml")).value.seed == 1
     assert "there is such a file already" in refusal("study", "init", "study.yaml")
 
@@ -255,7 +250,7 @@ def test_a_hunt_is_the_standard_study_unless_another_is_named_or_programs_of_oth
         raise ParticipantDeclined(True)
 
     monkeypatch.setattr("thbridge.app.play.play", play)
-    assert thbridge("play", *arguments, "--headless", "--rate", "0").exit_code == 3
+    assert invoke("play", *arguments, "--headless", "--rate", "0").exit_code == 3
     assert [setting.study.templates for setting in played] == [templates]
     assert played[0].by_position is (templates == "everyday-things")
 
@@ -268,7 +263,7 @@ def test_a_language_is_chosen_for_one_run(monkeypatch: pytest.MonkeyPatch) -> No
         raise ParticipantDeclined(True)
 
     monkeypatch.setattr("thbridge.app.play.play", play)
-    assert thbridge("play", "--language", "de", "--headless", "--rate", "0").exit_code == 3
+    assert invoke("play", "--language", "de", "--headless", "--rate", "0").exit_code == 3
     assert [setting.texts.language for setting in played] == ["de"]
     assert "no language 'xx'. Choose one of these: de, en." in refusal("play", "--language", "xx")
 
@@ -314,7 +309,7 @@ def test_a_study_that_cannot_be_written_says_so(place: str) -> None:
 
 
 def test_ros_messages_are_a_package() -> None:
-    assert thbridge("ros", "messages", "src").exit_code == 0
+    assert invoke("ros", "messages", "src").exit_code == 0
     assert Path("src/thbridge_msgs/package.xml").is_file()
     assert Path("src/thbridge_msgs/msg/Session.msg").is_file()
     assert "uint64[] payload64" in Path("src/mavros_msgs/msg/Mavlink.msg").read_text()  # where ROS has no mavros
@@ -387,7 +382,7 @@ def test_a_broken_study_is_told_with_its_line(study: str, message: str) -> None:
 
 def test_names_without_effect_are_told_where_a_study_is_read() -> None:
     Path("study.yaml").write_text("robot:\n  fake_localization:\n    odom_frame_id: odom\n")
-    checked = thbridge("study", "check", "study.yaml")
+    checked = invoke("study", "check", "study.yaml")
     assert checked.exit_code == 0
     assert "study.yaml, line 3: robot.fake_localization.odom_frame_id has no effect here" in checked.stderr
 
@@ -422,13 +417,13 @@ def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:
 
 
 def test_play_gives_one_object_and_exit_code_1_when_time_is_up() -> None:
-    done = thbridge("play", "--json", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
+    done = invoke("play", "--json", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
     assert done.exit_code == 1
     assert done.stderr.endswith("the game was not over after 1 simulated seconds\n")
     assert json.loads(done.stdout)["sim_seconds"] == 1.0
     assert Path("new/a.bag").is_file()
     assert not Path("new/a.html").exists()
-    again = thbridge("play", "--json", "--report", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
+    again = invoke("play", "--json", "--report", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
     assert "The older recording is now new/a-1.bag." in again.stderr
     assert json.loads(again.stdout)["bag"] == "new/a.bag"
     assert Path("new/a.html").is_file()
@@ -437,8 +432,8 @@ def test_play_gives_one_object_and_exit_code_1_when_time_is_up() -> None:
 def test_the_rate_of_the_study_is_the_one_played_at() -> None:
     Path("study.yaml").write_text("rate: 4\n")
     options = ("play", "study.yaml", "--json", "--port", "0", "--max-seconds", "1")
-    assert json.loads(thbridge(*options).stdout)["wall_seconds"] >= 0.2
-    assert json.loads(thbridge(*options, "--rate", "0").stdout)["seed"] == 1
+    assert json.loads(invoke(*options).stdout)["wall_seconds"] >= 0.2
+    assert json.loads(invoke(*options, "--rate", "0").stdout)["seed"] == 1
     older, newer = Path("bags/arena8-2robots-seed1-1.bag"), Path("bags/arena8-2robots-seed1.bag")
     assert older.read_bytes() == newer.read_bytes(), "how fast it was played leaves no trace"
 
@@ -487,10 +482,10 @@ def test_bag_info_tells_the_digest_of_the_messages() -> None:
     write_hundred_messages(Path("a.bag"))
     told = json_of("bag", "info", "a.bag", "--hash")["hash"]
     assert told == digest_of(Path("a.bag"))
-    assert f"hash of the messages: {told}\n" in thbridge("bag", "info", "a.bag", "--hash").output
+    assert f"hash of the messages: {told}\n" in invoke("bag", "info", "a.bag", "--hash").output
     assert "hash" not in json_of("bag", "info", "a.bag")
 
 
 def test_the_version_is_that_of_the_project() -> None:
     version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
-    assert thbridge("--version").stdout == f"thbridge {version}\n"
+    assert invoke("--version").stdout == f"thbridge {version}\n"

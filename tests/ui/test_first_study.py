@@ -8,10 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
+from tests.support.programs.commands import invoke
 from tests.support.studies.kiosk_without_screen import RehearsedGames, WindowOfTwo
-from ui.cli import app
 
 PAGE = Path(__file__).parents[2] / "docs" / "first-study.md"
 
@@ -41,7 +40,7 @@ def commands(session: str) -> Iterator[tuple[str, str]]:
 def carried_out(command: str) -> str:
     program, *arguments = command.split()
     if program == "thbridge":
-        done = CliRunner().invoke(app, arguments)
+        done = invoke(*arguments)
         assert done.exit_code == 0, f"{command}: {done.output}"
         return done.output
     if program == "python":

@@ -12,11 +12,11 @@ import pytest
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import pad, radii
 from tests.support.bags.foreign_bags import Robot, write, write_map
+from tests.support.project import ROOT
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.topics import RosMessage, Topic
 from ui.commands.offline.plan import INFLATION, RADIUS
 
-ROOT = Path(__file__).parents[2]
 HEAVY = {"numpy", "numba", "scipy", "matplotlib", "pyarrow", "pymavlink", "rosbags", "PySide6", "pydantic", "asyncio"}
 PROGRAM = """
 import sys

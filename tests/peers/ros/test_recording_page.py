@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.support.programs.peer_programs import skip_if_crashed
+from tests.support.project import ROOT
 
-PROJECT = Path(__file__).parents[3]
-EVO = PROJECT / ".peers" / "evo" / "bin"
+EVO = ROOT / ".peers" / "evo" / "bin"
 _SCRIPT = re.compile(r"^```(sh|bash)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -22,12 +22,12 @@ _SCRIPT = re.compile(r"^```(sh|bash)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 def test_the_tools_of_others_read_what_the_page_says(tmp_path: Path) -> None:
     ours = Path(sys.executable).parent
     said = []
-    for kind, script in _SCRIPT.findall((PROJECT / "docs" / "your-own-recording.md").read_text(encoding="utf-8")):
+    for kind, script in _SCRIPT.findall((ROOT / "docs" / "your-own-recording.md").read_text(encoding="utf-8")):
         surroundings = {name: value for name, value in os.environ.items() if name not in {"DISPLAY", "PYTHONPATH"}}
         surroundings["PATH"] = os.pathsep.join([str(ours if kind == "sh" else EVO), os.environ["PATH"]])
         surroundings["HOME"] = str(tmp_path)
         if kind == "sh":
-            surroundings["PYTHONPATH"] = str(PROJECT)
+            surroundings["PYTHONPATH"] = str(ROOT)
         command = ["bash", "-euo", "pipefail", "-c", script]
         ran = subprocess.run(
             command, cwd=tmp_path, env=surroundings, capture_output=True, text=True, timeout=300, check=False

@@ -18,9 +18,8 @@ import pytest
 
 from tests.support.programs.process_memory import found_in_memory
 from tests.support.programs.processes import THBRIDGE, Program, port_of
+from tests.support.project import ROOT
 from tests.support.windows.desktop import needs_desktop
-
-ROOT = Path(__file__).parents[3]
 
 KINDS = {
     "Quixzorvel": ("Vrembluth", "Plonktwixt", "zzwarbix.jpg"),

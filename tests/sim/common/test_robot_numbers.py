@@ -4,13 +4,12 @@ import ast
 import itertools
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from sim.common.robot_numbers import index_of, namespace_of, number_of, robot_name, robot_numbers
+from tests.support.project import ROOT
 
-ROOT = Path(__file__).parents[3]
 HOME = ROOT / "sim" / "common" / "robot_numbers.py"
 ROBOT = re.compile(r"(int\()?(\w+\.)*_?robots?\)?")
 """A variable or field that holds a robot or their number: `robot`, `event.robot`, `int(robot)`, `study.robots`."""

@@ -12,14 +12,7 @@ from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import DialogueStep
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, where
 from thbridge.dialogue.games.strategies import Attitude
-from thbridge.dialogue.moves import (
-    Dialogue,
-    DialogueTopic,
-    Leave,
-    Move,
-    Scenario,
-    Speaker,
-)
+from thbridge.dialogue.moves import Dialogue, DialogueTopic, Leave, Move, Scenario, Speaker
 from thbridge.dialogue.propositions import NextRoom
 from thbridge.files.game_files import read_rulebook
 from thbridge.hunt.rooms import Room

@@ -5,14 +5,7 @@ from dataclasses import replace
 from msgspec import structs
 
 from thbridge.hunt.events import Condition
-from thbridge.roles.shared.view import (
-    DialogueView,
-    LastWords,
-    RefusalView,
-    RobotView,
-    RoomView,
-    View,
-)
+from thbridge.roles.shared.view import DialogueView, LastWords, RefusalView, RobotView, RoomView, View
 from ui.model.playing.participant import Participant
 
 COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), (None, 5.0, 5.0, None))

@@ -9,12 +9,7 @@ import pytest
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
-from thbridge.app.replay.replay import (
-    Replayed,
-    ReplayOptions,
-    replay,
-    session_of,
-)
+from thbridge.app.replay.replay import Replayed, ReplayOptions, replay, session_of
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.study.overrides import StudyChange, with_changes

@@ -9,12 +9,7 @@ from thbridge.files.game_files import read_rulebook
 from thbridge.files.word_files import read_language
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.shared.robot_requests import (
-    CommandRequest,
-    TakeCommand,
-    WizardMode,
-    WizardRequest,
-)
+from thbridge.roles.shared.robot_requests import CommandRequest, TakeCommand, WizardMode, WizardRequest
 from thbridge.roles.shared.view import (
     AnswerDialogue,
     DialogueView,

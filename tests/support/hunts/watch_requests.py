@@ -21,12 +21,7 @@ from sim.inputs import (
 from sim.robot.navigator.goals import Goal
 from sim.world.thing import Thing
 from thbridge.app.session.watch_requests import WatchRequest
-from thbridge.roles.shared.robot_requests import (
-    SetParameters,
-    WizardAdvice,
-    WizardMode,
-    WizardMove,
-)
+from thbridge.roles.shared.robot_requests import SetParameters, WizardAdvice, WizardMode, WizardMove
 from thbridge.ros.messages.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
 
 HERE = Pose2(1.0, 0.5, 0.1)

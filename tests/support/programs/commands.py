@@ -2,6 +2,7 @@
 
 from contextlib import chdir
 from pathlib import Path
+from typing import Any
 
 import typer
 import typer.main
@@ -14,19 +15,24 @@ from ui.cli import app
 def thbridge(folder: Path, *words: object) -> Result:
     """Run a command in a folder, and return its exit code and what it printed."""
     with chdir(folder):
-        return CliRunner().invoke(app, [*map(str, words)])
+        return invoke(*words)
+
+
+def invoke(*words: object, **options: Any) -> Result:
+    """Run a command, with options for the runner such as `input`, and return its exit code and what it printed."""
+    return CliRunner().invoke(app, [*map(str, words)], **options)
 
 
 def output_of(*words: object) -> str:
     """Everything that a command says, which succeeds."""
-    done = CliRunner().invoke(app, [*map(str, words)])
+    done = invoke(*words)
     assert done.exit_code == 0, done.output
     return done.output
 
 
 def refusal_of(*words: object) -> str:
     """Everything that a command says, which fails, on one line."""
-    done = CliRunner().invoke(app, [*map(str, words)])
+    done = invoke(*words)
     assert done.exit_code != 0
     return " ".join(done.output.split())
 
@@ -34,7 +40,7 @@ def refusal_of(*words: object) -> str:
 def refusal(*words: object) -> str:
     """The message of a command that must find its input bad, and change nothing."""
     before = sorted(Path().rglob("*"))
-    done = CliRunner().invoke(app, [*map(str, words)])
+    done = invoke(*words)
     assert done.exit_code == 2, (done.output, done.exception)
     assert done.stdout == ""
     assert sorted(Path().rglob("*")) == before

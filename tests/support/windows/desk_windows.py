@@ -9,9 +9,7 @@ from pytestqt.qtbot import QtBot
 from tests.support.studies.rehearsed_studies import RehearsedStudy, clocks, rehearsed_study
 from thbridge.experiment.progress import Progress
 from thbridge.experiment.store.events import EventKind
-from ui.model.desk.messages import (
-    DeskState,
-)
+from ui.model.desk.messages import DeskState
 from ui.model.desk.state import ToldToDesk, desk_state
 from ui.windows.desk.window import DeskWindow
 

@@ -10,10 +10,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.support.windows import sample_screens
 from thbridge.dialogue.wording.texts import Texts
-from ui.model.playing.screen import (
-    Act,
-    Screen,
-)
+from ui.model.playing.screen import Act, Screen
 from ui.model.shared.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow

@@ -5,11 +5,11 @@ import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
 from sim.common.geometry import Pose2
+from tests.support.project import ROOT
 from thbridge.dialogue.wording.texts import Texts
 from thbridge.files.language_texts import shipped_texts
 from thbridge.files.map_files import read_map
@@ -57,7 +57,6 @@ from ui.model.playing.screen import (
 )
 from ui.model.shared.scene import RobotMark, RoomMark
 
-PROJECT = Path(__file__).resolve().parents[3]
 FOOTPRINT = ((0.35, 0.0), (0.2, 0.25), (-0.3, 0.25), (-0.3, -0.25), (0.2, -0.25))
 NAMES = ("Blue bottle", "Orange bottle", "Pink can", "Yellow can")
 ENGLISH = shipped_texts()
@@ -73,7 +72,7 @@ def later(texts: Texts) -> Action:
 @cache
 def floor_plan(name: str = "arena8") -> FloorPlan:
     """One of our maps as the notice that a participant gets."""
-    drawn = read_map(PROJECT / "maps" / name)
+    drawn = read_map(ROOT / "maps" / name)
     rows, cols = drawn.grid.cells.shape
     cells = np.where(drawn.grid.cells == 100, 1, np.where(drawn.grid.cells < 0, 2, 0)).astype(np.uint8)
     rooms = tuple(
@@ -251,7 +250,7 @@ def treasure(
     points: int | None = None,
     texts: Texts = ENGLISH,
 ) -> TreasurePopup:
-    data = (PROJECT / "templates/original-2016/pictures/rsz_t4.jpg").read_bytes() if picture else None
+    data = (ROOT / "templates/original-2016/pictures/rsz_t4.jpg").read_bytes() if picture else None
     return TreasurePopup(
         robot=1,
         room=4,

@@ -2,10 +2,7 @@
 
 from pathlib import Path
 
-from PySide6.QtWidgets import (
-    QApplication,
-    QLineEdit,
-)
+from PySide6.QtWidgets import QApplication, QLineEdit
 from pytestqt.qtbot import QtBot
 
 from tests.support.windows.questions import answering

@@ -21,6 +21,7 @@ import pandas as pd
 import pytest
 
 from tests.support.programs.peer_programs import run_peer
+from tests.support.project import ROOT
 from tests.system.study.power_cut import cut_power
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind
@@ -31,7 +32,6 @@ from thbridge.experiment.store.event_log import read_log
 from thbridge.experiment.store.events import EventKind, LoggedEvent, NewEvent, RunState
 from thbridge.recording.bag.reading.reader import info
 
-ROOT = Path(__file__).parents[3]
 FILES = {
     "experiment.yaml": """\
 title: Robots that argue

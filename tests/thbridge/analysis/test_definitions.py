@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from typer.testing import CliRunner
 
 from tests.support.bags.bags_with_faults import Planted, clean, found, judged, rules, write
+from tests.support.programs.commands import invoke
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.analysis.export.folder import export_bag
 from thbridge.analysis.report.builder import read_report
@@ -16,7 +16,6 @@ from thbridge.files.tables.table_files import TableFormat
 from thbridge.recording.bag.reading.reader import messages, recorded
 from thbridge.ros.messages.identification import DefinitionSource, fits, identified
 from thbridge.ros.messages.types import plain_definition
-from ui.cli import app
 
 SCAN = "sensor_msgs/LaserScan"
 ANY = [("", None), ("Definition of {msgtype}", None), ("# see the package\n", None), ("", "*"), ("", "0" * 32)]
@@ -93,10 +92,10 @@ def test_what_nobody_knows_is_no_table_and_no_success(tmp_path: Path) -> None:
     for entry in planted.entries:
         object.__setattr__(entry, "data", b"1234")
     bag = write(tmp_path / "a.bag", planted)
-    done = CliRunner().invoke(app, ["bag", "export", str(bag), "--to", str(tmp_path / "tables")])
+    done = invoke("bag", "export", bag, "--to", tmp_path / "tables")
     assert done.exit_code == 1
     assert "/scan is left out: the bag has no definition of lab_msgs/Secret." in done.output
-    converted = CliRunner().invoke(app, ["bag", "to-mcap", str(bag)])
+    converted = invoke("bag", "to-mcap", bag)
     assert converted.exit_code == 0
     assert "/scan: the bag has no definition of its type" in converted.output
 

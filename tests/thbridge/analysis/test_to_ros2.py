@@ -13,11 +13,11 @@ from rosbags.interfaces import QosDurability
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from ruamel.yaml import YAML
-from typer.testing import CliRunner
 
 from tests.support.bags import foreign_bags
 from tests.support.bags.bags_with_faults import clean, write
 from tests.support.bags.drawn_team import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
+from tests.support.programs.commands import invoke
 from thbridge.analysis.to_mcap import to_mcap
 from thbridge.analysis.to_ros2 import to_ros2
 from thbridge.app.session.broadcast import Broadcast
@@ -27,9 +27,6 @@ from thbridge.recording.bag.ros2 import converted
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages import unpack
 from thbridge.ros.publisher import TeamPublisher
-from ui.cli import app
-
-RUN = CliRunner()
 
 
 @pytest.fixture(scope="module")
@@ -187,7 +184,7 @@ def test_a_robot_is_localised_in_it_as_in_the_bag_that_it_was(tmp_path: Path, na
     told = []
     for recording in ("a.bag", "a", f"a/a.{'mcap' if name == 'mcap' else 'db3'}"):
         options = ["--map", str(tmp_path / "map.yaml"), "--initial-pose", "1.5", "1.5", "0.3", "--json"]
-        done = RUN.invoke(app, ["localize", str(tmp_path / recording), *options])
+        done = invoke("localize", tmp_path / recording, *options)
         assert done.exit_code == 0, done.output
         assert ("is a ROS 2 recording" in done.stderr) == (recording != "a.bag")
         told.append(json.loads(done.stdout)["final_pose"])
@@ -198,7 +195,7 @@ def test_a_robot_is_localised_in_it_as_in_the_bag_that_it_was(tmp_path: Path, na
 def test_commands_take_an_mcap_file_of_ros_1_as_the_bag_that_it_was(tmp_path: Path, command: str) -> None:
     bag = write(tmp_path / "a.bag", clean())
     to_mcap(bag, tmp_path / "a.mcap")
-    plain, packed = (RUN.invoke(app, ["bag", command, str(path)]) for path in (bag, tmp_path / "a.mcap"))
+    plain, packed = (invoke("bag", command, path) for path in (bag, tmp_path / "a.mcap"))
     assert packed.exit_code == plain.exit_code == 0
     assert packed.stdout.splitlines()[1:] == plain.stdout.splitlines()[1:]
     assert "an MCAP file of ROS 1" in packed.stderr
@@ -218,7 +215,7 @@ def test_what_is_no_recording_is_refused_with_a_remedy(tmp_path: Path, name: str
     path.parent.mkdir(exist_ok=True)
     path.write_bytes(content)
     recording = path.parent if path.name == "metadata.yaml" else path
-    done = RUN.invoke(app, ["bag", "info", str(recording)])
+    done = invoke("bag", "info", recording)
     assert done.exit_code == 2, done.output
     assert problem in done.stderr
     assert "Traceback" not in done.stderr

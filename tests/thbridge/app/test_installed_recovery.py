@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
@@ -17,6 +16,7 @@ from sim.parameters import MoveBaseParameters, RecoveryBehavior, RobotParameters
 from sim.robot.installed_parts import InstalledParts
 from sim.robot.navigator.goals import Goal
 from sim.team import Team, TeamSnapshot
+from tests.support.programs.commands import invoke
 from tests.support.programs.installed_plugins import install_plugins
 from thbridge.app.compose.installed_parts import installed_parts
 from thbridge.app.compose.setting import read_setting
@@ -27,7 +27,6 @@ from thbridge.files.ros.parameters import parse_ros_files
 from thbridge.ros.diagnostics import RobotDiagnostics
 from thbridge.ros.messages.records import LogLevel
 from thbridge.study.study_file import Study
-from ui.cli import app
 
 SOURCE = """
 from sim.common.observations import Twist
@@ -189,14 +188,14 @@ def test_a_trial_finds_what_is_wrong_with_a_behavior(name: str, problem: str) ->
 
 @pytest.mark.slow
 def test_the_command_finds_what_differs_in_another_process() -> None:
-    done = CliRunner().invoke(app, ["plugins", "check", "--recovery", "hashed"])
+    done = invoke("plugins", "check", "--recovery", "hashed")
     assert done.exit_code == 2
     assert "hashed: in another process it decided otherwise with the same seed" in done.output
 
 
 def test_the_command_lists_what_is_installed_and_checks_what_is_named() -> None:
-    listed = CliRunner().invoke(app, ["plugins", "list"])
+    listed = invoke("plugins", "list")
     assert "recovery behavior back: lab_of_recovery:Back, of the package lab-of-recovery 1.0" in listed.output
     for arguments, told in (([], "nothing to check"), (["--recovery", "bakc"], "The nearest is back")):
-        done = CliRunner().invoke(app, ["plugins", "check", *arguments])
+        done = invoke("plugins", "check", *arguments)
         assert done.exit_code == 2 and told in done.output

@@ -14,6 +14,7 @@ from threading import Thread
 import pytest
 
 from tests.support.programs.inline_engine import InlineEngine
+from tests.support.project import ROOT
 from tests.thbridge.batch.small_sweeps import HoldingTask, games, run
 
 pytest.importorskip("distributed")
@@ -41,7 +42,6 @@ max_seconds: 2
 OF_AGAIN = ["messages", "verified"]
 """Columns that games have when they are played again."""
 
-ROOT = Path(__file__).parents[3]
 SURROUNDINGS = {**os.environ, "PYTHONPATH": str(ROOT)}
 
 

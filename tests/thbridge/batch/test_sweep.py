@@ -15,6 +15,7 @@ import pytest
 
 from tests.support.programs.commands import thbridge
 from tests.support.programs.inline_engine import InlineEngine
+from tests.support.project import ROOT
 from tests.thbridge.batch.small_sweeps import DESIGN, games, run
 from thbridge.batch import tasks
 from thbridge.batch.chunks import Shard, chunks_of
@@ -31,7 +32,6 @@ from thbridge.batch.tasks import ATTEMPT, SweepTask
 from thbridge.files.errors import BadFile
 from thbridge.recording.digest import digest_of
 
-ROOT = Path(__file__).parents[3]
 PROGRAM = [sys.executable, "-c", "from ui.cli import main; main()"]
 SURROUNDINGS = {**os.environ, "PYTHONPATH": str(ROOT)}
 

@@ -9,12 +9,7 @@ from tests.support.studies.experiment_files import write_experiment
 from thbridge.app.compose.setting import StudySetting
 from thbridge.batch.hunt import play_hunt
 from thbridge.batch.settings import SettingCache
-from thbridge.experiment.design.experiment_file import (
-    ExperimentDesign,
-    drawn_seed,
-    practice_seed,
-    read_experiment,
-)
+from thbridge.experiment.design.experiment_file import ExperimentDesign, drawn_seed, practice_seed, read_experiment
 from thbridge.experiment.design.plan import plan_of
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.progress import Run

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.project import ROOT
 from thbridge.dialogue.sentences import reserved_in
 from thbridge.dialogue.wording.texts import COUNT, value_of
 from thbridge.files.errors import BadFile
 from thbridge.files.language_texts import ENGLISH, advice_on_texts, missing_texts, read_texts, shipped_texts
 from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in
 
-ROOT = Path(__file__).parents[3]
 HEAD = "language: {title: Polski, falls_back_on: en, plural: 'n==1 ? 0 : n%10>=2 && n%10<=4 && n%100/10!=1 ? 1 : 2'}\n"
 
 

@@ -6,20 +6,19 @@ import subprocess
 import sys
 from fractions import Fraction
 from math import inf
-from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.hunts.random_hunts import random_hunt
+from tests.support.project import ROOT
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.rooms import all_rooms
 from thbridge.hunt.team_tour import TourStart, best_team_tours
 from thbridge.hunt.team_tour_search import search_team_tours
 from thbridge.hunt.tour import Tour
 
-ROOT = Path(__file__).parents[3]
 PROGRAM = """
 from tests.support.hunts.random_hunts import random_hunt
 from thbridge.hunt.rooms import all_rooms

@@ -9,6 +9,7 @@ from sim.common.grid import OccupancyGrid
 from sim.parameters import RobotParameters
 from sim.parameters.move_base import MoveBaseParameters
 from sim.world.sensors import mount_of
+from tests.support.project import ROOT
 from thbridge.files.map_files import read_map
 from thbridge.files.resources import shipped
 from thbridge.files.ros.definitions import Definitions
@@ -17,8 +18,6 @@ from thbridge.ros.names import RobotNames
 from thbridge.ros.publisher import TeamPublisher
 from thbridge.ros.topics import Planners
 from thbridge.study.study_file import Study
-
-ROOT = Path(__file__).parents[3]
 
 SOFTWARE = RobotParameters(move_base=MoveBaseParameters(base_local_planner="dwa_local_planner/DWAPlannerROS"))
 GRID = OccupancyGrid(np.zeros((20, 40), dtype=np.int8), 0.5, IDENTITY)

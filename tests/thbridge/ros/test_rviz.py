@@ -8,12 +8,11 @@ from sim.common.geometry import IDENTITY
 from sim.common.grid import OccupancyGrid
 from sim.parameters import RobotParameters
 from sim.parameters.move_base import MoveBaseParameters
+from tests.support.project import ROOT
 from thbridge.files.map_files import read_map
 from thbridge.files.resources import shipped
 from thbridge.ros.rviz import configuration
 from thbridge.study.study_file import Study
-
-ROOT = Path(__file__).parents[3]
 
 SOFTWARE = RobotParameters(move_base=MoveBaseParameters(base_local_planner="dwa_local_planner/DWAPlannerROS"))
 GRID = OccupancyGrid(np.zeros((20, 40), dtype=np.int8), 0.5, IDENTITY)

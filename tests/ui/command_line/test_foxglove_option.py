@@ -3,9 +3,8 @@ import socket
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from ui.cli import app
+from tests.support.programs.commands import invoke
 
 
 @pytest.fixture(autouse=True)
@@ -14,7 +13,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def refusal(*arguments: str) -> str:
-    done = CliRunner().invoke(app, [*arguments])
+    done = invoke(*arguments)
     assert done.exit_code == 2, (done.output, done.exception)
     assert not [*Path().rglob("*.bag"), *Path().rglob("*.journal")]
     return done.stderr

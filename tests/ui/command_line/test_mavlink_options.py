@@ -6,13 +6,12 @@ from pathlib import Path
 
 import pytest
 import typer
-from typer.testing import CliRunner
 
+from tests.support.programs.commands import invoke
 from thbridge.mavlink.values.options import AutopilotIdentity
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
-from ui.cli import app
 from ui.command_line.listening import ports_of
 from ui.command_line.options import MavlinkOptions
 from ui.command_line.settings import with_mavlink
@@ -24,7 +23,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def refusal(*arguments: str) -> str:
-    done = CliRunner().invoke(app, ["play", "--headless", *arguments])
+    done = invoke("play", "--headless", *arguments)
     assert done.exit_code == 2, (done.output, done.exception)
     assert done.stdout == ""
     assert not list(Path().rglob("*.bag"))

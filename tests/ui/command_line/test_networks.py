@@ -3,13 +3,12 @@
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
+from tests.support.programs.commands import invoke
 from tests.support.programs.ports import free_port
 from thbridge.recording.bag.reading.reader import recorded
 from thbridge.ros.messages import types, unpack
 from thbridge.study.study_file import read_study_text
-from ui.cli import app
 
 KEY = "a key that nobody can guess"
 
@@ -23,7 +22,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def refusal(*arguments: str) -> str:
-    done = CliRunner().invoke(app, [*arguments])
+    done = invoke(*arguments)
     assert done.exit_code == 2, (done.output, done.exception)
     assert not [*Path().rglob("*.bag"), *Path().rglob("*.jsonl")]
     return done.stderr
@@ -62,10 +61,10 @@ def test_a_folder_of_keys_that_is_none_or_empty_is_told() -> None:
 
 
 def test_a_door_with_keys_is_encrypted_and_needs_no_network() -> None:
-    CliRunner().invoke(app, ["keys", "new", "maria"])
+    invoke("keys", "new", "maria")
     Path("study.yaml").write_text("server: {host: 0.0.0.0}\nkeys: keys\n")
     arguments = ("--headless", "--rate", "0", "--max-seconds", "1", "--no-report", "--port", str(free_port()))
-    done = CliRunner().invoke(app, ["play", "study.yaml", *arguments, "--watch", "0.0.0.0:0", "--bag", "a.bag"])
+    done = invoke("play", "study.yaml", *arguments, "--watch", "0.0.0.0:0", "--bag", "a.bag")
     assert "Open to whoever shows a key, encrypted: the text server, researchers' windows." in done.stderr
     assert "without" not in done.stderr
 
@@ -79,7 +78,7 @@ def test_networks_that_are_none_are_told() -> None:
 def test_who_is_let_in_is_told_and_recorded() -> None:
     arguments = ("--headless", "--rate", "0", "--max-seconds", "1", "--no-report", "--port", str(free_port()))
     Path("study.yaml").write_text("server: {host: 0.0.0.0}\n")
-    done = CliRunner().invoke(app, ["play", "study.yaml", *arguments, "--open-to", "10.0.0.0/24", "--bag", "a.bag"])
+    done = invoke("play", "study.yaml", *arguments, "--open-to", "10.0.0.0/24", "--bag", "a.bag")
     assert "Open to 10.0.0.0/24, without key or encryption: the text server." in done.stderr
     (session,) = (data for publisher, _, data in recorded(Path("a.bag")) if publisher.msgtype == types.SESSION)
     assert read_study_text(Path("a.bag"), unpack.session(session).study).open_to == ("10.0.0.0/24",)

@@ -4,10 +4,9 @@ from pathlib import Path
 import pytest
 import typer
 from rich.table import Table
-from typer.testing import CliRunner
 
+from tests.support.programs.commands import invoke
 from thbridge.files.errors import BadFile, visible
-from ui.cli import app
 from ui.command_line.terminal import err, fail, faults_of_files, note, out, say
 
 HOSTILE = "/\x1b[2J\x1b]0;title\x07\u202e\x9b31m\x00\r"
@@ -75,6 +74,6 @@ def test_errors_of_the_program_and_of_sockets_are_not_hidden() -> None:
 
 
 def test_every_command_ends_so() -> None:
-    done = CliRunner().invoke(app, ["bag", "info", "x" * 300])
+    done = invoke("bag", "info", "x" * 300)
     assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
     assert "file name too long" in done.stderr

@@ -4,9 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from ui.cli import app
+from tests.support.programs.commands import invoke
 
 
 @pytest.fixture
@@ -17,7 +16,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def argue(*arguments: object) -> str:
-    done = CliRunner().invoke(app, ["argue", *map(str, arguments)])
+    done = invoke("argue", *arguments)
     assert done.exit_code == 0, done.output
     return done.stdout
 
@@ -52,7 +51,7 @@ def test_an_argument_is_asked_about(file: Path) -> None:
     ],
 )
 def test_what_cannot_be_is_told(file: Path, options: tuple[str, ...], told: str) -> None:
-    done = CliRunner().invoke(app, ["argue", str(file), *options])
+    done = invoke("argue", file, *options)
     assert done.exit_code == 2
     assert told in done.stderr
 
@@ -66,6 +65,6 @@ def test_clingo_finds_the_same(file: Path) -> None:
 
 def test_clingo_that_is_not_installed_is_told_with_the_remedy(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ui.commands.argue.argue.find_spec", lambda _name: None)
-    done = CliRunner().invoke(app, ["argue", str(file), "--engine", "clingo"])
+    done = invoke("argue", file, "--engine", "clingo")
     assert done.exit_code == 2
     assert "--engine: the package clingo is not installed. Run: pip install 'thbridge[argumentation]'" in done.stderr

@@ -5,9 +5,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from ui.cli import app
+from tests.support.programs.commands import invoke
 from ui.commands.desktop.files import desktop_entry
 
 
@@ -19,7 +18,7 @@ def test_what_is_installed_is_known_to_the_desktop_and_can_be_removed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    done = CliRunner().invoke(app, ["desktop", "install"])
+    done = invoke("desktop", "install")
     assert done.exit_code == 0
     entry = "applications/thbridge.desktop"
     assert files(tmp_path) == {entry, "mime/packages/thbridge.xml", "icons/hicolor/scalable/apps/thbridge.svg"}
@@ -27,9 +26,9 @@ def test_what_is_installed_is_known_to_the_desktop_and_can_be_removed(
     if shutil.which("update-mime-database"):
         globs = (tmp_path / "mime" / "globs2").read_text()
         assert "application/x-rosbag:*.bag" in globs and "application/x-mcap:*.mcap" in globs
-    assert CliRunner().invoke(app, ["desktop", "remove"]).exit_code == 0
+    assert invoke("desktop", "remove").exit_code == 0
     assert files(tmp_path) == set()
-    assert "Nothing is installed" in CliRunner().invoke(app, ["desktop", "remove"]).stderr
+    assert "Nothing is installed" in invoke("desktop", "remove").stderr
 
 
 def test_the_entry_starts_a_program_whatever_its_path() -> None:

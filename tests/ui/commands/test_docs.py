@@ -8,27 +8,25 @@ import webbrowser
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from tests.support.programs.commands import all_commands
-from ui.cli import app
+from tests.support.programs.commands import all_commands, invoke
+from tests.support.project import ROOT
 from ui.commands.docs import pages
 
-ROOT = Path(__file__).parents[3]
 NAMED = re.compile(r"thbridge docs ([\w-]+)|docs/([\w-]+)\.md")
 
 
 def test_pages_are_listed_and_printed_as_they_are_written() -> None:
-    listed = CliRunner().invoke(app, ["docs"]).stdout
+    listed = invoke("docs").stdout
     assert "sweeps " in listed
     assert listed.count("\n") == len(pages.pages()) > 60
     for name in ("sweeps", "docs/sweeps.md", "sweeps.md#the-design"):
-        shown = CliRunner().invoke(app, ["docs", name])
+        shown = invoke("docs", name)
         assert (shown.exit_code, shown.stdout) == (0, (ROOT / "docs" / "sweeps.md").read_text())
 
 
 def test_an_unknown_page_is_answered_with_the_nearest() -> None:
-    refused = CliRunner().invoke(app, ["docs", "sweep"])
+    refused = invoke("docs", "sweep")
     assert (refused.exit_code, refused.stdout) == (2, "")
     assert "The nearest name is sweeps." in refused.stderr
 
@@ -49,7 +47,7 @@ def test_a_page_for_a_browser_links_to_the_others(
     monkeypatch.setattr(pages, "cache_folder", lambda: tmp_path / "kernels")
     opened: list[str] = []
     monkeypatch.setattr(webbrowser, "open", lambda uri: opened.append(uri) or has_browser)
-    done = CliRunner().invoke(app, ["docs", "sweeps", "--open"])
+    done = invoke("docs", "sweeps", "--open")
     page = tmp_path / "docs" / "sweeps.html"
     assert (done.exit_code, done.stdout, opened) == (0, f"{page}\n", [page.as_uri()])
     assert ("No browser could be opened" in done.stderr) is not has_browser

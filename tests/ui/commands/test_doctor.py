@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
-from typer.testing import CliRunner
 
-from ui.cli import app
+from tests.support.programs.commands import invoke
+from tests.support.project import ROOT
 from ui.commands.doctor.packages import lacking
 from ui.commands.doctor.places import check_folder
 from ui.commands.doctor.ports import check_ports
@@ -22,13 +22,11 @@ from ui.commands.doctor.result import HealthState
 from ui.commands.doctor.screen import failed_window, try_window
 from ui.commands.doctor.surroundings import check_clock, check_libraries, check_locale
 
-ROOT = Path(__file__).parents[3]
-
 
 def test_a_line_for_each_check_and_all_of_it_as_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(app, ["doctor"])
-    told = json.loads(CliRunner().invoke(app, ["doctor", "--json"]).stdout)
+    done = invoke("doctor")
+    told = json.loads(invoke("doctor", "--json").stdout)
     names = [check["name"] for check in told["checks"]]
     assert (done.exit_code, told["ok"]) == (0, True), done.stdout
     assert len(done.stdout.splitlines()) == len(names)
@@ -45,7 +43,7 @@ def test_a_folder_that_cannot_be_written_is_a_fault_and_the_exit_code_says_so(
 ) -> None:
     (tmp_path / "bags").touch()
     monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(app, ["doctor", "--json"])
+    done = invoke("doctor", "--json")
     told = json.loads(done.stdout)
     assert (done.exit_code, told["ok"]) == (1, False)
     (fault,) = [check for check in told["checks"] if check["state"] == "fault"]
@@ -116,7 +114,7 @@ def test_ports_of_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         Path("study.yaml").write_text(
             f"server: {{port: 0}}\nwatch: {{port: {port}}}\nmavlink: {{on: true, tcp: 127.0.0.1:5761}}\n"
         )
-        told = json.loads(CliRunner().invoke(app, ["doctor", "study.yaml", "--json"]).stdout)
+        told = json.loads(invoke("doctor", "study.yaml", "--json").stdout)
     ports = {check["name"]: check for check in told["checks"] if check["name"].startswith("port ")}
     assert ports.keys() == {f"port {port}", "port 5761", "port 8765", "port 11311"}
     assert ports[f"port {port}"]["remedy"].endswith("choose another port by watch.port")

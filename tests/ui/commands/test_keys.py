@@ -1,9 +1,8 @@
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
 
-from ui.cli import app
+from tests.support.programs.commands import invoke
 
 
 @pytest.fixture(autouse=True)
@@ -11,38 +10,34 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def run(*arguments: str) -> Result:
-    return CliRunner().invoke(app, list(arguments))
-
-
 def test_a_key_is_made_listed_and_revoked() -> None:
-    made = run("keys", "new", "maria", "--right", "watch", "--right", "intervene", "--days", "7")
+    made = invoke("keys", "new", "maria", "--right", "watch", "--right", "intervene", "--days", "7")
     assert (made.exit_code, made.stdout) == (0, "keys/maria.key\n")
     assert len(Path("keys/maria.key").read_text().strip()) >= 40
-    listed = run("keys", "list").stdout
+    listed = invoke("keys", "list").stdout
     assert Path("keys/maria.key").read_text().splitlines()[1] in listed
     assert "maria" in listed
     assert "watch, intervene" in listed
     assert "good" in listed
-    assert run("keys", "revoke", "maria").exit_code == 0
-    assert "revoked" in run("keys", "list").stdout
+    assert invoke("keys", "revoke", "maria").exit_code == 0
+    assert "revoked" in invoke("keys", "list").stdout
 
 
 def test_faults_are_told() -> None:
-    assert "there is no folder keys" in run("keys", "revoke", "maria").stderr
-    run("keys", "new", "maria")
-    again = run("keys", "new", "maria")
+    assert "there is no folder keys" in invoke("keys", "revoke", "maria").stderr
+    invoke("keys", "new", "maria")
+    again = invoke("keys", "new", "maria")
     assert again.exit_code == 2
     assert "there is a key maria already" in again.stderr
 
 
 def test_a_door_wants_keys_that_are_there_and_cannot_be_guessed() -> None:
     Path("keys").mkdir()
-    none = run("play", "--headless", "--watch", "0", "--watch-key", "keys")
+    none = invoke("play", "--headless", "--watch", "0", "--watch-key", "keys")
     assert none.exit_code == 2
     assert "there are no keys in keys. Make one: " in none.stderr
     Path("a.key").write_text("a\n")
     Path("a.key").chmod(0o600)
-    short = run("play", "--headless", "--watch", "0", "--watch-key", "a.key")
+    short = invoke("play", "--headless", "--watch", "0", "--watch-key", "a.key")
     assert short.exit_code == 2
     assert "this key can be guessed: it has 1 characters" in short.stderr

@@ -4,17 +4,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from sim.common.grid import OCCUPIED
 from tests.support.maps.floor_plans import plan
 from tests.support.maps.small_arenas import two_rooms
+from tests.support.programs.commands import invoke
 from tests.support.slow import slow
 from thbridge.files.grid_files import read_grid, write_grid
 from thbridge.hunt.rooms import Room
 from thbridge.offline.kept_trips import KeptTrips
 from thbridge.offline.measure import TripResult, TripTimes
-from ui.cli import app
 from ui.commands.maps.drawing import read_left_out, unreached_words
 
 ROOMS = """\
@@ -42,7 +42,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def maps(*words: object) -> Result:
-    return CliRunner().invoke(app, ["maps", *map(str, words)])
+    return invoke("maps", *words)
 
 
 @pytest.mark.slow
@@ -61,7 +61,7 @@ def test_a_new_map_is_measured_by_a_study_that_does_not_fit_it_and_then_plays(he
     )
     assert (here / "mapTimes").read_bytes() == (here / "two" / "mapTimes").read_bytes()
     (here / "play.yaml").write_text("map: ./two\n")
-    assert CliRunner().invoke(app, ["study", "check", "play.yaml"]).exit_code == 0
+    assert invoke("study", "check", "play.yaml").exit_code == 0
 
 
 @pytest.mark.slow
@@ -93,7 +93,7 @@ def test_a_stopped_measurement_goes_on_and_writes_the_same_bytes(here: Path, mon
 
 
 def test_a_view_for_rviz_needs_no_costs(here: Path) -> None:
-    done = CliRunner().invoke(app, ["ros", "rviz", "--map", "./two", "--robots", "2"])
+    done = invoke("ros", "rviz", "--map", "./two", "--robots", "2")
     assert done.exit_code == 0, done.stderr
 
 
@@ -255,11 +255,11 @@ class TestPlans:
         monkeypatch.chdir(tmp_path)
         plan().resize((650, 450), Image.Resampling.NEAREST).save("plan.png")
         command = ["maps", "new", "plan.png", "--width", "32.5", "--no-times"]
-        told = CliRunner().invoke(app, command)
+        told = invoke(*command)
         assert told.exit_code == 1
         assert "plan.png: only 2" in told.stderr and "% of the floor can be reached. Lines thinner than " in told.stderr
         assert not Path("plan").exists()
-        opened = CliRunner().invoke(app, [*command, "--thinner", "3"])
+        opened = invoke(*command, "--thinner", "3")
         assert opened.exit_code == 0, opened.stderr
         assert "Rooms: 8 found" in opened.stdout
         assert "Left out: lines and letters thinner than 3 pixels" in opened.stdout
@@ -278,7 +278,7 @@ class TestPlans:
     def test_sizes_are_checked(self, tmp_path, monkeypatch, options, told):
         monkeypatch.chdir(tmp_path)
         plan().save("plan.png")
-        done = CliRunner().invoke(app, ["maps", "new", "plan.png", "--no-times", *options])
+        done = invoke("maps", "new", "plan.png", "--no-times", *options)
         assert done.exit_code == 2
         assert told in " ".join(done.stderr.replace("│", "").split())
 
@@ -292,9 +292,7 @@ class TestPlans:
     def test_a_width_that_takes_walls_or_leaves_doors_shut_is_told(self, tmp_path, monkeypatch, pixels, thinner, told):
         monkeypatch.chdir(tmp_path)
         plan().resize(pixels, Image.Resampling.LANCZOS).save("plan.png")
-        done = CliRunner().invoke(
-            app, ["maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", str(thinner)]
-        )
+        done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", thinner)
         assert told in " ".join(done.stderr.split())
 
     @pytest.mark.parametrize(
@@ -309,7 +307,7 @@ class TestPlans:
     def test_further_slips_are_told_with_their_remedy(self, tmp_path, monkeypatch, options, told):
         monkeypatch.chdir(tmp_path)
         plan().resize((650, 450), Image.Resampling.NEAREST).save("plan.png")
-        done = CliRunner().invoke(app, ["maps", "new", "plan.png", "--width", "32.5", "--no-times", *options])
+        done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times", *options)
         assert done.exit_code == 2
         assert told in " ".join(done.stderr.replace("│", "").split())
         assert not Path("plan").exists()

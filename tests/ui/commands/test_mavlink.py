@@ -9,10 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from tests.support.mavlink.recorded_stations import Station, record
 from tests.support.mavlink.vehicle_with_stations import OPTIONS, Game
+from tests.support.programs.commands import invoke
 from tests.support.programs.ports import free_port
 from tests.support.programs.processes import Program, until
 from thbridge.app.session.session import Session
@@ -28,7 +29,6 @@ from thbridge.mavlink.wire.frames.signing import SigningKey, parse_key
 from thbridge.mavlink.wire.outgoing import LinkId
 from thbridge.mavlink.wire.traffic import FrameOutcome
 from thbridge.sockets.addresses import Address, UdpTarget
-from ui.cli import app
 
 
 class Fleet:
@@ -104,7 +104,7 @@ def fleet(at: Address) -> Iterator[Fleet]:
 
 
 def mavlink(*arguments: object) -> Result:
-    return CliRunner().invoke(app, ["mavlink", *[str(argument) for argument in arguments]])
+    return invoke("mavlink", *arguments)
 
 
 def failure(*arguments: object) -> str:

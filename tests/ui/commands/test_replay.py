@@ -4,19 +4,15 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from tests.support.bags.small_bags import write_hundred_messages
+from tests.support.programs.commands import invoke
 from thbridge.app.replay.replay import session_of
 from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.study.study_file import read_study_text
-from ui.cli import app
-
-
-def thbridge(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 def progress_of(done: Result) -> tuple[object, ...]:
@@ -28,7 +24,7 @@ def progress_of(done: Result) -> tuple[object, ...]:
 def hunt(tmp_path_factory: pytest.TempPathFactory) -> Path:
     bag = tmp_path_factory.mktemp("hunt") / "hunt.bag"
     limits = ("--seed", "7", "--max-seconds", "18", "--progress", "json")
-    done = thbridge("play", "--json", "--port", "0", *limits, "--bag", bag)
+    done = invoke("play", "--json", "--port", "0", *limits, "--bag", bag)
     assert done.exit_code == 1  # not over yet
     assert progress_of(done)[:3] == ("simulated seconds", 17, None)
     return bag
@@ -41,7 +37,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_same_again(hunt: Path) -> None:
-    done = thbridge("replay", hunt, "--to", "again.bag", "--json", "--progress", "json")
+    done = invoke("replay", hunt, "--to", "again.bag", "--json", "--progress", "json")
     assert done.exit_code == 0, done.output
     assert progress_of(done)[:3] == ("simulated seconds", 17, 18)
     result = json.loads(done.stdout)
@@ -56,7 +52,7 @@ def test_the_same_again(hunt: Path) -> None:
 
 
 def test_for_people_it_tells_the_hunt_from_a_time_on(hunt: Path) -> None:
-    done = thbridge("replay", hunt, "--from", "14")
+    done = invoke("replay", hunt, "--from", "14")
     assert done.exit_code == 0
     assert "Game 1 begins" not in done.stdout
     assert "is in room" in done.stdout
@@ -70,14 +66,14 @@ def test_a_difference_is_told_and_ends_with_1(hunt: Path) -> None:
         for number, message in enumerate(recorded):
             data = message.data[:-8] + bytes(8) if number == victim else message.data
             writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, data))
-    done = thbridge("replay", "forged.bag")
+    done = invoke("replay", "forged.bag")
     assert done.exit_code == 1
     assert f"The first difference: message {victim}," in done.stdout.replace("\n", " ")
     assert "twist.covariance[35]" in done.stdout
 
 
 def test_what_if_compares_both_runs(hunt: Path) -> None:
-    done = thbridge("replay", hunt, "--with", "seed=8", "--with", "robot.amcl.max_particles=300", "--json")
+    done = invoke("replay", hunt, "--with", "seed=8", "--with", "robot.amcl.max_particles=300", "--json")
     assert done.exit_code == 0, done.output
     result = json.loads(done.stdout)
     assert result["first_difference"]["topic"] == "/hunt/events"
@@ -90,7 +86,7 @@ def test_what_if_compares_both_runs(hunt: Path) -> None:
 
 def test_what_if_for_people_is_a_table(hunt: Path) -> None:
     Path("other.yaml").write_text("noise: {preset: bad wheels}\n")
-    done = thbridge("replay", hunt, "--with", "other.yaml", "--participant", "nearest")
+    done = invoke("replay", hunt, "--with", "other.yaml", "--participant", "nearest")
     assert done.exit_code == 0, done.output
     assert "What became of it" in done.stdout
     assert "robot 2: energy left" in done.stdout
@@ -98,19 +94,17 @@ def test_what_if_for_people_is_a_table(hunt: Path) -> None:
 
 
 def test_requests_that_come_too_early_for_the_changed_robots_are_counted(hunt: Path) -> None:
-    done = thbridge("replay", hunt, "--with", "robot.TrajectoryPlannerROS.max_vel_x=0.2", "--json")
+    done = invoke("replay", hunt, "--with", "robot.TrajectoryPlannerROS.max_vel_x=0.2", "--json")
     assert done.exit_code == 0, done.output
     assert "Requests of the participant that were refused: " in done.stderr
     assert "let a simulated participant play anew by --participant" in done.stderr
 
 
 def test_the_recorded_study_names_who_played() -> None:
-    played = thbridge(
-        "play", "--json", "--port", "0", "--participant", "nearest", "--max-seconds", "1", "--bag", "a.bag"
-    )
+    played = invoke("play", "--json", "--port", "0", "--participant", "nearest", "--max-seconds", "1", "--bag", "a.bag")
     assert played.exit_code == 1  # not over yet
-    assert thbridge("replay", "a.bag").exit_code == 0
-    assert thbridge("replay", "a.bag", "--participant", "random", "--to", "b.bag").exit_code == 0
+    assert invoke("replay", "a.bag").exit_code == 0
+    assert invoke("replay", "a.bag", "--participant", "random", "--to", "b.bag").exit_code == 0
     for bag, strategy in (("a.bag", "nearest"), ("b.bag", "random")):
         record = session_of(Path(bag))
         assert record.participant == strategy
@@ -129,7 +123,7 @@ def test_the_recorded_study_names_who_played() -> None:
     ],
 )
 def test_bad_input_is_refused(hunt: Path, arguments: list[str], message: str) -> None:
-    done = thbridge("replay", hunt, *arguments)
+    done = invoke("replay", hunt, *arguments)
     assert done.exit_code == 2
     assert message in done.stderr.replace("\n", " ")
     assert done.stdout == ""
@@ -137,7 +131,7 @@ def test_bad_input_is_refused(hunt: Path, arguments: list[str], message: str) ->
 
 def test_a_recording_is_not_replayed_onto_itself(hunt: Path) -> None:
     before = hunt.read_bytes()
-    assert thbridge("replay", hunt, "--to", hunt).exit_code == 2
+    assert invoke("replay", hunt, "--to", hunt).exit_code == 2
     assert hunt.read_bytes() == before
 
 
@@ -145,6 +139,6 @@ def test_foreign_and_broken_bags_are_refused(folder: Path) -> None:
     write_hundred_messages(folder / "foreign.bag")
     (folder / "broken.bag").write_bytes(b"#ROSBAG V2.0\nnonsense")
     for name in ("foreign.bag", "broken.bag", "missing.bag"):
-        done = thbridge("replay", name)
+        done = invoke("replay", name)
         assert done.exit_code == 2
         assert name in done.stderr

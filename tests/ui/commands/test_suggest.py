@@ -4,13 +4,12 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from ui.cli import app
+from tests.support.programs.commands import invoke
 
 
 def suggest(*arguments: object) -> str:
-    done = CliRunner().invoke(app, ["suggest", *map(str, arguments)])
+    done = invoke("suggest", *arguments)
     assert done.exit_code == 0, done.output
     return done.stdout
 
@@ -85,18 +84,18 @@ def test_one_robot_may_have_any_number_of_rooms_before_it(tmp_path: Path) -> Non
     ],
 )
 def test_what_does_not_go_together_is_told(study: Path, options: tuple[str, ...], sentence: str) -> None:
-    done = CliRunner().invoke(app, ["suggest", "--team", str(study), *options])
+    done = invoke("suggest", "--team", study, *options)
     assert done.exit_code == 2
     assert sentence in done.stderr
 
 
 def test_a_planner_is_for_a_team() -> None:
-    done = CliRunner().invoke(app, ["suggest", "--costs", "c", "--at", "0", "--unvisited", "1", "--planner", "greedy"])
+    done = invoke("suggest", "--costs", "c", "--at", "0", "--unvisited", "1", "--planner", "greedy")
     assert done.exit_code == 2
     assert "--planner: it shares rooms out to a team" in done.stderr
 
 
 def test_without_a_team_all_of_one_robot_is_asked_for() -> None:
-    done = CliRunner().invoke(app, ["suggest", "--at", "0"])
+    done = invoke("suggest", "--at", "0")
     assert done.exit_code == 2
     assert "for one robot give --costs, --at and --unvisited" in done.stderr

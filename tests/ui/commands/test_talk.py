@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from typer.testing import CliRunner
 
+from tests.support.programs.commands import invoke
 from thbridge.dialogue.examples import jhri2015
 from thbridge.dialogue.games.dialogue_game import GameUtterance
 from thbridge.dialogue.games.locutions import CONDITIONS, EFFECTS
@@ -19,12 +19,11 @@ from thbridge.dialogue.wording.predicates import PREDICATES
 from thbridge.dialogue.wording.wording import Wording
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.word_files import read_language
-from ui.cli import app
 from ui.commands.talk.examples import TerminalTalk
 
 
 def talk(*arguments: object, code: int = 0, typed: str | None = None) -> str:
-    done = CliRunner().invoke(app, ["talk", *map(str, arguments)], input=typed)
+    done = invoke("talk", *arguments, input=typed)
     assert done.exit_code == code, done.output
     return done.stdout
 
@@ -112,7 +111,7 @@ def test_any_typing_is_taken_and_the_end_of_it_is_no_fault(lines: list[str]) -> 
     ],
 )
 def test_what_cannot_be_talked_about_is_told(options: tuple[object, ...], told: str) -> None:
-    done = CliRunner().invoke(app, ["talk", *map(str, options)])
+    done = invoke("talk", *options)
     assert done.exit_code == 2
     assert told in done.stderr
 
@@ -228,7 +227,7 @@ def test_a_strategy_that_is_installed_is_checked(tmp_path: Path, monkeypatch: py
     told = json.loads(talk("check", "--strategy", "silent", "--conversations", 1, "--json", code=2))
     (fault,) = told["strategy"]["faults"]
     assert not told["ok"] and fault["problem"] == "a NoneType is no move" and "legal(number)" in fault["remedy"]
-    done = CliRunner().invoke(app, ["talk", "check", "--strategy", "sillent"])
+    done = invoke("talk", "check", "--strategy", "sillent")
     assert done.exit_code == 2 and "The nearest is silent" in done.output
 
 
@@ -264,5 +263,5 @@ def test_an_author_that_is_installed_is_checked(tmp_path: Path, monkeypatch: pyt
     refused = talk("check", "--author", "liar", "--conversations", 1, code=2)
     assert "liar: a sentence is refused (other-values) (" in refused and "it has to say, in this order: not" in refused
     assert "it offered different ones" in talk("check", "--author", "fickle", "--conversations", 1, code=2)
-    done = CliRunner().invoke(app, ["talk", "check", "--author", "lier"])
+    done = invoke("talk", "check", "--author", "lier")
     assert done.exit_code == 2 and "The nearest is liar" in done.output

@@ -3,13 +3,12 @@
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from ui.cli import app
+from tests.support.programs.commands import invoke
 
 
 def refused(*arguments: str) -> str:
-    done = CliRunner().invoke(app, ["watch", *arguments])
+    done = invoke("watch", *arguments)
     assert done.exit_code == 2
     return " ".join(done.output.split())
 

@@ -27,13 +27,7 @@ from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.shared.notices import PoseTelemetry, RobotMotion
 from thbridge.roles.shared.participant_rules import KeeperReason
 from thbridge.roles.shared.robot_requests import ReleaseCommand
-from thbridge.roles.shared.view import (
-    Debrief,
-    IdentificationVerdict,
-    RefusalView,
-    RoomDebrief,
-    View,
-)
+from thbridge.roles.shared.view import Debrief, IdentificationVerdict, RefusalView, RoomDebrief, View
 from thbridge.study.study_file import DialogueSection, Study
 from ui.model.playing.participant import Participant
 from ui.model.playing.screen import (

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.support.project import ROOT
 from thbridge.files.game_files import SHIPPED_GAMES
 from thbridge.files.yaml.tree import parse
 from thbridge.hunt.refusals import RequestRefused
@@ -19,7 +20,6 @@ from ui.model.study_form.noise import noise_from_form, preview_of
 from ui.model.study_form.resources import is_named, is_path, resources_for
 
 PATH = Path("study.yaml")
-ROOT = Path(__file__).parents[3]
 WRITTEN = """\
 # our pilot
 robots: 4   # two pairs

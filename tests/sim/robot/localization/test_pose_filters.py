@@ -4,7 +4,6 @@ import math
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import filterpy.kalman.kalman_filter
 import filterpy.kalman.UKF
@@ -17,8 +16,8 @@ from sim.parameters import UkfParameters
 from sim.robot.localization.pose_filters import ExtendedPoseFilter, MeasuredMotion, UnscentedPoseFilter
 from tests.sim.robot.localization.portable_filters import digest_of, filters, random_steps
 from tests.support.programs.processor_features import LIBM_WITHOUT_FMA, NUMPY_PLAIN
+from tests.support.project import ROOT
 
-ROOT = Path(__file__).parents[4]
 HERE = Pose2(1.0, -2.0, 3.1)
 STEP = Pose2(0.5, 0.1, 0.3)
 DOUBT = np.array(((0.04, 0.01, 0.002), (0.01, 0.03, -0.001), (0.002, -0.001, 0.0025)))

@@ -33,14 +33,7 @@ from thbridge.app.compose.session import SessionRecording, build_programs, open_
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import PLAY, HuntUnfinished, PlayOptions, play
 from thbridge.app.programs import SIMR
-from thbridge.app.replay.replay import (
-    NOT_IN_OLDER,
-    ReplayOptions,
-    recorded_study,
-    replay,
-    session_of,
-    ticks_of,
-)
+from thbridge.app.replay.replay import NOT_IN_OLDER, ReplayOptions, recorded_study, replay, session_of, ticks_of
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import (
     BytesReceived,

@@ -13,12 +13,7 @@ from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.moves import Ask, Author, DialogueUtterance, Speaker
 from thbridge.dialogue.portrait import read_portrait
 from thbridge.roles.keeper.requests.wizard import WizardState
-from thbridge.ros.messages.session_records import (
-    DialogueMoveRecord,
-    DialogueStateRecord,
-    GameEvent,
-    UtteranceRecord,
-)
+from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord, GameEvent, UtteranceRecord
 
 CRATE = ThingState(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(1.0, 2.0, 0.0)))
 

@@ -7,13 +7,7 @@ from itertools import pairwise
 
 import pytest
 from hypothesis import strategies as st
-from hypothesis.stateful import (
-    RuleBasedStateMachine,
-    initialize,
-    invariant,
-    precondition,
-    rule,
-)
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from tests.thbridge.dialogue.games.judge import IN_BRIEF, OPENING_WORDS, Judge, case, rival
 from tests.thbridge.dialogue.games.random_talk import CLAIMS, GAMES, PROPOSITIONS, Start, random_start, random_topic

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from rosbags.rosbag1 import Writer
 from rosbags.rosbag1.reader import RecordType
 from rosbags.typesys import Stores, get_typestore
-from typer.testing import CliRunner
 
+from tests.support.programs.commands import invoke
 from tests.support.slow import slow
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
@@ -25,7 +25,6 @@ from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.types import plain_definition
 from thbridge.ros.publisher import RosMessage, Topic
-from ui.cli import app
 
 PLAIN = Definitions(())
 TOPICS = [Topic("/chatter", "std_msgs/String"), Topic("/news", "std_msgs/String", latched=True)]
@@ -264,7 +263,7 @@ def test_a_bag_of_which_nothing_can_be_read_is_no_success(tmp_path: Path) -> Non
     path = tmp_path / "a.bag"
     content = renamed_in(renamed_in(two_types(path), "/other", b"type"), "/chatter", b"type")
     path.write_bytes(content)
-    done = CliRunner().invoke(app, ["bag", "reindex", str(path)])
+    done = invoke("bag", "reindex", path)
     assert done.exit_code == 1
     assert "Recovered 0 messages" in done.output
     assert "the connection of /chatter lacks its field type" in done.output

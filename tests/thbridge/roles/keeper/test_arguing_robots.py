@@ -12,14 +12,7 @@ from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.dialogue.wording.authors import WordingRequest
 from thbridge.hunt.events import RobotDeparted, TreasureLeft
 from thbridge.roles.shared.robot_requests import WizardMode, WizardMove
-from thbridge.roles.shared.view import (
-    Consent,
-    OpenDialogue,
-    RequestSuggestion,
-    SelectRoom,
-    SendRobot,
-    SenseTreasure,
-)
+from thbridge.roles.shared.view import Consent, OpenDialogue, RequestSuggestion, SelectRoom, SendRobot, SenseTreasure
 
 
 def test_a_supervised_robot_does_what_it_is_told_without_a_word() -> None:

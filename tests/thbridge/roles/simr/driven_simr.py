@@ -1,10 +1,6 @@
 """SimR alone, and what it says."""
 
-from thbridge.roles.shared.notices import (
-    KEEPER,
-    MoveOrder,
-    Orders,
-)
+from thbridge.roles.shared.notices import KEEPER, MoveOrder, Orders
 from thbridge.roles.simr.simr import SimR
 from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage

@@ -12,14 +12,7 @@ from tests.thbridge.roles.simr.driven_simr import DrivenSimR, orders
 from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.hunt.events import Condition
-from thbridge.roles.shared.notices import (
-    MoveOrder,
-    MoveResult,
-    PoseTelemetry,
-    RobotsReady,
-    Subscribe,
-    TeamStatus,
-)
+from thbridge.roles.shared.notices import MoveOrder, MoveResult, PoseTelemetry, RobotsReady, Subscribe, TeamStatus
 from thbridge.roles.shared.robot_requests import SetParameters
 from thbridge.roles.simr.pose_telemetry import POSE_PERIOD, SUBSCRIPTION_TICKS
 from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT

@@ -22,14 +22,7 @@ from thbridge.rosgraph.wire.links import (
     TopicHeader,
 )
 from thbridge.rosgraph.wire.outbound import SubscriberLink
-from thbridge.rosgraph.wire.tcpros import (
-    BODY_LIMIT,
-    HEADER_LIMIT,
-    REQUEST_LIMIT,
-    decode_header,
-    encode_header,
-    frame,
-)
+from thbridge.rosgraph.wire.tcpros import BODY_LIMIT, HEADER_LIMIT, REQUEST_LIMIT, decode_header, encode_header, frame
 
 MD5 = "992ce8a1687cec8c8bd883ec73ca41d1"
 SERVICE_MD5 = "937c9679a518e3a18d831e57125ea522"

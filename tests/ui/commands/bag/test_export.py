@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from tests.support.bags.foreign_bags import Robot, write
-from ui.cli import app
+from tests.support.programs.commands import invoke
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(bag: Path, to: Path, *options: str) -> Result:
-    return CliRunner().invoke(app, ["bag", "export", str(bag), "--to", str(to), *options])
+    return invoke("bag", "export", bag, "--to", to, *options)
 
 
 def test_json(bag: Path, tmp_path: Path) -> None:

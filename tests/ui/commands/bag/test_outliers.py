@@ -4,16 +4,15 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
 from tests.support.bags.foreign_bags import Robot, write
+from tests.support.programs.commands import invoke
 from thbridge.analysis.plot.figures import draw
 from thbridge.analysis.plot.kinds import FigureKind
 from thbridge.analysis.plot.style import TWO_COLUMNS
 from thbridge.analysis.report.builder import read_report
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.recording.bag.reading.reader import messages
-from ui.cli import app
 
 TOPICS = {"/odom": "/odom", None: "tf odom -> base_footprint"}
 
@@ -28,7 +27,7 @@ def spiked(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 
 def done(*arguments: object) -> str:
-    finished = CliRunner().invoke(app, [str(each) for each in arguments])
+    finished = invoke(*arguments)
     assert finished.exit_code == 0, finished.output
     return " ".join(finished.output.split())
 

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from tests.support.bags.foreign_bags import Robot, write, write_map
-from ui.cli import app
+from tests.support.programs.commands import invoke
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(folder: Path, *options: str) -> Result:
-    return CliRunner().invoke(app, ["bag", "plot", str(folder / "a.bag"), *options])
+    return invoke("bag", "plot", folder / "a.bag", *options)
 
 
 def test_a_foreign_bag_on_a_map_of_its_own(folder: Path, tmp_path: Path) -> None:

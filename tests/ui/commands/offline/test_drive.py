@@ -4,16 +4,16 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
-from ui.cli import app
+from tests.support.programs.commands import invoke
 
 OFFICE = Path(__file__).parents[4] / "maps" / "office" / "map.yaml"
 CORRIDOR = ("--start", "0", "0", "0")
 
 
 def drive(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["drive", "--map", str(OFFICE), *arguments])
+    return invoke("drive", "--map", OFFICE, *arguments)
 
 
 def outcome_of(*arguments: str) -> dict:

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from sim.common.geometry import Pose2
 from tests.support.bags.foreign_bags import FIRST, PERIOD_NS, START_NS, Robot, write, write_map
+from tests.support.programs.commands import invoke
 from tests.support.slow import slow
-from ui.cli import app
 
 ORIGIN = Pose2(-3.0, 4.0, 0.5)
 START = ORIGIN.compose(FIRST)
@@ -26,7 +26,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(folder: Path, *options: str) -> Result:
-    return CliRunner().invoke(app, ["localize", str(folder / "a.bag"), "--map", str(folder / "map.yaml"), *options])
+    return invoke("localize", folder / "a.bag", "--map", folder / "map.yaml", *options)
 
 
 def start() -> list[str]:

@@ -5,12 +5,11 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
+from tests.support.programs.commands import invoke
 from thbridge.files.grid_files import write_grid
-from ui.cli import app
 
 TURNED = Pose2(3.0, -2.0, 0.7)
 
@@ -33,7 +32,7 @@ def place(x, y):
 
 
 def thbridge(*arguments):
-    return CliRunner().invoke(app, ["plan", *map(str, arguments)])
+    return invoke("plan", *arguments)
 
 
 def queries(*arguments):

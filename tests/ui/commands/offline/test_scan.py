@@ -3,12 +3,11 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
+from tests.support.programs.commands import invoke
 from thbridge.files.grid_files import write_grid
-from ui.cli import app
 
 
 @pytest.fixture
@@ -21,7 +20,7 @@ def room(tmp_path):
 
 
 def scan(*arguments):
-    return CliRunner().invoke(app, ["scan", *map(str, arguments)])
+    return invoke("scan", *arguments)
 
 
 def ranges(*arguments):

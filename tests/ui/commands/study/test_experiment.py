@@ -5,11 +5,9 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
-from tests.support.programs.commands import output_of
+from tests.support.programs.commands import invoke, output_of
 from thbridge.experiment.store.event_log import ExperimentLog
-from ui.cli import app
 
 
 @pytest.fixture
@@ -38,7 +36,7 @@ def test_a_new_study_may_be_in_german(tmp_path: Path) -> None:
     said = output_of("study", "check", tmp_path / "streit")
     assert "no faults; 24 people" in said and "language" not in said and "translation" not in said
     assert (tmp_path / "streit" / "texts" / "welcome.txt").read_text().startswith("Willkommen.")
-    done = CliRunner().invoke(app, ["study", "new", str(tmp_path / "nl"), "--language", "nl"])
+    done = invoke("study", "new", tmp_path / "nl", "--language", "nl")
     assert (done.exit_code, (tmp_path / "nl").exists()) == (2, False)
     assert "--language: there is no example in nl. Choose one of en, de;" in done.stderr
 
@@ -79,7 +77,7 @@ def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path)
 )
 def test_a_folder_that_is_no_experiment(tmp_path: Path, arguments: tuple[str, ...], problem: str) -> None:
     command, *options = arguments
-    done = CliRunner().invoke(app, ["study", command, str(tmp_path), *options])
+    done = invoke("study", command, tmp_path, *options)
     assert done.exit_code == 2
     assert problem in done.output
 
@@ -89,7 +87,7 @@ def test_files_that_a_game_lacks_are_told_before_anybody_comes(folder: Path, opt
     file = folder / "experiment.yaml"
     file.write_text(file.read_text().replace("  robots: 2\n", "  robots: 2\n  map: nowhere\n"))
     command, *rest = options
-    done = CliRunner().invoke(app, ["study", command, str(folder), *rest])
+    done = invoke("study", command, folder, *rest)
     assert done.exit_code == 2
     # Line 4 begins the section `base`.
     assert f"{file}, line 4, map: there is no map of this name" in " ".join(done.output.split())
@@ -97,20 +95,20 @@ def test_files_that_a_game_lacks_are_told_before_anybody_comes(folder: Path, opt
 
 def test_somebody_who_never_took_part_cannot_withdraw(folder: Path, tmp_path: Path) -> None:
     output_of("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
-    done = CliRunner().invoke(app, ["study", "withdraw", str(tmp_path / "rehearsal"), "P-NOBODY", "--yes"])
+    done = invoke("study", "withdraw", tmp_path / "rehearsal", "P-NOBODY", "--yes")
     assert done.exit_code == 2
     assert "nothing of anybody of this id" in " ".join(done.output.split())
 
 
 def test_a_study_is_not_run_without_a_display_or_twice(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
-    done = CliRunner().invoke(app, ["study", "run", str(folder)])
+    done = invoke("study", "run", folder)
     assert done.exit_code == 2
     assert "keeps windows from being shown" in done.output
     monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
     (folder / "store").mkdir()
     with ExperimentLog(folder / "store" / "log"):
-        done = CliRunner().invoke(app, ["study", "run", str(folder)])
+        done = invoke("study", "run", folder)
     assert done.exit_code == 2
     assert "another program runs this study" in done.output
 
@@ -120,7 +118,7 @@ def test_a_study_is_not_run_without_a_display_or_twice(folder: Path, monkeypatch
 def test_a_text_in_another_encoding_is_refused_by_the_check(folder: Path, name: str, encoding: str, told: str) -> None:
     file = folder / name
     file.write_bytes(file.read_text().replace("\n", " “quoted”\n", 1).encode(encoding))
-    checked = CliRunner().invoke(app, ["study", "check", str(folder)])
+    checked = invoke("study", "check", folder)
     assert checked.exit_code == 2
     assert isinstance(checked.exception, SystemExit)
     assert f"{file.name}, line 1: " in checked.output

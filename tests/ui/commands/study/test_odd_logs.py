@@ -11,8 +11,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
+from tests.support.programs.commands import invoke
 from tests.support.project import ROOT
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.export.tables import records_of
@@ -20,7 +20,6 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.decoding import LARGEST_EVENT
 from thbridge.experiment.store.event_log import LARGEST_LOG, ExperimentLog, read_log
 from thbridge.files.errors import BadFile
-from ui.cli import app
 from ui.sources.experiment import ExperimentSource
 
 OLDER = ROOT / "tests" / "system" / "studies_of_0_1" / "with-people"
@@ -219,7 +218,7 @@ def test_every_command_that_reads_a_log_refuses_odd_contents_in_one_line(
     ODD[name](contents)
     write_log(study, contents)
     for arguments in (["status"], ["export", "--to", tmp_path / "tables"], ["backup", "--to", tmp_path / "copy"]):
-        done = CliRunner().invoke(app, ["study", str(arguments[0]), str(study), *map(str, arguments[1:])])
+        done = invoke("study", arguments[0], study, *arguments[1:])
         assert isinstance(done.exception, SystemExit), done.exception
         assert (done.exit_code, done.output.count("\n")) == (2, 1), done.output
         assert "store/log: event " in done.output
@@ -292,7 +291,7 @@ def test_a_pipe_in_the_place_of_a_file_is_refused_without_waiting_for_it(study: 
 )
 def test_an_odd_freeze_is_refused(study: Path, content: str) -> None:
     (study / "freeze.json").write_text(content)
-    done = CliRunner().invoke(app, ["study", "status", str(study)])
+    done = invoke("study", "status", study)
     assert isinstance(done.exception, SystemExit), done.exception
     assert done.exit_code == 2
     assert "freeze.json: is damaged or was changed" in done.output

@@ -4,14 +4,12 @@ import shutil
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from tests.support.programs.commands import output_of, refusal_of
+from tests.support.programs.commands import invoke, output_of, refusal_of
 from tests.support.studies.participants import another_person, people, traces
 from tests.support.studies.study_events import answer
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Tombstone
-from ui.cli import app
 
 
 @pytest.fixture
@@ -110,4 +108,4 @@ def test_a_restore_is_refused_where_it_would_do_harm(study: Path, tmp_path: Path
     (backup / "store" / "log").write_bytes(b"nothing")
     assert "is damaged" in refusal_of("study", "restore", backup, "--to", study)
     assert len(people(study)) == 2
-    assert CliRunner().invoke(app, ["study", "restore", str(tmp_path / "nothing")]).exit_code == 2
+    assert invoke("study", "restore", tmp_path / "nothing").exit_code == 2

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
-from tests.support.programs.commands import output_of, refusal_of
+from tests.support.programs.commands import invoke, output_of, refusal_of
 from tests.support.studies.kiosk_without_screen import Laboratory, Person
 from tests.support.studies.participants import people, traces
 from tests.support.studies.study_events import NOON
@@ -19,7 +18,6 @@ from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Tombstone
 from thbridge.experiment.withdrawal import plan_withdrawal
-from ui.cli import app
 from ui.hosting.kiosk.games import StudyGames
 
 STUDY = """\
@@ -200,7 +198,7 @@ def test_nothing_but_an_id_or_a_code_withdraws_anybody(study: Path) -> None:
     before = contents(study)
     inside = (f"recordings/{first}", f"../recordings/{first}", f"{first}/", f"./{first}", f"{first}/.", str(study))
     for named in ("..", ".", "", " ", "\t", "/", "/etc", "recordings", "P-", "P-\0", "*", "log", *inside):
-        done = CliRunner().invoke(app, ["study", "withdraw", str(study), named, "--yes"])
+        done = invoke("study", "withdraw", study, named, "--yes")
         assert done.exit_code == 2, (named, done.output)
         assert "lists the ids" in done.output
         assert contents(study) == before, named
@@ -221,7 +219,7 @@ def test_what_is_deleted_is_shown_and_confirmed_first(
     events = [entry.event for entry in read_log(study / "store" / "log") if not isinstance(entry, Tombstone)]
     files = len([path for path in (study / "recordings" / first).rglob("*") if path.is_file()])
 
-    done = CliRunner().invoke(app, ["study", "withdraw", str(study), first])
+    done = invoke("study", "withdraw", study, first)
 
     assert done.exit_code == 2
     assert "add --yes" in done.output
@@ -231,11 +229,11 @@ def test_what_is_deleted_is_shown_and_confirmed_first(
     assert f"{export}: this export will be written again without {first}" in said
     assert f"{backup}: this backup will be brought up to date" in said
     monkeypatch.setattr("typer.testing._NamedTextIOWrapper.isatty", lambda _: True, raising=False)
-    refused = CliRunner().invoke(app, ["study", "withdraw", str(study), first], input="n\n")
+    refused = invoke("study", "withdraw", study, first, input="n\n")
     assert refused.exit_code == 1
     assert "Nothing was deleted." in refused.output
     assert contents(tmp_path) == before
-    assert CliRunner().invoke(app, ["study", "withdraw", str(study), first], input="y\n").exit_code == 0
+    assert invoke("study", "withdraw", study, first, input="y\n").exit_code == 0
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 
 
@@ -275,7 +273,7 @@ def test_each_command_of_a_study_finishes_a_withdrawal_first(
     with ExperimentLog(folder.log) as log:
         log.delete(sequences_of(log.read(), first), NOON)
     words = [{"OUT": tmp_path / "out", "CODE": plan.withdrawal.code}.get(word, word) for word in COMMANDS[name]]
-    done = CliRunner().invoke(app, ["study", name, str(study), *map(str, words)])
+    done = invoke("study", name, study, *words)
     assert f"The withdrawal of {first}, which was interrupted, is finished" in " ".join(done.output.split())
     assert traces(tmp_path, [first, CODES[0], WORDS[0]]) == []
 

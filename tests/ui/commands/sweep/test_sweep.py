@@ -5,13 +5,11 @@ from pathlib import Path
 
 import pytest
 from pyarrow import csv, parquet
-from typer.testing import CliRunner, Result
 
-from tests.support.programs.commands import refusal
+from tests.support.programs.commands import invoke, refusal
 from tests.support.programs.inline_engine import InlineEngine
 from tests.support.slow import slow
 from thbridge.batch import tasks
-from ui.cli import app
 from ui.commands.sweep import engines
 
 DESIGN = """\
@@ -38,21 +36,17 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a sweep that was played."""
     place = tmp_path_factory.mktemp("played")
     (place / "design.yaml").write_text(DESIGN)
-    done = thbridge("sweep", place / "design.yaml", "--out", place / "sweep", "--processes", "1")
+    done = invoke("sweep", place / "design.yaml", "--out", place / "sweep", "--processes", "1")
     assert done.exit_code == 0, done.output
     assert done.stdout.startswith("12 games played; ")
     return place / "sweep"
 
 
-def thbridge(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
 def test_check_tells_how_many_games_there_are_and_plays_none() -> None:
-    told = json.loads(thbridge("sweep", "--check", "design.yaml", "--json").stdout)
+    told = json.loads(invoke("sweep", "--check", "design.yaml", "--json").stdout)
     assert (told["games"], told["seeds"], told["chunks"], len(told["conditions"])) == (12, 3, 4, 4)
     assert 0 < told["verified"] < 12
-    shown = thbridge("sweep", "run", "design.yaml", "--check").stdout
+    shown = invoke("sweep", "run", "design.yaml", "--check").stdout
     assert "4 conditions, each with the same 3 seeds: 12 games" in shown
     assert [path.name for path in Path().iterdir()] == ["design.yaml"]
 
@@ -78,11 +72,11 @@ def test_a_faulty_design_starts_nothing() -> None:
 
 
 def test_status_tells_what_is_done(played: Path) -> None:
-    told = json.loads(thbridge("sweep", "status", played, "--json").stdout)
+    told = json.loads(invoke("sweep", "status", played, "--json").stdout)
     assert (told["games"], told["done"], told["missing"], told["differing"]) == (12, 12, 0, [])
     assert told["verified"] == told["drawn"] > 0
     assert len(told["versions"]) == 1
-    assert "out of time" in thbridge("sweep", "status", played).stdout
+    assert "out of time" in invoke("sweep", "status", played).stdout
 
 
 def test_a_folder_that_is_no_sweep() -> None:
@@ -95,13 +89,13 @@ def test_a_folder_that_is_no_sweep() -> None:
 
 def test_collect_writes_the_same_table_in_both_formats(played: Path, folder: Path) -> None:
     for name in ("games.csv", "games.parquet"):
-        assert thbridge("sweep", "collect", played, "--to", name).exit_code == 0
+        assert invoke("sweep", "collect", played, "--to", name).exit_code == 0
     flat, full = csv.read_csv(folder / "games.csv"), parquet.read_table(folder / "games.parquet")
     assert flat.num_rows == full.num_rows == 12
     assert set(full.column_names) - set(flat.column_names) == {"each_robot"}
     for name in ("condition", "seed", "noise.odometry.alpha1", "robots", "score", "error_95"):
         assert flat[name].to_pylist() == full[name].to_pylist(), name
-    assert thbridge("sweep", "collect", played, "--to", "-").stdout == (folder / "games.csv").read_text()
+    assert invoke("sweep", "collect", played, "--to", "-").stdout == (folder / "games.csv").read_text()
 
 
 @pytest.mark.parametrize("suffix", ["svg", *slow("png", "pdf")])
@@ -110,7 +104,7 @@ def test_the_same_games_give_the_same_figure(played: Path, folder: Path, suffix:
     plot = ("sweep", "plot", played, "--measure", "error_mean", "--lines", "robots", "--band", band, "--to")
     files = [folder / f"{number}.{suffix}" for number in (1, 2)]
     for file in files:
-        assert thbridge(*plot, file).exit_code == 0
+        assert invoke(*plot, file).exit_code == 0
     assert files[0].read_bytes() == files[1].read_bytes()
     assert len(files[0].read_bytes()) > 1000
 
@@ -132,7 +126,7 @@ def test_games_that_are_not_the_same_again_end_with_1(monkeypatch: pytest.Monkey
     number = iter(range(1000))
     monkeypatch.setattr(tasks.RecordedDigest, "hexdigest", lambda _self: str(next(number)))
     monkeypatch.setattr(engines, "ProcessEngine", lambda _processes, _warm: InlineEngine())
-    done = thbridge("sweep", "design.yaml", "--processes", "1")
+    done = invoke("sweep", "design.yaml", "--processes", "1")
     assert done.exit_code == 1
     assert "games that were played again were NOT the same: do not trust these results." in done.stderr
     assert "seed 1: not the same again (first by " in done.stderr

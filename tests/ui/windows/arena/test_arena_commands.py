@@ -6,13 +6,13 @@ import pytest
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QApplication, QLineEdit
 from pytestqt.qtbot import QtBot
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
 from tests.support.disks.small_disk import SmallDisk, why_not
 from tests.support.maps.small_arenas import FOUND, GRID
+from tests.support.programs.commands import invoke
 from thbridge.files.grid_files import write_grid
 from thbridge.files.map_files import check_map, read_map, write_rooms
-from ui.cli import app
 from ui.windows.arena.window import ArenaWindow
 
 CONTROL = Qt.KeyboardModifier.ControlModifier
@@ -44,7 +44,7 @@ def run(act: Callable[[ArenaWindow], None], *words: str) -> Result:
     timer = QTimer(interval=20)
     timer.timeout.connect(look)
     timer.start()
-    return CliRunner().invoke(app, ["maps", *words])
+    return invoke("maps", *words)
 
 
 def test_other_rooms_put_the_times_aside(qtbot: QtBot, folder: Path) -> None:

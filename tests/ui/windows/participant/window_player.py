@@ -8,9 +8,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.support.hunts.screen_player import ScreenPlayer
 from tests.support.windows.participant_windows import press, that_asks
-from ui.model.playing.screen import (
-    Act,
-)
+from ui.model.playing.screen import Act
 from ui.windows.participant import ParticipantWindow
 
 LEFT = Qt.MouseButton.LeftButton

@@ -7,12 +7,7 @@ import pytest
 
 from tests.support.mavlink.vehicle_with_stations import OPTIONS, VehicleWithStations, messages
 from thbridge.mavlink.values.vehicle_interface import ParameterDescription
-from thbridge.mavlink.vehicle.component_files.metadata_files import (
-    GENERAL,
-    PARAMETERS,
-    MetadataFiles,
-    checksum,
-)
+from thbridge.mavlink.vehicle.component_files.metadata_files import GENERAL, PARAMETERS, MetadataFiles, checksum
 from thbridge.mavlink.vehicle.vehicle import Vehicle
 from thbridge.mavlink.wire.dialect import mav
 

@@ -10,13 +10,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.shared.robot_requests import WizardAdvice, WizardMode, WizardMove
-from thbridge.roles.shared.view import (
-    AnswerDialogue,
-    EndGame,
-    PlayAgain,
-    RequestSuggestion,
-    SelectRoom,
-)
+from thbridge.roles.shared.view import AnswerDialogue, EndGame, PlayAgain, RequestSuggestion, SelectRoom
 
 
 @pytest.fixture
