@@ -9,7 +9,7 @@ from PySide6.QtCore import QTimer
 from pytestqt.qtbot import QtBot
 
 from tests.bench.budget import Budgets
-from tests.support.hunts.watched_hunts import record
+from tests.support.hunts.recorded_hunts import record_beginning
 from ui.model.shared.theme import LIGHT
 from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 from ui.windows.researcher.window import ResearcherWindow
@@ -23,7 +23,7 @@ def clocks() -> tuple[float, float]:
 
 
 def test_gaps_of_the_event_loop(tmp_path: Path, budgets: Budgets, qtbot: QtBot) -> None:
-    bag = record(tmp_path / "hunt.bag", robots=3, seconds=120.0)
+    bag = record_beginning(tmp_path / "hunt.bag", robots=3, seconds=120.0)
     window = ResearcherWindow(RecordingFeed(BagOpener(bag)), "hunt.bag", LIGHT, time.monotonic)
     qtbot.addWidget(window)
     beats: list[float] = []

@@ -21,7 +21,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.bench.budget import Budgets
 from tests.bench.windows.filmed_hunt import Film, Shown, shoot
-from tests.support.hunts.watched_hunts import watched_hunt
+from tests.support.hunts.recorded_hunts import watched_hunt
 from tests.support.windows.desktop import desktop, needs_desktop
 from thbridge.watching.sockets.client import WatchClient
 from ui.model.playing.screen import Screen

@@ -6,7 +6,7 @@ import pytest
 
 from tests.peers.ros import rospy_scripts
 from tests.peers.ros_programs import NEEDS_ROS, session
-from tests.support.hunts.replayed_hunts import again
+from tests.support.hunts.recorded_hunts import replay_again
 from thbridge.app.replay.replay import ticks_of
 from thbridge.app.session.inputs import ClientRequest
 
@@ -30,6 +30,6 @@ def test_robots_do_again_what_they_did_for_ros_clients(tmp_path: Path) -> None:
         "CancelRequest",
     }
     assert asked == kinds
-    done = again(tmp_path / "live.bag")
+    done = replay_again(tmp_path / "live.bag")
     assert done.finished
     assert done.difference is None

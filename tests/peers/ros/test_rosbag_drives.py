@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from tests.peers.ros_programs import NEEDS_ROS, Ros
-from tests.support.hunts.replayed_hunts import again
+from tests.support.hunts.recorded_hunts import replay_again
 from tests.support.mavlink.recorded_stations import Tour, record
 from tests.support.programs.ports import free_port, free_udp_port
 from tests.support.programs.processes import Program, until
@@ -58,6 +58,6 @@ def test_rosbag_play_sets_robots_off(tmp_path: Path) -> None:
         assert {frame.link for frame in now} == {"ros"}
         frames = [(frame.sequence, frame.message_id, frame.payload) for frame in now]
         assert frames == [(frame.sequence, frame.message_id, frame.payload) for frame in was[topic]]
-    done = again(tmp_path / "now.bag")
+    done = replay_again(tmp_path / "now.bag")
     assert done.finished
     assert done.difference is None

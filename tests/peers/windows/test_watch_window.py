@@ -13,7 +13,7 @@ import numpy.typing as npt
 import pytest
 from PIL import Image
 
-from tests.support.hunts.watched_hunts import record
+from tests.support.hunts.recorded_hunts import record_beginning
 from tests.support.programs.ports import free_port
 from tests.support.programs.processes import THBRIDGE
 from tests.support.windows.desktop import PATIENCE, Desktop, Seen, desktop, needs_desktop
@@ -203,7 +203,7 @@ def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, t
 
 @pytest.mark.slow
 def test_a_recording_is_looked_through_by_mouse_and_keys(screen: Desktop, tmp_path: Path) -> None:
-    record(tmp_path / "hunt.bag", robots=2, seconds=8.0)
+    record_beginning(tmp_path / "hunt.bag", robots=2, seconds=8.0)
     with started(screen, tmp_path, "watch", "hunt.bag", "--look", "light") as program:
         watch = Watch(screen, program, "hunt.bag")
         watch.named("recording", "label")

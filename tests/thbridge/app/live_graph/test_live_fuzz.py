@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from sim.robot.navigator.goals import GoalReached
-from tests.support.hunts.replayed_hunts import equal
+from tests.support.hunts.recorded_hunts import assert_equal_replay
 from tests.support.ros.packed_messages import STORE, header, packed, pose, stamped
 from tests.thbridge.app.live_graph.visited_session import Visited, cancel, goal
 from thbridge.app.compose.setting import StudySetting, read_setting
@@ -136,7 +136,7 @@ def test_after_a_storm_robots_obey_and_a_replay_is_the_same(tmp_path: Path, monk
                     arrived.add(index)
             ticks += 1
     assert arrived == {0, 1}
-    equal(bag, ticks)
+    assert_equal_replay(bag, ticks)
 
 
 @pytest.fixture(scope="module")

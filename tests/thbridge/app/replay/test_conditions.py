@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.hunts.replayed_hunts import STUDY, equal, record
+from tests.support.hunts.recorded_hunts import STUDY, assert_equal_replay, record
 from tests.support.slow import slow
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
@@ -35,4 +35,4 @@ def test_a_hunt_in_any_condition_is_the_same_again_to_the_last_bit(
     record(bag, study, 3.0)
     said = [message for message in messages(bag) if message.topic == names.UTTERANCES]
     assert len(said) > 3
-    equal(bag, 3 * 50)
+    assert_equal_replay(bag, 3 * 50)

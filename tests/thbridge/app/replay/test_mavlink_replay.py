@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.hunts.replayed_hunts import again, equal
+from tests.support.hunts.recorded_hunts import assert_equal_replay, replay_again
 from tests.support.mavlink.hostile_frames import Foe
 from tests.support.mavlink.recorded_stations import STUDY, Follower, Station, Tour, beating, by_frames, record
 from thbridge.app.compose.setting import read_setting
@@ -36,7 +36,7 @@ TO = Topic("/robot1/mavlink/to", types.MAVLINK)
 def test_links_and_frames_are_replayed_bit_for_bit(tmp_path: Path):
     bag = tmp_path / "hunt.bag"
     record(bag, 120, beating({}))
-    equal(bag, 120)
+    assert_equal_replay(bag, 120)
 
 
 def test_a_home_that_was_set_is_set_again(tmp_path: Path):
@@ -54,7 +54,7 @@ def test_a_home_that_was_set_is_set_again(tmp_path: Path):
     (home,) = [frame for frame in frames if frame.message_id == mav.MAVLINK_MSG_ID_HOME_POSITION]
     told = decoded(home.message_id, home.payload)
     assert (told.x, told.y) == pytest.approx((1.4, -2.7))
-    equal(bag, 60)
+    assert_equal_replay(bag, 60)
 
 
 def test_a_file_that_a_station_read_is_read_again_bit_for_bit(tmp_path: Path):
@@ -73,13 +73,13 @@ def test_a_file_that_a_station_read_is_read_again_bit_for_bit(tmp_path: Path):
     pieces = [frame.payload for frame in told if frame.message_id == mav.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL]
     content = b"".join(piece.ljust(254, b"\0")[15 : 15 + piece[7]] for piece in pieces[1:])
     assert {each["name"] for each in json.loads(content)["parameters"]} >= {each.name for each in PARAMETERS}
-    equal(bag, 100)
+    assert_equal_replay(bag, 100)
 
 
 def test_frames_say_nothing_to_robots_that_are_no_vehicles_any_more(tmp_path: Path):
     bag = tmp_path / "hunt.bag"
     record(bag, 120, beating({}))
-    done = again(bag, StudyChange("mavlink.on", "false"), to_the_end=True)
+    done = replay_again(bag, StudyChange("mavlink.on", "false"), to_the_end=True)
     assert done.difference is not None
     assert done.ticks == 120
 
@@ -93,7 +93,7 @@ def test_frames_alone_are_heard_by_the_same_robots_in_the_same_ticks_on_links_of
     assert now == was
     assert (done.frames, done.unusable, done.ticks, done.finished) == (len(was), 0, 120, True)
     assert done.parted is None
-    assert again(fresh).difference is None
+    assert replay_again(fresh).difference is None
 
 
 def test_robots_that_the_study_has_not_hear_nothing(tmp_path: Path):
@@ -156,7 +156,7 @@ def test_a_hunt_that_ground_stations_drove_and_a_window_followed_is_driven_again
     assert done.replayed == done.recorded
     assert done.same
     assert done.parted is None
-    equal(bag, 950)
+    assert_equal_replay(bag, 950)
 
 
 class Storm:
@@ -182,7 +182,7 @@ class Storm:
 def test_a_storm_of_frames_does_the_same_again(tmp_path: Path, ticks: int):
     bag = tmp_path / "hunt.bag"
     record(bag, ticks, Storm(3))
-    equal(bag, ticks)
+    assert_equal_replay(bag, ticks)
     done = by_frames(bag)
     assert done.frames > ticks
     assert (done.replayed, done.parted) == (done.recorded, None)
@@ -204,4 +204,4 @@ def test_a_whole_hunt_by_ground_stations_comes_out_the_same_and_with_another_see
     other = by_frames(bag, replace(study, seed=8))
     assert other.parted is not None
     assert other.frames == done.frames
-    equal(bag, 6000)
+    assert_equal_replay(bag, 6000)

@@ -25,7 +25,7 @@ from sim.inputs import (
 )
 from sim.parameters import WorldParameters
 from sim.world.thing import Thing
-from tests.support.hunts.replayed_hunts import STUDY, again, bot_of, equal, record, setting_of
+from tests.support.hunts.recorded_hunts import STUDY, assert_equal_replay, bot_of, record, replay_again, setting_of
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_recorder, build_writer
 from thbridge.app.compose.robots import build_simr
@@ -162,8 +162,8 @@ def hunt(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 class TestSame:
     def test_a_hunt_is_the_same_again_to_the_last_bit(self, hunt: Path, tmp_path: Path) -> None:
-        equal(hunt, 16 * 50)
-        again(hunt, to=tmp_path / "again.bag")
+        assert_equal_replay(hunt, 16 * 50)
+        replay_again(hunt, to=tmp_path / "again.bag")
         assert list(messages(tmp_path / "again.bag")) == list(messages(hunt))
 
     def test_a_recording_of_before_rooms_had_names_and_robots_said_to_make_way_is_the_same_again(
@@ -176,7 +176,7 @@ class TestSame:
                 if message.topic != names.ROOMS and message is not line:
                     topic = Topic(message.topic, message.msgtype)
                     writer.write(RosMessage(topic, message.stamp_ns, message.data))
-        done = again(tmp_path / "older.bag")
+        done = replay_again(tmp_path / "older.bag")
         assert (done.difference, done.cut_off, done.ticks) == (None, False, 16 * 50)
         assert done.messages == sum(message.topic not in NOT_IN_OLDER | {names.SESSION} for message in whole)
 
@@ -190,7 +190,7 @@ class TestSame:
             for message in whole:
                 if message not in known:
                     writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, message.data))
-        done = again(tmp_path / "older.bag")
+        done = replay_again(tmp_path / "older.bag")
         assert (done.difference, done.cut_off, done.ticks) == (None, False, 16 * 50)
 
     def test_a_recording_of_before_advice_was_recorded_is_the_same_again(self, hunt: Path, tmp_path: Path) -> None:
@@ -203,7 +203,7 @@ class TestSame:
             for message in rest:
                 if message.topic != names.GAME_EVENTS or unpack.game_event(message.data).kind != "advised":
                     writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, message.data))
-        done = again(tmp_path / "older.bag")
+        done = replay_again(tmp_path / "older.bag")
         assert (done.difference, done.ticks) == (None, 16 * 50)
         assert done.messages < len(rest)
 
@@ -212,7 +212,7 @@ class TestSame:
             planner=TeamPlanner.AUCTION, adviser_error_rate=0.5, says_confidence=True, confidence_spread=0.1
         )
         record(tmp_path / "erring.bag", dataclasses.replace(STUDY, dialogue=talk), 20.0)
-        equal(tmp_path / "erring.bag", 20 * 50)
+        assert_equal_replay(tmp_path / "erring.bag", 20 * 50)
         told = [unpack.game_event(message.data) for message in messages(tmp_path / "erring.bag", [names.GAME_EVENTS])]
         advice = [json.loads(event.json) for event in told if event.kind == "advised"]
         assert len(advice) > 1
@@ -236,7 +236,7 @@ class TestSame:
         bag = tmp_path / "hunt.bag"
         asked = watched(bag, STUDY, 8.0, plan)
         assert asked == [type(request) for _, request in plan if not isinstance(request, Pause | Resume | Step)]
-        equal(bag, 8 * 50)
+        assert_equal_replay(bag, 8 * 50)
 
     def test_sensors_that_get_worse_midway_do_so_again(self, tmp_path: Path) -> None:
         worse = (("world.laser.range_noise", 0.4), ("world.odometry.angular_scale", 1.3), ("amcl.laser_sigma_hit", 0.4))
@@ -251,7 +251,7 @@ class TestSame:
 
         act(tmp_path / "plain.bag", STUDY, 200, lambda tick, session: None)
         act(tmp_path / "worse.bag", STUDY, 200, disturb)
-        equal(tmp_path / "worse.bag", 200)
+        assert_equal_replay(tmp_path / "worse.bag", 200)
         scans = [names.RobotNames.of(robot).topic("scan") for robot in range(2)]
         plain, worse_ones = (
             [[message.data for message in messages(tmp_path / name, [scan])] for scan in scans]
@@ -276,7 +276,7 @@ class TestSame:
 
         bag = tmp_path / "hunt.bag"
         act(bag, STUDY, 200, conjure)
-        equal(bag, 200)
+        assert_equal_replay(bag, 200)
         said = [unpack.utterance(message.data) for message in messages(bag, [names.UTTERANCES])]
         ours = [(said.author, said.text) for said in said if said.robot == 0 and said.author != "person"]
         assert ours[0] == ("wizard", "Room 5, shall I?")
@@ -292,11 +292,11 @@ class TestSame:
         recording = RecordingSection(Compression.LZ4, split_duration=2.0)
         record(bag, dataclasses.replace(STUDY, recording=recording), 5.0)
         assert (tmp_path / "hunt_1.bag").exists()
-        equal(bag, 5 * 50)
+        assert_equal_replay(bag, 5 * 50)
 
     def test_a_replay_brings_back_the_costmaps_that_were_left_out(self, hunt: Path, tmp_path: Path) -> None:
         whole, everything = tmp_path / "whole.bag", StudyChange("recording.detail", "all")
-        assert again(hunt, everything, to=whole).difference is None
+        assert replay_again(hunt, everything, to=whole).difference is None
         kept, all_of_them = (Counter(messages(bag)) for bag in (hunt, whole))
         assert {message.topic for message in kept - all_of_them} == {names.SESSION}
         left_out = {message.topic for message in all_of_them - kept} - {names.SESSION}
@@ -315,7 +315,7 @@ class TestSame:
             session = Session(build_keeper(setting), roles, [BagRecorder(said)])
             for _ in range(400):
                 session.step()
-        equal(bag, 400)
+        assert_equal_replay(bag, 400)
 
     def test_things_in_the_way_and_what_befalls_robots(self, tmp_path: Path) -> None:
         study = read_study_text(
@@ -325,7 +325,7 @@ class TestSame:
             "  - {robot: 3, what: carried, time: 6, to: [0, 4, 1]}\n",
         )
         record(tmp_path / "hunt.bag", dataclasses.replace(study, server=STUDY.server), 10.0)
-        equal(tmp_path / "hunt.bag", 10 * 50)
+        assert_equal_replay(tmp_path / "hunt.bag", 10 * 50)
 
     def test_all_that_can_be_asked_of_robots(self, tmp_path: Path) -> None:
         here = Pose2(1.0, 0.1 + 0.2, -0.0)
@@ -350,7 +350,7 @@ class TestSame:
         act(tmp_path / "asked.bag", STUDY, 400, doing)
         taken = [item.request for item in inputs(tmp_path / "asked.bag") if isinstance(item, ClientRequest)]
         assert len(taken) == sum(len(requests) for requests in asked.values())
-        equal(tmp_path / "asked.bag", 400)
+        assert_equal_replay(tmp_path / "asked.bag", 400)
 
     def test_connections_of_every_kind_of_misbehaviour(self, tmp_path: Path) -> None:
         def doing(tick: int, session: Session) -> None:
@@ -389,7 +389,7 @@ class TestSame:
             ConnectionClosed,
             ParticipantSent,
         }
-        equal(tmp_path / "noise.bag", 450)
+        assert_equal_replay(tmp_path / "noise.bag", 450)
 
     def test_a_reader_that_lags_behind_while_it_is_sent_something(self, tmp_path: Path) -> None:
         sessions: list[Session] = []
@@ -410,7 +410,7 @@ class TestSame:
         assert [type(item) for item in inputs(tmp_path / "deaf.bag") if isinstance(item, ConnectionBacklogged)] == [
             ConnectionBacklogged
         ]
-        equal(tmp_path / "deaf.bag", 100)
+        assert_equal_replay(tmp_path / "deaf.bag", 100)
 
     def test_robots_by_themselves(self, tmp_path: Path) -> None:
         setting = setting_of(STUDY)
@@ -432,7 +432,7 @@ class TestSame:
                     outpost.receive(legacy.GotoRoom(1, 3).message())
                     outpost.ask("/teleop", VelocityCommand(0, Twist(0.1, 0.0)))
                 outpost.step()
-        equal(tmp_path / "simr.bag", 400)
+        assert_equal_replay(tmp_path / "simr.bag", 400)
 
     def test_a_program_from_outside_that_comes_goes_and_comes_again(self, tmp_path: Path) -> None:
         setting = setting_of(STUDY)
@@ -469,12 +469,12 @@ class TestSame:
         assert session_of(tmp_path / "hunt.bag").participant == ""
         opened = [item for item in inputs(tmp_path / "hunt.bag") if isinstance(item, ConnectionOpened)]
         assert len(opened) == 2
-        equal(tmp_path / "hunt.bag", 30 * 50)
+        assert_equal_replay(tmp_path / "hunt.bag", 30 * 50)
 
 
 class TestDifferent:
     def test_another_seed_is_found_where_it_first_shows(self, hunt: Path) -> None:
-        difference = again(hunt, StudyChange("seed", "8")).difference
+        difference = replay_again(hunt, StudyChange("seed", "8")).difference
         assert difference is not None
         assert (difference.topic, difference.topic_number, difference.seconds) == ("/hunt/events", 1, 0.04)
         (field,) = difference.fields
@@ -482,12 +482,12 @@ class TestDifferent:
         assert '"seed":8' in field.now
 
     def test_one_parameter_of_one_robot_is_found(self, hunt: Path) -> None:
-        done = again(hunt, StudyChange("robot.amcl.max_particles", "300"))
+        done = replay_again(hunt, StudyChange("robot.amcl.max_particles", "300"))
         assert done.difference is not None
         assert done.ticks < 250
 
     def test_a_larger_team_says_more(self, hunt: Path) -> None:
-        difference = again(hunt, StudyChange("robots", "3")).difference
+        difference = replay_again(hunt, StudyChange("robots", "3")).difference
         assert difference is not None
         assert difference.topic == "/tf_static"
 
@@ -498,7 +498,7 @@ class TestDifferent:
                 session.ask("/rviz", InitialPose(1, Pose2(0.0, 0.0, 0.0), np.eye(3)))
 
         act(tmp_path / "a.bag", STUDY, 50, doing)
-        assert again(tmp_path / "a.bag", StudyChange("robots", "1"), to_the_end=True).ticks == 50
+        assert replay_again(tmp_path / "a.bag", StudyChange("robots", "1"), to_the_end=True).ticks == 50
 
     @pytest.mark.parametrize("forged", ["missing", "new", "changed", "moved"])
     def test_a_message_that_was_tampered_with_is_named(self, hunt: Path, tmp_path: Path, forged: str) -> None:
@@ -517,7 +517,7 @@ class TestDifferent:
                     if forged == "new":
                         writer.write(RosMessage(topic, message.stamp_ns, data))
                 writer.write(RosMessage(topic, message.stamp_ns, data))
-        difference = again(tmp_path / "forged.bag").difference
+        difference = replay_again(tmp_path / "forged.bag").difference
         assert difference is not None
         assert difference.number == victim + (forged == "new")
         assert difference.seconds == pytest.approx(again_seconds(hunt, victim))
@@ -528,7 +528,7 @@ class TestDifferent:
             cut = tmp_path / f"cut{share}.bag"
             cut.write_bytes(whole[: int(share * len(whole))])
             reindex(cut)
-            done = again(cut)
+            done = replay_again(cut)
             assert done.difference is None
             assert done.finished
             assert 0 < done.messages == len(list(messages(cut))) - 1
@@ -552,7 +552,7 @@ def test_a_participant_who_plays_anew_makes_the_best_of_a_changed_study(hunt: Pa
     options = dataclasses.replace(options, to=tmp_path / "other.bag", participant=BotStrategy.NEAREST)
     assert asyncio.run(replay(hunt, setting, options, lambda tick_record: None)).difference is not None
     assert session_of(tmp_path / "other.bag").participant == "nearest"
-    assert again(tmp_path / "other.bag").difference is None
+    assert replay_again(tmp_path / "other.bag").difference is None
 
 
 def test_bags_that_are_not_ours_are_refused(tmp_path: Path) -> None:
@@ -568,7 +568,7 @@ def test_an_input_of_another_release_is_refused(hunt: Path, tmp_path: Path) -> N
             data = message.data.replace(b"said", b"sung") if message.topic == names.INPUTS else message.data
             writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, data))
     with pytest.raises(BadFile, match="no input is of the kind 'sung'"):
-        again(tmp_path / "other.bag")
+        replay_again(tmp_path / "other.bag")
 
 
 @pytest.mark.slow
@@ -583,8 +583,8 @@ def test_ten_minutes_of_three_robots_are_the_same_again(tmp_path: Path) -> None:
             session.ask("/tour", GoalRequest(number % 3, f"tour-{number}", 0, goal, 10**6 + number))
 
     act(tmp_path / "long.bag", dataclasses.replace(STUDY, map="office", robots=3), 30_000, doing)
-    equal(tmp_path / "long.bag", 30_000)
-    difference = again(tmp_path / "long.bag", StudyChange("seed", "8")).difference
+    assert_equal_replay(tmp_path / "long.bag", 30_000)
+    difference = replay_again(tmp_path / "long.bag", StudyChange("seed", "8")).difference
     assert difference is not None
     assert difference.seconds < 1.0
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sim.parameters import RobotParameters, WorldParameters
-from tests.support.hunts.replayed_hunts import equal
+from tests.support.hunts.recorded_hunts import assert_equal_replay
 from tests.support.mavlink.recorded_stations import STUDY, Station, by_frames, record
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.session import build_programs, open_session
@@ -113,7 +113,7 @@ def test_what_a_station_set_is_set_again_by_a_replay_whole_or_of_frames_alone(tm
 
     bag, again = tmp_path / "set.bag", tmp_path / "again.bag"
     record(bag, 150, doing, replace(STUDY, robots=2))
-    equal(bag, 150)
+    assert_equal_replay(bag, 150)
     by_frames(bag, to=again)
     for scans in ([unpack.laser_scan(each.data) for each in messages(path, ["/robot2/scan"])] for path in (bag, again)):
         assert not np.isnan(scans[0].ranges).all()

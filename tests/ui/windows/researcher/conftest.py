@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtWidgets import QApplication
 
-from tests.support.hunts.watched_hunts import record
+from tests.support.hunts.recorded_hunts import record_beginning
 from ui.model.shared.theme import LIGHT
 from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 from ui.windows.researcher.window import ResearcherWindow
@@ -15,7 +15,7 @@ from ui.windows.researcher.window import ResearcherWindow
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return record(tmp_path_factory.mktemp("watched") / "hunt.bag")
+    return record_beginning(tmp_path_factory.mktemp("watched") / "hunt.bag")
 
 
 @pytest.fixture(scope="module")

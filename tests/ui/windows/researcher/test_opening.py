@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from shiboken6 import isValid
 
-from tests.support.hunts.watched_hunts import record
+from tests.support.hunts.recorded_hunts import record_beginning
 from tests.support.windows.preferences import preferred
 from ui.windows.researcher.memory import RECENT, WatchMemory
 from ui.windows.researcher.show import WatchProgram
@@ -19,7 +19,7 @@ from ui.windows.researcher.show import WatchProgram
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return record(tmp_path_factory.mktemp("opened") / "hunt.bag", robots=1, seconds=0.5)
+    return record_beginning(tmp_path_factory.mktemp("opened") / "hunt.bag", robots=1, seconds=0.5)
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QDialog, QDockWidget, QLineEdit, QToolButton, QWidget
 from pytestqt.qtbot import QtBot
 
-from tests.support.hunts.watched_hunts import record
+from tests.support.hunts.recorded_hunts import record_beginning
 from tests.support.windows.screen_reader import against_the_eye, nameless, stops
 from tests.ui.windows.researcher.recording_times import go_to, place_of
 from ui.model.shared.theme import DARK, LIGHT
@@ -40,7 +40,7 @@ def test_lists_robots_and_plots_are_filled(window: ResearcherWindow, qtbot: QtBo
 
 
 def test_the_deviation_of_a_robot_that_stands_is_a_line(tmp_path: Path, qtbot: QtBot) -> None:
-    feed = RecordingFeed(BagOpener(record(tmp_path / "short.bag", robots=2, seconds=0.5)))
+    feed = RecordingFeed(BagOpener(record_beginning(tmp_path / "short.bag", robots=2, seconds=0.5)))
     window = ResearcherWindow(feed, "short.bag", LIGHT, time.monotonic)
     qtbot.addWidget(window)
     window.show()

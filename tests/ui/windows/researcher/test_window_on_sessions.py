@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QMessageBox, Q
 from pytestqt.qtbot import QtBot
 
 from sim.common.geometry import Pose2
-from tests.support.hunts.watched_hunts import watched_hunt
+from tests.support.hunts.recorded_hunts import watched_hunt
 from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.watching.sockets.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.watching.wire import STATUS, SessionMessage, WatchStatus
