@@ -183,7 +183,7 @@ class HuntRecording:
         return pa.Table.from_pylist(rows)
 
     def __repr__(self) -> str:
-        count = sum(self.topics.values())
+        count = sum(self.topics.values())  # of integers
         return f"<HuntRecording {self.path}, {self.seconds:.1f} s, {count} messages of {len(self.topics)} topics>"
 
 

@@ -102,7 +102,7 @@ class ObservationEncoder:
             "mates": len(range(1, robots)) * (6 + rooms),
         }
         self.layout: LayoutOfParts = dict(_slices(parts))
-        self.size = sum(parts.values())
+        self.size = sum(parts.values())  # of integers
         self._goals = tuple(goals)
         self._scale = scale
         self._with_scans = with_scans

@@ -1,5 +1,6 @@
 """Rewards of agents: points of treasures, rooms reached, energy and time."""
 
+import math
 from dataclasses import dataclass
 
 from thbridge.hunt.game import GameState
@@ -34,4 +35,4 @@ class RewardWeights:
                     own[room.finder] += self.room
                 if room.points is not None and past.points is None:
                     own[room.finder] += room.points
-        return [sum(own)] * len(own) if self.shared else own
+        return [math.fsum(own)] * len(own) if self.shared else own
