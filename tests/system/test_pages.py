@@ -37,7 +37,7 @@ def test_a_page_runs_as_it_stands(name: str, tmp_path: Path) -> None:
             env=surroundings,
             capture_output=True,
             text=True,
-            timeout=300,
+            timeout=900,
             check=False,
         )
         assert ran.returncode == 0, f"{script}\n{ran.stdout}\n{ran.stderr}"

@@ -35,7 +35,7 @@ with api.HuntSession(study, participant="nearest") as session:
     for event in session.events:
         robot: int | None = event.robot
 session.step("1")
-api.HuntSession(study, participant="clever")
+api.HuntSession(study, participant=2)
 """
 """A program of a user; its last two statements are wrong."""
 
@@ -158,6 +158,6 @@ def test_programs_of_users_are_checked_by_the_types_of_the_wheel(tmp_path: Path)
     command = [sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "--no-incremental", "user.py"]
     checked = run(*command, cwd=elsewhere, MYPYPATH=str(installed))
     lines = USER.splitlines()
-    wrong = [lines.index('session.step("1")') + 1, lines.index('api.HuntSession(study, participant="clever")') + 1]
+    wrong = [lines.index('session.step("1")') + 1, lines.index("api.HuntSession(study, participant=2)") + 1]
     told = checked.stdout.splitlines()
     assert [int(line.split(":")[1]) for line in told if ": error:" in line] == wrong, checked.stdout

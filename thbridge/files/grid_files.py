@@ -7,9 +7,10 @@ from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.common.geometry import Pose2
-from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
+from sim.common.grid import FREE, OCCUPIED, UNKNOWN, Cells, MapMode, OccupancyGrid, interpret_image
 from sim.numerics.elementary import wrap_angle
 from thbridge.files.disk.inside import fault_of_path
 from thbridge.files.disk.regular_files import as_on_disk, is_regular
@@ -25,6 +26,11 @@ GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
 UNKNOWN_GREY = GREY_OF_CELL[UNKNOWN]
 OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
+
+LEAST_WALL = 0.05
+"""Share of the edge of the floor that is occupied, below which walls have another shade."""
+TINTED, LARGE_SHARE = 0.02, 0.05
+"""Darkness from which on floor is not white, and the share of an image from which on a shade is an area of its own."""
 
 POSE = {"unit": "m, m, rad"}
 """Declaration of a field of x, y, yaw."""
@@ -52,6 +58,45 @@ class GridFile:
     def doubts(self) -> tuple[BadFile, ...]:
         """Oddities of the file that do not keep map_server from reading it."""
         return self.yaml.doubts
+
+
+@dataclass(frozen=True, slots=True)
+class UnseenWalls:
+    """A map whose floor ends at unknown cells: no laser sees them, and robots get lost.
+
+    Attributes:
+        problem: what is wrong, for people.
+        occupied_thresh: a threshold by which what is around the floor is occupied.
+        free_thresh: one by which large areas that are not quite white are no floor.
+    """
+
+    problem: str
+    occupied_thresh: float
+    free_thresh: float
+
+
+def unseen_walls(cells: Cells, pixels: NDArray[np.uint8], negate: bool) -> UnseenWalls | None:
+    """Find out if hardly anything around a map's floor is occupied; None where walls are, or savers' unknown."""
+    free = np.pad(cells == FREE, 1)
+    beside = free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:]
+    edge = beside & ~free[1:-1, 1:-1]
+    seen = float((cells[edge] == OCCUPIED).mean()) if edge.any() else 1.0
+    if seen >= LEAST_WALL:
+        return None
+    grays = (pixels[..., :3].mean(axis=2) if pixels.ndim == 3 else pixels)[::-1].astype(np.uint8)
+    darkness = (np.arange(256) if negate else 255 - np.arange(256)) / 255.0
+    gray = int(np.median(grays[edge]))
+    if gray == UNKNOWN_GREY:
+        return None
+    problem = (
+        f"{seen:.0%} of what is around the floor is occupied, the rest is unknown, mostly gray {gray}. Lasers see "
+        "occupied cells alone, so robots would be lost"
+    )
+    shares = np.bincount(grays[free[1:-1, 1:-1]], minlength=256) / cells.size
+    tinted = darkness[(shares >= LARGE_SHARE) & (darkness >= TINTED)]
+    wall = float(darkness[gray])
+    floor = min([FREE_THRESH, wall / 2, *(tinted / 2).tolist()])
+    return UnseenWalls(problem, round(0.9 * wall, 3), round(floor, 3))
 
 
 def read_grid(map_yaml: Path) -> OccupancyGrid:
@@ -91,6 +136,11 @@ def read_grid_file(map_yaml: Path) -> GridFile:
             problem = f"gray {UNKNOWN_GREY}, savers' shade for unknown, counts as free ({share:.0f} % of the image)"
             remedy = f"Write free_thresh: {FREE_THRESH}, unless it is free; map_server and Nav2 take it for free, too"
             doubts.append(loaded.fault("free_thresh", problem, remedy))
+    if entry.mode != "raw" and (unseen := unseen_walls(cells, pixels, entry.negate == 1)) is not None:
+        remedy = (
+            f"If these are walls, write occupied_thresh: {unseen.occupied_thresh}, free_thresh: {unseen.free_thresh}"
+        )
+        doubts.append(loaded.fault("occupied_thresh", unseen.problem, remedy))
     if pixels.ndim == 3 and pixels.shape[2] == 4 and entry.mode == "trinary":
         opaque = interpret_image(pixels[..., :3], entry.negate == 1, entry.occupied_thresh, entry.free_thresh)
         if (differing := float((cells != opaque).mean())) > 0.0:

@@ -11,19 +11,31 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import find_objects, label, maximum_filter, minimum_filter, rotate
+from scipy.ndimage import distance_transform_edt, find_objects, label, maximum_filter, minimum_filter, rotate
 
 from sim.common.distance_fields import cells_away
-from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from sim.common.traversability import Mask, Point
-from thbridge.offline.room_finding import FURNITURE
+from thbridge.offline.room_finding import FURNITURE, SPECK
 
 WIDTHS = (2, 3, 4, 6, 8, 12)
 """Widths of lines that are tried in turn, pixels."""
 REACHED = 0.9
 """Share of the floor that is reached from which on nothing is looked for that closes the rest."""
 OPENED = 0.97
-"""Share of the most floor that any width opens, from which on a width is enough."""
+"""Share of the most floor that any width opens, from which on a width is enough where none opens nearly all of it."""
+WALLED = 0.8
+"""Share of the most floor inside that any width leaves, below which walls were left out, too."""
+CUSP = 4
+"""Extent in widths of lines up to which what is filled between lines alone is no wall."""
+OPENING = 2.5
+"""Greatest width of an opening to the outside that is an entrance or a window, metres."""
+PAPER = 0.9
+"""Share of an image's border that is blank from which on a plan has paper all around."""
+GAINED = 1.1
+"""Ratio of the floor inside with its openings closed to that without, from which on a building is open."""
+ROOM = 3.0
+"""Floor out of reach that is worth a word, square metres."""
 NEAR = 1.5
 """Meters within which pieces of lines block the same path."""
 
@@ -64,6 +76,14 @@ def squared(pixels: NDArray[np.uint8], ratio: float) -> NDArray[np.uint8]:
     return pixels[np.minimum((np.arange(rows) / ratio).astype(np.int64), len(pixels) - 1)]
 
 
+def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
+    """Return a grey image of which so many pixels a side are one, of their mean; what is over at two sides is white."""
+    rows, cols = (-(-side // factor) * factor for side in pixels.shape)
+    whole = np.pad(pixels, ((0, rows - len(pixels)), (0, cols - pixels.shape[1])), constant_values=pixels.max())
+    means = whole.reshape(rows // factor, factor, cols // factor, factor).mean(axis=(1, 3))
+    return np.asarray(np.rint(means), dtype=np.uint8)
+
+
 def turned(pixels: NDArray[np.uint8], degrees: float) -> NDArray[np.uint8]:
     """Return a grey image turned counterclockwise, on paper of its brightest shade that holds all of it."""
     if degrees % 90.0 == 0.0:
@@ -72,12 +92,17 @@ def turned(pixels: NDArray[np.uint8], degrees: float) -> NDArray[np.uint8]:
 
 
 def without_thin_lines(grid: OccupancyGrid, thinner: int) -> CleanedDrawing:
-    """Leave out lines and letters that are thinner than this, pixels; what is between lines so near is filled."""
+    """Leave out lines and letters that are thinner than this, pixels; what is between lines so near is filled.
+
+    What is filled where two lines alone meet, such as the arcs of a double door, is left out as well.
+    """
     ink: Mask = grid.cells != FREE
-    solid = ink & ~_loose(ink, thinner, FURNITURE / grid.resolution)
+    # Strokes of letters may be as thick as thin walls.
+    solid = ink & ~_small_things(ink, minimum_filter(ink, 2 * thinner), FURNITURE / grid.resolution)
     across = 2 * thinner + 1
     filled: Mask = minimum_filter(maximum_filter(solid, across), across)
     kept: Mask = filled & maximum_filter(_opened(filled, thinner), 3)
+    kept &= ~_small_things(kept, _opened(ink, thinner), CUSP * thinner)
     cells = np.where(kept, np.where(ink, grid.cells, OCCUPIED), FREE).astype(np.int8)
     return CleanedDrawing(OccupancyGrid(cells, grid.resolution, grid.origin), ink & ~kept)
 
@@ -96,37 +121,98 @@ def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
         grid: the plan.
         inscribed: radius of the robot's inner circle, metres.
     """
-    areas, sizes = _floors_inside(grid, inscribed)
+    areas, sizes = _closed_floors(grid, inscribed)
     reached = int(sizes.max())
     if reached >= REACHED * sizes.sum():
         return None
     cleaned = {width: without_thin_lines(grid, width) for width in WIDTHS}
-    opened = {width: int(_floors_inside(one.grid, inscribed)[1].max()) for width, one in cleaned.items()}
-    most = max(opened.values())
+    floors = {width: _closed_floors(one.grid, inscribed)[1] for width, one in cleaned.items()}
+    most = max(int(floor.max()) for floor in floors.values())
     if reached >= REACHED * most:
         return None
-    width = next(width for width, floor in opened.items() if floor >= OPENED * most)
+    whole = max(int(floor.sum()) for floor in floors.values())
+    opened = [width for width, floor in floors.items() if floor.max() >= max(REACHED * floor.sum(), WALLED * whole)]
+    width = next(iter(opened), None) or next(width for width, floor in floors.items() if floor.max() >= OPENED * most)
     places = _closing(grid, cleaned[width].left_out, areas, sizes, inscribed)
     return BlockedPaths(reached / max(int(sizes.sum()), 1), width, tuple(places))
 
 
-def reached_floor(grid: OccupancyGrid, inscribed: float) -> float:
-    """Share of the floor within a plan that is connected for a robot of this inner radius, metres; 0 without floor."""
-    _, sizes = _floors_inside(grid, inscribed)
-    return float(sizes.max() / max(int(sizes.sum()), 1))
+def reached_floor(grid: OccupancyGrid, inscribed: float) -> tuple[float, tuple[tuple[Point, float], ...]]:
+    """Share of the floor within a plan that is connected for a robot of this inner radius, metres; 0 without floor.
+
+    Returns:
+        The share, and the middle (map frame) and size (square metres) of each other part that is as large as a room,
+        the largest first.
+    """
+    areas, sizes = _closed_floors(grid, inscribed)
+    parts = [number for number in np.argsort(-sizes)[1:] if sizes[number] * grid.resolution**2 >= ROOM]
+    boxes = find_objects(areas)
+    middles = [grid.centre_of(*(int((side.start + side.stop) // 2) for side in boxes[part - 1])) for part in parts]
+    others = tuple(
+        (middle, float(sizes[part]) * grid.resolution**2) for middle, part in zip(middles, parts, strict=True)
+    )
+    return float(sizes.max() / max(int(sizes.sum()), 1)), others
 
 
-def _loose(ink: Mask, thinner: int, extent: float) -> Mask:
-    """Letters and small things of thin lines that touch no wall; strokes of letters may be as thick as thin walls."""
-    things, _ = label(ink, structure=_TOUCHING)
-    core = minimum_filter(ink, 2 * thinner)
+def closed_to_outside(grid: OccupancyGrid, inscribed: float) -> tuple[OccupancyGrid, tuple[Point, ...]]:
+    """Close the entrances and windows of a building that is drawn on paper: the paper becomes unknown.
+
+    Args:
+        grid: the plan without its thin lines.
+        inscribed: radius of the robot's inner circle, metres.
+
+    Returns:
+        The plan, and the openings, map frame, the widest first; the same plan and none where the building is closed,
+        or where there is no paper around it.
+    """
+    outside = _outside(grid)
+    if outside is None:
+        return grid, ()
+    closed = OccupancyGrid(np.where(outside, UNKNOWN, grid.cells).astype(np.int8), grid.resolution, grid.origin)
+    areas, sizes = _floors_inside(closed, inscribed)
+    if sizes.max() <= GAINED * _floors_inside(grid, inscribed)[1].max():
+        return grid, ()
+    near = (
+        np.asarray(distance_transform_edt(areas != sizes.argmax())) * grid.resolution <= inscribed + 2 * grid.resolution
+    )
+    sills = find_objects(label(near & outside, structure=_TOUCHING)[0])
+    sills.sort(key=lambda box: -max(side.stop - side.start for side in box))
+    return closed, tuple(grid.centre_of(*(int((side.start + side.stop) // 2) for side in box)) for box in sills)
+
+
+def _small_things(mask: Mask, solid: Mask, extent: float) -> Mask:
+    """Things of a mask that are no larger than this, cells, and hold nothing solid."""
+    things, _ = label(mask, structure=_TOUCHING)
     thick = np.zeros(int(things.max()) + 1, dtype=np.bool_)
-    thick[np.unique(things[core])] = True
-    loose = np.zeros(ink.shape, dtype=np.bool_)
+    thick[np.unique(things[solid])] = True
+    small = np.zeros(mask.shape, dtype=np.bool_)
     for number, box in enumerate(find_objects(things), start=1):
         if not thick[number] and max(side.stop - side.start for side in box) <= extent:
-            loose[box] |= things[box] == number
-    return loose
+            small[box] |= things[box] == number
+    return small
+
+
+def _outside(grid: OccupancyGrid) -> Mask | None:
+    """Paper around a building: where a disc gets to that no entrance or window lets in; None without such paper."""
+    free: Mask = grid.cells == FREE
+    border = np.concatenate([free[0], free[-1], free[:, 0], free[:, -1]])
+    if border.mean() < PAPER:
+        return None
+    # Ends of dimension lines would keep the disc from a corner.
+    free |= _small_things(~free, np.zeros_like(free), SPECK / grid.resolution)
+    reach = OPENING / 2 / grid.resolution
+    margin = math.ceil(reach) + 1
+    paper = np.pad(free, 2 * margin, constant_values=True)
+    areas, _ = label(cells_away(paper) > reach)
+    around = areas == areas[margin, margin]
+    inner = slice(2 * margin, -2 * margin)
+    outside: Mask = (cells_away(~around) <= reach)[inner, inner] & free
+    return outside
+
+
+def _closed_floors(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+    """Floor inside a plan, as `_floors_inside` numbers it, with the openings to the outside closed."""
+    return _floors_inside(closed_to_outside(grid, inscribed)[0], inscribed)
 
 
 def _floors_inside(grid: OccupancyGrid, inscribed: float) -> tuple[NDArray[np.int32], NDArray[np.int64]]:

@@ -24,13 +24,15 @@ _DOOR = "#B2182B"
 _INK = "#1f2933"
 _WIDTH = 10.0
 """Inches of the longer side."""
+_SIZE, _SMALLEST = 9.0, 4.5
+"""Points: size of letters, and the least where rooms are narrow."""
 _ARROW = 0.4
 """Length of the arrow along a pose's yaw, metres."""
 
 
 def picture_settings() -> AbstractContextManager[None]:
     """Matplotlib's settings with which a picture is the same everywhere."""
-    return mpl.rc_context({"font.family": "DejaVu Sans", "font.size": 9, "svg.hashsalt": "thbridge"})
+    return mpl.rc_context({"font.family": "DejaVu Sans", "font.size": _SIZE, "svg.hashsalt": "thbridge"})
 
 
 def map_picture(seen: MapSurvey) -> Figure:
@@ -46,7 +48,13 @@ def map_picture(seen: MapSurvey) -> Figure:
             _draw_pose(axes, room.goal, tint, "o")
             label = f"{room.room.people}  {room.name}\n{entry.area:.1f} m²"
             axes.annotate(
-                label, (room.goal.x, room.goal.y), (0, 9), textcoords="offset points", ha="center", color=_INK
+                label,
+                (room.goal.x, room.goal.y),
+                (0, 9),
+                textcoords="offset points",
+                ha="center",
+                color=_INK,
+                fontsize=_fitting(label, np.ptp([x for x, _ in room.region]) / np.ptp(axes.get_xlim()) * _WIDTH),
             )
             for door in entry.doors:
                 axes.plot(door.x, door.y, "D", color=_DOOR, markersize=5)
@@ -56,6 +64,12 @@ def map_picture(seen: MapSurvey) -> Figure:
         axes.set_xlabel("x, m    ● goal   ■ start of a robot   ◆ door")
         axes.set_title(place.name)
     return figure
+
+
+def _fitting(label: str, width: float) -> float:
+    """The size of letters, points, in which a label is no wider than a room, inches, as far as it can be read."""
+    across = 0.7 * max(len(line) for line in label.splitlines())
+    return float(np.clip(72.0 * width / across, _SMALLEST, _SIZE))
 
 
 def grid_bounds(grid: OccupancyGrid) -> FloatArray:

@@ -42,6 +42,8 @@ PASSAGE = 0.3
 """Clearance of what counts as a passage and not as a room's corner, metres."""
 CORNER = 1.5
 """Floor that is no farther from where a robot drives, in radii of its inner circle, belongs to the room."""
+WIDEST_DOOR = 10.0
+"""Metres: a wider opening parts no rooms."""
 SHED = 3.0
 """Floor of a corridor that makes itself felt when it falls off a single room, square metres."""
 TINY = 1.0
@@ -212,6 +214,9 @@ def _cores(clearance: FloatArray, resolution: float, inscribed: float, options: 
     parts = {number: _Core(np.flatnonzero(above == number), level) for number in range(1, len(peaks))}
     while parts:
         level += step
+        if level > WIDEST_DOOR / 2:
+            yield from parts.values()
+            return
         higher, areas_higher, peaks = _above(clearance, level, resolution)
         first = np.unique(higher, return_index=True)[1]
         parents = above.ravel()[first]
@@ -280,9 +285,12 @@ def _flood(markers: Labels, clearance: FloatArray, resolution: float) -> Labels:
     """Let the markers grow over all floor, from high clearance to low, so that they meet where it is lowest."""
     places = np.pad(markers, 1)
     height = np.pad(clearance, 1)
+    highest = float(height[places == 0].max(initial=0.0))
     level = float(clearance.max())
     while level > 0.0:
         level = max(0.0, level - resolution / 2)
+        if highest <= level:
+            continue
         waiting = (height > level) & (places == 0)
         while waiting.any():
             rows, cols = np.nonzero(waiting)

@@ -4,14 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-WALL, DOOR = 10, 36
-"""Pixels: thickness of walls, width of doors."""
+WALL, DOOR, LEAF = 10, 36, 30
+"""Pixels: thickness of walls, width of doors, width of a leaf of a double door."""
 SIZE = (1300, 900)
 SCALE = 0.025
 """Metres a pixel."""
 
 
-def plan(*, hatched: bool = False, furnished: bool = True) -> Image.Image:
+def plan(*, hatched: bool = False, furnished: bool = True, entrance: bool = False) -> Image.Image:
     """Draw a plan of 27.5 m by 17.5 m."""
     image = Image.new("L", SIZE, 255)
     pen = ImageDraw.Draw(image)
@@ -20,6 +20,8 @@ def plan(*, hatched: bool = False, furnished: bool = True) -> Image.Image:
     for x in (180, 470, 740, 1010):
         _door(pen, x, 380, up=True)
         _door(pen, x, 520, up=False)
+    if entrance:
+        _double_door(pen, 100, 420)
     if furnished:
         for number, (x, y) in enumerate((x, y) for y in (150, 700) for x in (150, 430, 700, 980)):
             pen.text((x + 60, y), f"Office {number + 1}", fill=0, font=ImageFont.load_default(22))
@@ -66,3 +68,12 @@ def _door(pen: ImageDraw.ImageDraw, x: int, y: int, *, up: bool) -> None:
     pen.line((x, y, x, y - DOOR if up else y + DOOR), fill=0, width=3)
     pen.arc((x - DOOR, y - DOOR, x + DOOR, y + DOOR), *((270, 360) if up else (0, 90)), fill=0, width=2)
     pen.line((x, y, x + DOOR, y), fill=0, width=1)
+
+
+def _double_door(pen: ImageDraw.ImageDraw, x: int, y: int) -> None:
+    """An opening in a vertical wall with two leaves, whose arcs meet in its middle."""
+    half = WALL // 2 + 3
+    pen.rectangle((x - half, y, x + half, y + 2 * LEAF), fill=255)
+    for hinge, angles in ((y, (0, 90)), (y + 2 * LEAF, (270, 360))):
+        pen.line((x, hinge, x + LEAF, hinge), fill=0, width=2)
+        pen.arc((x - LEAF, hinge - LEAF, x + LEAF, hinge + LEAF), *angles, fill=0, width=2)

@@ -140,3 +140,16 @@ def test_an_alpha_channel_that_changes_nothing_is_not_told(folder: Path) -> None
 
 def test_a_map_without_unknown_space_may_have_any_threshold(folder: Path) -> None:
     assert read_grid_file(written(folder, free_thresh="0.25")).doubts == ()
+
+
+def test_walls_that_are_neither_occupied_nor_savers_unknown_are_told(folder: Path) -> None:
+    shades = np.full((40, 40), 255, dtype=np.uint8)
+    shades[:, :2] = shades[:, -2:] = shades[:2] = shades[-2:] = 127
+    shades[10:20, 10:20] = 230
+    Image.fromarray(shades).save(folder / "map.png")
+    (doubt,) = read_grid_file(written(folder, image="map.png")).doubts
+    assert "0% of what is around the floor is occupied, the rest is unknown, mostly gray 127." in str(doubt)
+    assert "write occupied_thresh: 0.452, free_thresh: 0.049" in str(doubt)
+    seen = read_grid_file(written(folder, image="map.png", occupied_thresh="0.452", free_thresh="0.049"))
+    assert seen.doubts == ()
+    assert (seen.grid.cells[0, 0], seen.grid.cells[5, 5], seen.grid.cells[25, 15]) == (OCCUPIED, FREE, UNKNOWN)

@@ -90,6 +90,15 @@ def test_the_wanted_number_of_rooms_are_the_largest() -> None:
     assert np.bincount(found.ravel())[1:].min() >= areas[-4] * 0.98
 
 
+def test_an_opening_wider_than_any_door_parts_no_rooms() -> None:
+    cells = np.full((220, 660), FREE, dtype=np.int8)
+    cells[:, :2] = cells[:, -2:] = cells[:2] = cells[-2:] = OCCUPIED
+    for opening, rooms in ((30, 2), (80, 1)):
+        cells[:, 218:222] = cells[:, 438:442] = OCCUPIED
+        cells[110 - opening // 2 : 110 + opening // 2] = np.where(np.arange(660) % 658 < 2, OCCUPIED, FREE)
+        assert find_rooms(OccupancyGrid(cells, 0.25, IDENTITY), INSCRIBED, CIRCUMSCRIBED).max() == rooms
+
+
 def test_unknown_space_is_no_floor_and_a_map_without_floor_has_no_rooms() -> None:
     nothing = OccupancyGrid(np.full((50, 50), UNKNOWN, dtype=np.int8), 0.1, IDENTITY)
     assert find_rooms(nothing, INSCRIBED, CIRCUMSCRIBED).max() == 0

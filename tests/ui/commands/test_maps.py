@@ -92,6 +92,28 @@ def test_a_stopped_measurement_goes_on_and_writes_the_same_bytes(here: Path, mon
     assert not (here / "mapTimes.trips").exists()
 
 
+@pytest.mark.slow
+def test_a_new_map_whose_measurement_is_stopped_names_the_command_that_continues(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    add = KeptTrips.add
+
+    def add_and_stop(kept: KeptTrips, result: TripResult) -> None:
+        add(kept, result)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as stopping:
+        stopping.setattr(KeptTrips, "add", add_and_stop)
+        stopped = maps("new", "two/map.yaml", "--to", "three", "--jobs", 1)
+    assert stopped.exit_code == 1
+    told = (
+        "Stopped. 1 trips are kept in three/mapTimes.trips; `thbridge maps measure three --runs 1 --out three/mapTimes`"
+    )
+    assert told in stopped.stderr
+    done = maps("measure", "three", "--runs", 1, "--out", "three/mapTimes", "--jobs", 1)
+    assert "1 of 4 trips are kept from an earlier run" in done.stderr
+
+
 def test_a_view_for_rviz_needs_no_costs(here: Path) -> None:
     done = invoke("ros", "rviz", "--map", "./two", "--robots", "2")
     assert done.exit_code == 0, done.stderr
@@ -258,6 +280,7 @@ class TestPlans:
         told = invoke(*command)
         assert told.exit_code == 1
         assert "plan.png: only 2" in told.stderr and "% of the floor can be reached. Lines thinner than " in told.stderr
+        assert "and 12 more places. If they are doors" in told.stderr
         assert not Path("plan").exists()
         opened = invoke(*command, "--thinner", "3")
         assert opened.exit_code == 0, opened.stderr
@@ -265,6 +288,37 @@ class TestPlans:
         assert "Left out: lines and letters thinner than 3 pixels" in opened.stdout
         left_out = read_left_out(Path("plan"), read_grid(Path("plan", "map.yaml")))
         assert left_out is not None and left_out.any()
+
+    def test_an_entrance_is_closed_and_told(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        plan(entrance=True).resize((650, 450), Image.Resampling.NEAREST).save("plan.png")
+        command = ["maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner"]
+        opened = CliRunner().invoke(app, [*command, "3"])
+        assert opened.exit_code == 0, opened.stderr
+        assert "Rooms: 8 found" in opened.stdout
+        told = "Closed: openings to the outside, such as entrances and windows, at (2.6, 11.3). Robots stay inside."
+        assert told in opened.stdout
+
+    def test_pixels_finer_than_robots_need_are_joined(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        plan().resize((3900, 2700), Image.Resampling.NEAREST).save("plan.png")
+        done = CliRunner().invoke(app, ["maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", "6"])
+        assert done.exit_code == 0, done.stderr
+        assert "A pixel is 0.00833333 m wide, finer than robots need: 2 x 2 of them become a cell of 0.0166667 m." in (
+            done.stderr
+        )
+        assert "1950 x 1350 cells of 0.0166667 m" in done.stdout
+        assert "Rooms: 8 found" in done.stdout
+
+    def test_gray_walls_are_refused_with_the_thresholds_that_see_them(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        image = plan(furnished=False).resize((650, 450), Image.Resampling.NEAREST)
+        image.point(lambda shade: max(shade, 127)).save("plan.png")
+        done = CliRunner().invoke(app, ["maps", "new", "plan.png", "--width", "32.5", "--no-times"])
+        assert done.exit_code == 2
+        told = "mostly gray 127. Lasers see occupied cells alone, so robots would be lost. Write a map.yaml beside it"
+        assert told in done.stderr
+        assert "`resolution: 0.05`" in done.stderr and "`occupied_thresh: 0.452`" in done.stderr
 
     @pytest.mark.parametrize(
         ("options", "told"),

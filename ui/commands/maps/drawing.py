@@ -14,7 +14,7 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import radii
 from thbridge.files.disk.whole import new_folder, write_whole
 from thbridge.files.errors import BadFile
-from thbridge.files.grid_files import FREE_THRESH, OCCUPIED_THRESH, write_grid
+from thbridge.files.grid_files import FREE_THRESH, OCCUPIED_THRESH, unseen_walls, write_grid
 from thbridge.files.image_files import read_image
 from thbridge.files.map_files import FOOTPRINT, Map, check_map, write_rooms
 from thbridge.files.map_times import MAP_TIMES, map_times
@@ -24,6 +24,8 @@ from thbridge.offline.arena import Arena, arena_of
 from thbridge.offline.drawings import (
     CleanedDrawing,
     blocked_paths,
+    closed_to_outside,
+    joined,
     reached_floor,
     squared,
     turned,
@@ -48,6 +50,12 @@ LEAST_CELL, LARGEST_CELL = 0.001, 0.5
 """Sizes of cells, metres: larger ones cannot show a door."""
 MOST_STRETCH = 10.0
 """Ratio of the scales of an image's two sides beyond which one of them is a slip."""
+FINE, FINE_ENOUGH = 0.01, 0.02
+"""Metres: pixels smaller than the first are joined up to the second."""
+MOST_CELLS, COARSE_ENOUGH = 4_000_000, 0.05
+"""Pixels of an image from which on they are joined up to this size, metres."""
+MANY = 15
+"""Rooms from which on their trips take so long that it is told how to stop."""
 WIDEST = 300.0
 """Metres beyond which a map's size is in doubt."""
 
@@ -80,7 +88,7 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
     Raises:
         BadFile: it cannot be read.
     """
-    if source.suffix.lower() in {".yaml", ".yml"}:
+    if is_map_file(source):
         if (option := size.given or ("--negate" if negate else None)) is not None:
             fail(BAD_INPUT, f"{option}: {source} says that itself. Leave the option out, or change the file.")
         grid = grid_at(source)
@@ -113,25 +121,48 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
         pixels = squared(pixels, size.height / rows / resolution)
     if size.turn:
         pixels = turned(pixels, size.turn)
-    return OccupancyGrid(interpret_image(pixels, negate, OCCUPIED_THRESH, FREE_THRESH), resolution, IDENTITY)
+    if (factor := _joined_pixels(pixels.size, resolution)) > 1:
+        pixels, pixel = joined(pixels, factor), resolution
+        resolution *= factor
+        note(
+            f"A pixel is {pixel:g} m wide, finer than robots need: {factor} x {factor} of them become a cell of "
+            f"{resolution:g} m. --thinner counts cells."
+        )
+    cells = interpret_image(pixels, negate, OCCUPIED_THRESH, FREE_THRESH)
+    if (doubt := unseen_walls(cells, pixels, negate)) is not None:
+        remedy = (
+            f"Write a map.yaml beside it: `image: {source.name}`, `resolution: {resolution:g}`, `origin: [0, 0, 0]`, "
+            f"`negate: {int(negate)}`, `occupied_thresh: {doubt.occupied_thresh}` and `free_thresh: "
+            f"{doubt.free_thresh}`, and give that"
+        )
+        raise BadFile(source, doubt.problem, remedy)
+    return OccupancyGrid(cells, resolution, IDENTITY)
+
+
+def _joined_pixels(count: int, resolution: float) -> int:
+    """Pixels of an image a side that become one cell, so that rooms are found in seconds."""
+    largest = FINE_ENOUGH if resolution < FINE else COARSE_ENOUGH if count > MOST_CELLS else resolution
+    return max(int(largest / resolution + 1e-9), 1)
 
 
 def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDrawing:
-    """The plan without lines thinner than this many pixels; None: unchanged, unless such lines block most paths."""
+    """The plan without lines thinner than this many pixels; None: with them, unless such lines block most paths.
+
+    The openings of a building to the paper around it are closed, unless it is a robot's map.
+    """
     inscribed = radii(np.array(FOOTPRINT))[0]
     if thinner:
         drawing = without_thin_lines(grid, thinner)
         say(f"Left out: lines and letters thinner than {thinner} pixels, {drawing.left_out.mean():.1%} of the image")
         _note_lost_walls(grid, drawing, thinner, inscribed)
-        _note_closed_floor(drawing.grid, inscribed)
-        return drawing
+        _note_closed_floor(drawing.grid, inscribed, "Give another --thinner")
+        return _closed(drawing, inscribed)
     closed = blocked_paths(grid, inscribed) if thinner is None else None
     if closed is not None:
-        places = ", ".join(f"({x:.1f}, {y:.1f})" for x, y in closed.places[:MOST_PLACES])
-        more = len(closed.places) - MOST_PLACES
+        places = _listed([f"({x:.1f}, {y:.1f})" for x, y in closed.places])
         told = (
             f"{source}: only {closed.reached:.0%} of the floor can be reached. Lines thinner than {closed.thinner} "
-            f"pixels block paths at {places}{f' and {more} more places' if more > 0 else ''}. If they are doors, "
+            f"pixels block paths at {places}. If they are doors, "
             f"furniture or letters, leave them out by --thinner {closed.thinner}; if they are walls, keep them by "
             "--thinner 0."
         )
@@ -139,8 +170,28 @@ def cleaned(source: Path, grid: OccupancyGrid, thinner: int | None) -> CleanedDr
             fail(FAILED, told)
         note(told)
     else:
-        _note_closed_floor(grid, inscribed)
-    return CleanedDrawing(grid, np.zeros(grid.cells.shape, dtype=np.bool_))
+        _note_closed_floor(grid, inscribed, None)
+    drawing = CleanedDrawing(grid, np.zeros(grid.cells.shape, dtype=np.bool_))
+    return drawing if is_map_file(source) else _closed(drawing, inscribed)
+
+
+def is_map_file(source: Path) -> bool:
+    """Return True for a map.yaml, False for an image."""
+    return source.suffix.lower() in {".yaml", ".yml"}
+
+
+def _closed(drawing: CleanedDrawing, inscribed: float) -> CleanedDrawing:
+    """The plan with its openings to the outside closed, which is told."""
+    grid, openings = closed_to_outside(drawing.grid, inscribed)
+    if openings:
+        places = _listed([f"({x:.1f}, {y:.1f})" for x, y in openings])
+        say(f"Closed: openings to the outside, such as entrances and windows, at {places}. Robots stay inside.")
+    return CleanedDrawing(grid, drawing.left_out)
+
+
+def _listed(places: Sequence[str]) -> str:
+    more = len(places) - MOST_PLACES
+    return f"{', '.join(places[:MOST_PLACES])}{f' and {more} more places' if more > 0 else ''}"
 
 
 def _note_lost_walls(grid: OccupancyGrid, drawing: CleanedDrawing, thinner: int, inscribed: float) -> None:
@@ -152,14 +203,21 @@ def _note_lost_walls(grid: OccupancyGrid, drawing: CleanedDrawing, thinner: int,
         note(f"That is {share:.0%} of all that is drawn, so walls are among it. Use {better}.")
 
 
-def _note_closed_floor(grid: OccupancyGrid, inscribed: float) -> None:
-    """Tell if most of the floor stays out of a robot's reach."""
-    reached = reached_floor(grid, inscribed)
+def _note_closed_floor(grid: OccupancyGrid, inscribed: float, remedy: str | None) -> None:
+    """Tell if most of the floor stays out of a robot's reach; with a remedy also if a room of it does."""
+    reached, others = reached_floor(grid, inscribed)
     if 0.0 < reached < MOST_FLOOR:
-        note(
-            f"Only {reached:.0%} of the floor can be reached: doors are closed, or narrower than a robot. Give another "
-            "--thinner, use an image with more pixels, or open the doors in the image."
-        )
+        told = f"Only {reached:.0%} of the floor can be reached"
+        remedy = remedy or "If lines, furniture or letters close them, give --thinner"
+    elif others and remedy is not None:
+        places = _listed([f"({x:.1f}, {y:.1f}), {area:.1f} m²" for (x, y), area in others])
+        told = f"Floor at {places}, cannot be reached"
+    else:
+        return
+    note(
+        f"{told}: doors are closed, or narrower than a robot. {remedy}, use an image with more pixels, or open the "
+        "doors in the image."
+    )
 
 
 def find_arena(grid: OccupancyGrid, rooms: int | None, robots: int, names: Sequence[str]) -> Arena:
@@ -252,10 +310,12 @@ def measure_map(folder: Path, place: Map, runs: int, jobs: int, tell: Tell) -> b
     `tell` takes the progress.
     """
     count = len(place.rooms)
-    note(f"Measuring {runs * count * count} trips on {jobs} cores; without times: --no-times.")
+    again = command("maps", "measure", folder, "--runs", runs, "--out", folder / MAP_TIMES)
+    told = f"Measuring {runs * count * count} trips on {jobs} cores; without times: --no-times."
+    note(told if count < MANY else f"{told} This can be stopped, and continued by `{again}`.")
     course = MeasurementSetup(place, WorldParameters(), RobotParameters(), SEED)
     with bad_input():
-        times = measure_trips(course, runs, jobs, folder / MAP_TIMES, tell)
+        times = measure_trips(course, runs, jobs, folder / MAP_TIMES, tell, f"`{again}`")
         write_times(folder / MAP_TIMES, map_times(times_matrix(times, count)))
     means = [pair.mean for pair in times if pair.mean is not None]
     span = f"{min(means):.0f} s to {max(means):.0f} s a trip" if means else "no trip arrived"

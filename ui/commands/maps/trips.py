@@ -21,7 +21,12 @@ from ui.commands.sweep.engines import stopped_by_sigterm
 
 
 def measure_trips(
-    course: MeasurementSetup, runs: int, jobs: int, result: Path | None, tell: Tell
+    course: MeasurementSetup,
+    runs: int,
+    jobs: int,
+    result: Path | None,
+    tell: Tell,
+    again: str = "the same command",
 ) -> tuple[TripTimes, ...]:
     """Drive all trips, several at a time; how many changes nothing in the result.
 
@@ -32,6 +37,7 @@ def measure_trips(
         result: file that the times will be written to: trips are kept next to it, and a further run drives the others;
             None keeps none.
         tell: takes the progress.
+        again: the command that drives the trips that are left after a stop.
 
     Raises:
         BadFile: trips cannot be kept.
@@ -51,7 +57,7 @@ def measure_trips(
             with stopped_by_sigterm():
                 return by_pair(_driven(course, wanted, done, kept, jobs, tell).values())
         except KeyboardInterrupt:
-            fail(FAILED, f"Stopped. {len(kept.done)} trips are kept in {kept.path}; the same command continues.")
+            fail(FAILED, f"Stopped. {len(kept.done)} trips are kept in {kept.path}; {again} continues.")
 
 
 def _driven(
