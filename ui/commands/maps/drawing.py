@@ -121,12 +121,12 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
         pixels = squared(pixels, size.height / rows / resolution)
     if size.turn:
         pixels = turned(pixels, size.turn)
-    if (factor := _joined_pixels(pixels.size, resolution)) > 1:
-        pixels, pixel = joined(pixels, factor), resolution
-        resolution *= factor
+    factor = _joined_pixels(pixels.size, resolution)
+    if factor > 1:
+        pixels = joined(pixels, factor)
         note(
-            f"A pixel is {pixel:g} m wide, finer than robots need: {factor} x {factor} of them become a cell of "
-            f"{resolution:g} m. --thinner counts cells."
+            f"A pixel is {resolution:g} m wide, finer than robots need: {factor} x {factor} of them become a cell of "
+            f"{factor * resolution:g} m. --thinner counts cells."
         )
     cells = interpret_image(pixels, negate, OCCUPIED_THRESH, FREE_THRESH)
     if (doubt := unseen_walls(cells, pixels, negate)) is not None:
@@ -136,7 +136,7 @@ def read_drawing(source: Path, size: PaperSize, negate: bool) -> OccupancyGrid:
             f"{doubt.free_thresh}`, and give that"
         )
         raise BadFile(source, doubt.problem, remedy)
-    return OccupancyGrid(cells, resolution, IDENTITY)
+    return OccupancyGrid(cells, factor * resolution, IDENTITY)
 
 
 def _joined_pixels(count: int, resolution: float) -> int:
