@@ -293,7 +293,7 @@ class TestPlans:
         monkeypatch.chdir(tmp_path)
         plan(entrance=True).resize((650, 450), Image.Resampling.NEAREST).save("plan.png")
         command = ["maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner"]
-        opened = CliRunner().invoke(app, [*command, "3"])
+        opened = invoke(*command, "3")
         assert opened.exit_code == 0, opened.stderr
         assert "Rooms: 8 found" in opened.stdout
         told = "Closed: openings to the outside, such as entrances and windows, at (2.6, 11.3). Robots stay inside."
@@ -302,7 +302,7 @@ class TestPlans:
     def test_pixels_finer_than_robots_need_are_joined(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         plan().resize((3900, 2700), Image.Resampling.NEAREST).save("plan.png")
-        done = CliRunner().invoke(app, ["maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", "6"])
+        done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times", "--thinner", "6")
         assert done.exit_code == 0, done.stderr
         assert "A pixel is 0.00833333 m wide, finer than robots need: 2 x 2 of them become a cell of 0.0166667 m." in (
             done.stderr
@@ -314,7 +314,7 @@ class TestPlans:
         monkeypatch.chdir(tmp_path)
         image = plan(furnished=False).resize((650, 450), Image.Resampling.NEAREST)
         image.point(lambda shade: max(shade, 127)).save("plan.png")
-        done = CliRunner().invoke(app, ["maps", "new", "plan.png", "--width", "32.5", "--no-times"])
+        done = invoke("maps", "new", "plan.png", "--width", "32.5", "--no-times")
         assert done.exit_code == 2
         told = "mostly gray 127. Lasers see occupied cells alone, so robots would be lost. Write a map.yaml beside it"
         assert told in done.stderr
