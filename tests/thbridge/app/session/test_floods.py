@@ -13,7 +13,7 @@ from thbridge.text_protocol.sockets.server import TextServer
 
 PATIENCE = 60.0
 LINE = b"%%error Flood Nobody x\n"
-LINES = 20_000
+LINES = 8_000
 
 
 class Records:

@@ -120,7 +120,7 @@ def keeper_refuses(hunt, request):
     return None if refusal == hunt.view().refusal else refusal.reason
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(st.integers(0, 10**9), st.sampled_from((25.0, 60.0, 100.0)))
 def test_what_the_view_says_is_possible_the_keeper_grants_and_nothing_else(seed, energy):
     chance = Random(seed)
