@@ -72,10 +72,12 @@ def arena_of(
     inscribed, circumscribed = radii(np.array(footprint))
     floor = TraversabilityMap.of(grid, inscribed, circumscribed)
     reach = drivable_floor(grid, inscribed)
+    # In gaps where they cannot turn with some room to spare, robots get stuck.
+    easy = drivable_floor(grid, circumscribed + SPARE)
     rooms: list[MapRoom] = []
     for outline in room_outlines(labels, floor):
         own = reach & (floor.clearance > circumscribed) & cells_inside(outline, floor)
-        goal = best_goal(floor, outline, own)
+        goal = best_goal(floor, outline, own & easy if (own & easy).any() else own)
         if goal is not None:
             number = len(rooms) + 1
             name = names[number - 1] if number <= len(names) else f"Room {number}"

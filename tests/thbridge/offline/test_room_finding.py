@@ -149,3 +149,15 @@ def test_an_outline_holds_exactly_the_cells_it_is_of(cells: np.ndarray) -> None:
     outside = (holes == holes[0, 0])[1:-1, 1:-1]
     assert not (held & outside).any()
     assert simplified(outline, 0.0)[0] == outline[0]
+
+
+def test_a_goal_is_not_behind_a_gap_that_is_hardly_wider_than_a_robot() -> None:
+    cells = np.full((120, 120), OCCUPIED, dtype=np.int8)
+    cells[2:40, 2:118] = cells[44:118, 2:118] = FREE
+    cells[40:44, 20:44] = FREE
+    for number, gap in enumerate((40, 12)):
+        cells[44 + gap : 118, 50:60] = OCCUPIED
+        labels = np.zeros(cells.shape, dtype=np.int32)
+        labels[44:118, 2:118] = 1
+        (room,) = arena_of(OccupancyGrid(cells, 0.05, IDENTITY), labels, 1).rooms
+        assert (room.goal.x > 60 * 0.05) == (number == 0)
