@@ -155,7 +155,7 @@ def test_a_goal_is_not_behind_a_gap_that_is_hardly_wider_than_a_robot() -> None:
     cells = np.full((120, 120), OCCUPIED, dtype=np.int8)
     cells[2:40, 2:118] = cells[44:118, 2:118] = FREE
     cells[40:44, 20:44] = FREE
-    for number, gap in enumerate((40, 12)):
+    for number, gap in enumerate((40, 17)):
         cells[44 + gap : 118, 50:60] = OCCUPIED
         labels = np.zeros(cells.shape, dtype=np.int32)
         labels[44:118, 2:118] = 1
