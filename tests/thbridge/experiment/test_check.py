@@ -88,9 +88,8 @@ def test_a_sound_study_has_neither_faults_nor_advice(tmp_path: Path) -> None:
 
 def test_prices_of_another_map_are_advised_against(tmp_path: Path) -> None:
     text = replaced("base: {", "base: {map: office, game.costs: original-2016, ")
-    assert "moves on the map office cost what this file has for the map arena8" in "".join(
-        advice_on(accepted(folder_of(tmp_path, text)))
-    )
+    design, _ = check_experiment(folder_of(tmp_path, text), VERSIONS)
+    assert "moves on the map office cost what this file has for the map arena8" in "".join(advice_on(design))
 
 
 # Languages

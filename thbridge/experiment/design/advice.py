@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from itertools import chain
 
 from thbridge.app.compose.setting import advice_on_language, missing_in
-from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.places import Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign, OrderKind, name_of
 from thbridge.experiment.design.plan import plan_of
@@ -24,7 +23,7 @@ def advice_on(design: ExperimentDesign) -> tuple[str, ...]:
     return (
         *_on_texts(design),
         *_on_languages(design),
-        *_on_files(design),
+        *map(str, design.doubts),
         *_on_orders(design),
         *_on_results_shown(design),
         *_on_steps(design),
@@ -74,14 +73,6 @@ def _on_languages(design: ExperimentDesign) -> Iterator[str]:
     of_files = {(study.dialogue.language, study.map, study.templates): study for study in games}
     missing = chain.from_iterable(missing_in(study, design.beside) for study in of_files.values())
     yield from dict.fromkeys(f"Participants would read another language: {fault}" for fault in missing)
-
-
-def _on_files(design: ExperimentDesign) -> Iterator[str]:
-    """Yield what is allowed in maps, treasures and prices, but looks like a slip."""
-    settings = SettingCache(design.beside)
-    for study in chain(*(cell.studies for cell in design.cells)):
-        settings.of(study)
-    yield from map(str, settings.doubts)
 
 
 def _on_orders(design: ExperimentDesign) -> Iterator[str]:

@@ -163,6 +163,7 @@ class ExperimentDesign:
             each condition in which the person may play it.
         lines: line of each key and item of the file, by its path.
         form_files: each form with the lines of its file, by the step's index.
+        doubts: possible slips in the files that studies name, where these were read, too.
     """
 
     path: Path
@@ -176,6 +177,7 @@ class ExperimentDesign:
     practices: Mapping[int, tuple[tuple[Study, ...], ...]] = field(default_factory=dict)
     lines: Mapping[str, int] = field(default_factory=dict)
     form_files: Mapping[int, Loaded[Form]] = field(default_factory=dict)
+    doubts: tuple[BadFile, ...] = ()
 
     def fault(self, key: str, problem: str, remedy: str) -> BadFile:
         """Return a fault at a key of the file, with the nearest line."""
@@ -273,6 +275,7 @@ def experiment_of(path: Path, whole: Node, *, with_files: bool = False) -> Exper
         practices,
         lines=loaded.lines,
         form_files=forms,
+        doubts=files.doubts,
     )
 
 

@@ -1,13 +1,15 @@
 """The file of a study with people while it is edited, by the same form as a study file."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
+from thbridge.app.compose.setting import read_map_of
 from thbridge.experiment.design.advice import advice_on
-from thbridge.experiment.design.experiment_file import ExperimentFile, experiment_of
+from thbridge.experiment.design.experiment_file import ExperimentDesign, ExperimentFile, experiment_of
 from thbridge.experiment.design.soundness import faults_of
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.folder import EXPERIMENT, ExperimentFolder
@@ -101,11 +103,18 @@ def experiment_draft(path: Path, text: str) -> ExperimentDraft:
         with faults.kept():
             # What rehearsals need may fit no longer once factors or forms were changed.
             read_people(ExperimentFolder(path.parent).people, design)
-        return dataclasses.replace(draft, faults=tuple(faults.found), notices=advice_on(design))
+        return dataclasses.replace(draft, faults=tuple(faults.found), notices=(*_on_maps(design), *advice_on(design)))
     except BadFiles as faults:
         return dataclasses.replace(draft, faults=faults.faults)
     except BadFile as fault:
         return dataclasses.replace(draft, faults=(fault,))
+
+
+def _on_maps(design: ExperimentDesign) -> Iterator[str]:
+    """Yield what looks like a slip in a map. To check prices takes half a second, too long while people type."""
+    studies = {study.map: study for study in (design.study, *chain(*(cell.studies for cell in design.cells)))}
+    for study in studies.values():
+        yield from map(str, read_map_of(study, design.beside, with_costs=False).warnings)
 
 
 def language_of(draft: StudyDraft) -> str:
