@@ -2,6 +2,8 @@
 
 import gc
 import os
+import re
+import shutil
 from collections import Counter
 from collections.abc import Iterator
 from datetime import datetime
@@ -18,6 +20,9 @@ pytest.register_assert_rewrite("tests.support")
 
 from tests.support.programs.compiling import compile_kernels  # noqa: E402
 from tests.support.project import ROOT  # noqa: E402
+
+MEMORY, ENOUGH = Path("/dev/shm"), 4 << 30
+"""Folder whose files are in memory, and bytes that must be free there."""
 
 # Windows are tested without a screen, unless somebody wants to look on.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -54,6 +59,19 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     config.option.loadscopereorder = False
     gc.disable()
+    # Programs force what they promise onto the disk, which takes tests of studies half their time. Tests of that itself
+    # have disks of their own that forget (tests/support/disks), and speed is measured on a real one.
+    if config.option.markexpr != "bench" and is_roomy(MEMORY):
+        os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
+
+
+def is_roomy(folder: Path) -> bool:
+    """Return True if a folder in memory has room for the files of all tests."""
+    if not folder.is_dir():
+        return False
+    available = re.search(r"^MemAvailable: +(\d+) kB", Path("/proc/meminfo").read_text(), re.MULTILINE)
+    memory = 0 if available is None else int(available[1]) * 1024
+    return min(memory, shutil.disk_usage(folder).free) >= ENOUGH
 
 
 def pytest_collection_finish() -> None:
