@@ -167,6 +167,7 @@ def exported(bag: Path, folder: Path, setting: Mapping[str, str] = {}) -> dict[s
     return {path.name: path.read_bytes() for path in sorted(folder.glob("*.csv"))}
 
 
+@pytest.mark.slow
 def test_tables_of_a_recording_are_the_same(short: tuple[Path, dict[str, str]], tmp_path: Path) -> None:
     bag = bag_of(short[0], SHORT[0])
     here = exported(bag, tmp_path / "here")

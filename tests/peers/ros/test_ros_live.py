@@ -154,6 +154,7 @@ def test_somebody_tells_a_robot_where_it_is(beside: Ros) -> None:
     assert abs(y - 0.5) < 0.5
 
 
+@pytest.mark.slow
 def test_somebody_drives_by_hand_and_the_robot_stops_by_itself(beside: Ros) -> None:
     def tells(field: str) -> float:
         return float(beside.says("rostopic", "echo", "-n", "1", f"/robot2/odom/{field}").split()[0])

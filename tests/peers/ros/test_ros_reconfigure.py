@@ -115,6 +115,7 @@ def test_dynparam_lists_saves_and_sets_and_the_robot_obeys(beside: Ros, tmp_path
     until("the costmap to be wider", is_wider, [])
 
 
+@pytest.mark.slow
 def test_what_rosparam_sets_dynparam_gets(beside: Ros) -> None:
     beside.says("rosparam", "set", "/robot2/amcl/kld_err", "0.0625")
     asked = (PYTHON, str(DYNPARAM), "get", "/robot2/amcl")

@@ -67,5 +67,14 @@ def compile_kernels() -> float:
     return seconds
 
 
+def compile_tests() -> None:
+    """Let pytest compile the tests of a fresh checkout; else each process that shares them compiles all."""
+    if not any((ROOT / "tests" / "__pycache__").glob("conftest.*-pytest-*.pyc")):
+        command = (sys.executable, "-m", "pytest", "--collect-only", "--quiet")
+        # What is wrong with a test is said when it runs.
+        subprocess.run(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+
+
 if __name__ == "__main__":
     compile_kernels()
+    compile_tests()
