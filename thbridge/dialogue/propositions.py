@@ -16,7 +16,7 @@ class HuntProposition(Proposition):
 
     Attributes:
         predicate: its name.
-        unique_by: fields that name a thing of which at most one value holds; None: any number may hold.
+        unique_by: fields that identify a thing that has one value only; None: several values may hold.
     """
 
     predicate: ClassVar[str]

@@ -77,7 +77,7 @@ def squared(pixels: NDArray[np.uint8], ratio: float) -> NDArray[np.uint8]:
 
 
 def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
-    """Return a grey image of which so many pixels a side are one, of their mean; what is over at two sides is white."""
+    """Return a gray image in which squares of pixels are joined to their mean, at the edges with white."""
     rows, cols = (-(-side // factor) * factor for side in pixels.shape)
     whole = np.pad(pixels, ((0, rows - len(pixels)), (0, cols - pixels.shape[1])), constant_values=pixels.max())
     means = whole.reshape(rows // factor, factor, cols // factor, factor).mean(axis=(1, 3))

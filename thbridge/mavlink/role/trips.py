@@ -114,7 +114,7 @@ class TripDispatcher:
         return trip.leg.number
 
     def abort(self, reason: str) -> None:
-        """Abort the trip in progress for this reason, and the game's move, whoever requested it."""
+        """Abort the trip in progress for this reason, and the game's move, by any commander."""
         if self._trip is not None and self._trip.under_way:
             self._trip = self._trip.failed(reason)
         self._stop_move()

@@ -55,7 +55,7 @@ FINE, FINE_ENOUGH = 0.01, 0.02
 MOST_CELLS, COARSE_ENOUGH = 4_000_000, 0.05
 """Pixels of an image from which on they are joined up to this size, metres."""
 MANY = 15
-"""Rooms from which on their trips take so long that it is told how to stop."""
+"""Least number of rooms for which the command prints that its measurement can be stopped."""
 WIDEST = 300.0
 """Metres beyond which a map's size is in doubt."""
 
@@ -181,7 +181,7 @@ def is_map_file(source: Path) -> bool:
 
 
 def _closed(drawing: CleanedDrawing, inscribed: float) -> CleanedDrawing:
-    """The plan with its openings to the outside closed, which is told."""
+    """Return the plan with its openings to the outside closed, and print their places."""
     grid, openings = closed_to_outside(drawing.grid, inscribed)
     if openings:
         places = _listed([f"({x:.1f}, {y:.1f})" for x, y in openings])

@@ -23,7 +23,7 @@ ALMOST_ALL = "it holds all but the last second"
 
 
 class BagNotWritten(BadFile):
-    """A recording could not begin or go on; the message tells what is kept, and in which file."""
+    """A recording could not begin or go on; the message says what is kept, and in which file."""
 
     def __init__(self, path: Path, problem: str, remedy: str) -> None:
         super().__init__(path, problem, remedy)
@@ -88,7 +88,7 @@ class BagDisk:
         self._writing.submit(self._parts.sync if growing is None else lambda: self._parts.preview(growing))
 
     def keep_up(self) -> None:
-        """Wait for the disk at full speed; a session in real time never has so many bytes waiting."""
+        """Wait for the disk if a session runs at full speed; in real time, fewer bytes wait."""
         self._writing.wait(WAITING_BYTES, BEHIND_SECONDS)
 
     def finish(self) -> bool:
