@@ -58,7 +58,7 @@ peers: setup ## Install what tests/peers plays against: MAVLink clients, ROS too
 maps: setup ## Draw the maps that come with the project anew.
 	$(BIN)/python scripts/draw/maps.py
 
-pictures: setup ## Draw the windows for docs/windows-gallery.md anew.
+pictures: setup ## Draw the windows for docs/reference/windows-gallery.md anew.
 	$(BIN)/python scripts/draw/windows.py $(ARGS)
 
 # What requirements.lock holds: all extras, and what tests and checks need.

@@ -1,7 +1,7 @@
 """Compare the abstract hunt with whole robots: the same policies in the same games.
 
 Run it from the project's folder. The first command plays games of one policy in both environments, and takes some two
-seconds for each; the second writes the tables of docs/learning.md:
+seconds for each; the second writes the tables of docs/how-to/learning.md:
 
     .venv/bin/python scripts/compare_abstract_hunt.py play cheapest --to games
     .venv/bin/python scripts/compare_abstract_hunt.py table games

@@ -1,4 +1,4 @@
-"""Measure what sweeps cost in processor time, beside `thbridge play`; docs/benchmarks.md has the figures.
+"""Measure what sweeps cost in processor time, beside `thbridge play`; docs/reference/benchmarks.md has the figures.
 
 Run it from the project's folder: `.venv/bin/python scripts/measure_sweeps.py`. It plays 1000 short games of two robots
 by two processes, as many on a Dask cluster of two workers of which one is killed in the middle, and a fifth of them by

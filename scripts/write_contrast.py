@@ -1,4 +1,4 @@
-"""Write `docs/accessibility.md`: every pair of colours that the windows draw, and how well it is seen.
+"""Write `docs/reference/accessibility.md`: every pair of colours that the windows draw, and how well it is seen.
 
 python scripts/write_contrast.py [FILE]
 """
@@ -270,7 +270,7 @@ def page() -> str:
 def main() -> None:
     """Write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    usual = ROOT / "docs" / "accessibility.md"
+    usual = ROOT / "docs" / "reference" / "accessibility.md"
     parser.add_argument("file", nargs="?", type=Path, metavar="FILE", default=usual, help="by default the page itself")
     options = parser.parse_args()
     options.file.write_text(page())

@@ -1,4 +1,4 @@
-"""Write `docs/mavlink-parameters.md`: what the study's parameters are called in MAVLink, and what may be set.
+"""Write `docs/reference/mavlink-parameters.md`: what the study's parameters are called in MAVLink, and what may be set.
 
 python scripts/write_mavlink_parameters.py [FILE]
 """
@@ -85,8 +85,8 @@ def document() -> str:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    page = ROOT / "docs" / "mavlink-parameters.md"
+    page = ROOT / "docs" / "reference" / "mavlink-parameters.md"
     parser.add_argument(
-        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/mavlink-parameters.md"
+        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/reference/mavlink-parameters.md"
     )
     parser.parse_args().file.write_text(document(), encoding="utf-8")

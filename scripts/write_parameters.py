@@ -1,4 +1,4 @@
-"""Write `docs/parameters.md`: every parameter of the navigation stack, from where the programs have them.
+"""Write `docs/reference/parameters.md`: every parameter of the navigation stack, from where the programs have them.
 
 python scripts/write_parameters.py [FILE]
 """
@@ -187,8 +187,8 @@ def document() -> str:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    page = ROOT / "docs" / "parameters.md"
+    page = ROOT / "docs" / "reference" / "parameters.md"
     parser.add_argument(
-        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/parameters.md"
+        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/reference/parameters.md"
     )
     parser.parse_args().file.write_text(document(), encoding="utf-8")

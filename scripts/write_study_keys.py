@@ -1,4 +1,4 @@
-"""Write `docs/study-keys.md`: every key of the files of a study with people, from where the program has them.
+"""Write `docs/reference/study-keys.md`: every key of the files of a study with people, from where the program has them.
 
 python scripts/write_study_keys.py [FILE]
 """
@@ -19,7 +19,7 @@ HEAD = """\
 # Keys of a study with people
 
 Every key of the files in a study's folder. `scripts/write_study_keys.py` writes this page from the classes that the
-files are read into. [Studies with people](studies-with-people.md) explains how they work together;
+files are read into. [Studies with people](../how-to/studies-with-people.md) explains how they work together;
 `thbridge study edit FOLDER` shows them as a form.
 
 A questionnaire in full:
@@ -83,8 +83,8 @@ def _table(rows: Iterator[str]) -> list[str]:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    page = ROOT / "docs" / "study-keys.md"
+    page = ROOT / "docs" / "reference" / "study-keys.md"
     parser.add_argument(
-        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/study-keys.md"
+        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/reference/study-keys.md"
     )
     parser.parse_args().file.write_text(document(), encoding="utf-8")

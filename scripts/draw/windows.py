@@ -1,4 +1,4 @@
-"""Draw every window and dialogue, and the page that shows them, `docs/windows-gallery.md`.
+"""Draw every window and dialogue, and the page that shows them, `docs/reference/windows-gallery.md`.
 
 The pictures are `docs/pictures/windows/<name>-<light|dark>.png`; those of `SIZED` are drawn at four sizes with three
 sizes of text besides, as `<name>-<width>x<height>-<text>.png`. Run it from the project's folder:
@@ -31,7 +31,7 @@ from ui.windows.look import apply_palette, apply_text_size, usual_growth
 
 ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "docs" / "pictures" / "windows"
-GALLERY = ROOT / "docs" / "windows-gallery.md"
+GALLERY = ROOT / "docs" / "reference" / "windows-gallery.md"
 SIZES = ((800, 500), (1024, 600), (1366, 768), (1920, 1080))
 """Widths and heights of windows, logical pixels."""
 TEXTS = (100, 125, 150)
@@ -46,7 +46,7 @@ SIZED = (
 ABOUT = (
     "Each window light and dark, and the most important ones at four sizes with text of 100, 125 and 150 %.",
     "`make pictures` draws them from real games and a real recording, and writes this page. What is seen in them is",
-    "explained in [windows.md](windows.md), [watching.md](watching.md), [study-edit.md](study-edit.md) and",
+    "explained in [windows.md](windows.md), [watching.md](../how-to/watching.md), [study-edit.md](../how-to/study-edit.md) and",
     "the pages *Your own ...*.",
 )
 SCREEN = (1920, 1080)
@@ -150,7 +150,7 @@ def gallery(stories: Sequence[Story]) -> str:
     for story in stories:
         lines += ["", f"## {story.title}"]
         for name, caption in story.pictures.items():
-            shown = [f"![{caption}](pictures/windows/{name}-{look}.png)" for look in ("light", "dark")]
+            shown = [f"![{caption}](../pictures/windows/{name}-{look}.png)" for look in ("light", "dark")]
             lines += ["", f"{caption}:", "", "| light | dark |", "|---|---|", f"| {shown[0]} | {shown[1]} |"]
             if name in SIZED:
                 lines += ["", *table_of_sizes(name, caption)]
@@ -162,7 +162,7 @@ def table_of_sizes(name: str, caption: str) -> list[str]:
     heads = [f"{width} x {height}" for width, height in SIZES]
     lines = [f"| text | {' | '.join(heads)} |", "|---|" + "---|" * len(SIZES)]
     for text in TEXTS:
-        files = [f"pictures/windows/{sized(name, size, text)}" for size in SIZES]
+        files = [f"../pictures/windows/{sized(name, size, text)}" for size in SIZES]
         shown = [f"[![{caption}, {head}]({file})]({file})" for head, file in zip(heads, files, strict=True)]
         lines.append(f"| {text} % | {' | '.join(shown)} |")
     return lines

@@ -22,8 +22,8 @@ def names() -> list[str]:
 
 @pytest.mark.slow
 def test_the_pictures_are_those_that_the_script_draws_and_the_gallery_shows_all(names: list[str]) -> None:
-    gallery = (ROOT / "docs" / "windows-gallery.md").read_text(encoding="utf-8")
-    shown = set(re.findall(r"!\[[^]]*]\(pictures/windows/(.*?)\)", gallery))
+    gallery = (ROOT / "docs" / "reference" / "windows-gallery.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"!\[[^]]*]\(\.\./pictures/windows/(.*?)\)", gallery))
     assert {file.name for file in PICTURES.iterdir()} == shown
     assert {f"{name}-{look}.png" for name in names for look in ("light", "dark")} <= shown
 

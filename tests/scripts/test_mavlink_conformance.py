@@ -1,4 +1,4 @@
-"""`docs/mavlink-conformance.md` names tests that there are."""
+"""`docs/reference/mavlink-conformance.md` names tests that there are."""
 
 import re
 
@@ -6,7 +6,7 @@ import pytest
 
 from tests.support.project import ROOT
 
-TABLE = (ROOT / "docs" / "mavlink-conformance.md").read_text()
+TABLE = (ROOT / "docs" / "reference" / "mavlink-conformance.md").read_text()
 FOLDERS = dict(re.findall(r"`(\w+)` =\s+`(tests/[\w/]+)`", TABLE))
 NAMED = re.findall(r"`(\w+)/([\w/]+\.py)::(\w+)`", TABLE)
 

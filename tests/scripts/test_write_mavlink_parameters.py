@@ -11,6 +11,6 @@ SCRIPT = ROOT / "scripts" / "write_mavlink_parameters.py"
 
 def test_the_page_is_up_to_date(tmp_path: Path) -> None:
     subprocess.run([sys.executable, SCRIPT, tmp_path / "page.md"], check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT)})
-    assert (tmp_path / "page.md").read_text() == (ROOT / "docs" / "mavlink-parameters.md").read_text(), (
+    assert (tmp_path / "page.md").read_text() == (ROOT / "docs" / "reference" / "mavlink-parameters.md").read_text(), (
         "run scripts/write_mavlink_parameters.py"
     )

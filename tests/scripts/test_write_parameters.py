@@ -97,7 +97,7 @@ def script():
 
 def test_the_page_is_up_to_date(tmp_path: Path) -> None:
     subprocess.run([sys.executable, SCRIPT, tmp_path / "page.md"], check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT)})
-    assert (tmp_path / "page.md").read_text() == (ROOT / "docs" / "parameters.md").read_text(), (
+    assert (tmp_path / "page.md").read_text() == (ROOT / "docs" / "reference" / "parameters.md").read_text(), (
         "run scripts/write_parameters.py"
     )
 

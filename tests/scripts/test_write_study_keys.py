@@ -9,7 +9,7 @@ from thbridge.experiment.questionnaires.form import form_of_tree
 from thbridge.files.yaml.tree import parse
 
 SCRIPT = ROOT / "scripts" / "write_study_keys.py"
-PAGE = (ROOT / "docs" / "study-keys.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "study-keys.md").read_text(encoding="utf-8")
 
 
 def test_the_page_is_up_to_date() -> None:

@@ -11,10 +11,11 @@ import pytest
 from tests.support.project import ROOT
 
 PAGES = sorted(
-    {page.name for page in (ROOT / "docs").glob("your-own-*.md")} | {"languages.md", "protocol.md", "sweeps.md"}
+    {f"how-to/{page.name}" for page in (ROOT / "docs" / "how-to").glob("your-own-*.md")}
+    | {"how-to/languages.md", "how-to/sweeps.md", "reference/protocol.md"}
 )
 """Pages that take from ten seconds to two minutes; tests/peers runs that of recordings, too."""
-SHORTENED = {"sweeps.md": ("replicates: 5", "replicates: 2")}
+SHORTENED = {"how-to/sweeps.md": ("replicates: 5", "replicates: 2")}
 """What a page says, and what is enough to see that it runs."""
 _SCRIPT = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 

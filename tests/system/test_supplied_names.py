@@ -1,6 +1,6 @@
 """A name that a person, a file or another program supplied leads nowhere else, in each place where it becomes a path.
 
-docs/security.md lists these places. What a place does with a file of its own, its own tests say.
+docs/explanation/security.md lists these places. What a place does with a file of its own, its own tests say.
 """
 
 import hashlib

@@ -75,7 +75,7 @@ def test_the_wheel_carries_maps_templates_and_the_page_of_reports(tmp_path: Path
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", ["api.md", "learning.md"])
+@pytest.mark.parametrize("page", ["reference/api.md", "how-to/learning.md"])
 def test_the_examples_of_the_documentation_run_from_the_wheel(tmp_path: Path, page: str) -> None:
     installed = install(tmp_path)
     done = run(sys.executable, "-c", examples_of(page), cwd=tmp_path / "elsewhere", PYTHONPATH=str(installed))

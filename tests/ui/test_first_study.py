@@ -1,4 +1,4 @@
-"""docs/first-study.md does what it says: each of its commands is run in order, and says what stands there."""
+"""docs/tutorials/first-study.md does what it says: each of its commands is run in order, and says what stands there."""
 
 import re
 import runpy
@@ -12,7 +12,7 @@ import pytest
 from tests.support.programs.commands import invoke
 from tests.support.studies.kiosk_without_screen import RehearsedGames, WindowOfTwo
 
-PAGE = Path(__file__).parents[2] / "docs" / "first-study.md"
+PAGE = Path(__file__).parents[2] / "docs" / "tutorials" / "first-study.md"
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from rosbags.highlevel import AnyReader
 
 from tests.support.mavlink.recorded_stations import Tour, record
 
-DOCUMENT = Path(__file__).parents[3] / "docs" / "bags.md"
+DOCUMENT = Path(__file__).parents[3] / "docs" / "reference" / "bags.md"
 
 
 def test_frames_are_read_as_the_document_says(tmp_path: Path) -> None:

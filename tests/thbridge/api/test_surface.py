@@ -1,7 +1,7 @@
 """The public surface, name by name and argument by argument, is that of `surface.txt`.
 
 Who changes it on purpose writes it anew by `python -m tests.thbridge.api.test_surface`, and says in the changelog what
-changed, by the rules of docs/api.md.
+changed, by the rules of docs/reference/api.md.
 """
 
 import inspect

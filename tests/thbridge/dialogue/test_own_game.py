@@ -15,7 +15,7 @@ from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.moves import DialogueTopic
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 
-PAGE = Path(__file__).parents[3] / "docs" / "your-own-dialogue-game.md"
+PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "your-own-dialogue-game.md"
 FILE = re.compile(r"^cat > games/([\w.]+) <<'END'\n(.*?)^END$", re.MULTILINE | re.DOTALL)
 
 

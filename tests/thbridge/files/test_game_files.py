@@ -220,7 +220,7 @@ def test_a_later_folder_adds_games_and_replaces_those_of_the_same_name(tmp_path:
 
 
 def test_the_page_on_dialogue_games_names_all_that_is_in_the_shipped_tables() -> None:
-    page = (Path(__file__).parents[3] / "docs" / "dialogue.md").read_text()
+    page = (Path(__file__).parents[3] / "docs" / "explanation" / "dialogue.md").read_text()
     rulebook = read_rulebook()
     named = {each.name for each in rulebook.locutions} | {*DialogueEnd} | {*rulebook.games["persuasion"].stages}
     assert {name for name in named if not re.search(rf"\b{name}\b", page)} == set()

@@ -13,16 +13,16 @@ from tests.support.programs.commands import all_commands, invoke
 from tests.support.project import ROOT
 from ui.commands.docs import pages
 
-NAMED = re.compile(r"thbridge docs ([\w-]+)|docs/([\w-]+)\.md")
+NAMED = re.compile(r"thbridge docs ([\w-]+)|docs/(?:[\w-]+/)*([\w-]+)\.md")
 
 
 def test_pages_are_listed_and_printed_as_they_are_written() -> None:
     listed = invoke("docs").stdout
     assert "sweeps " in listed
     assert listed.count("\n") == len(pages.pages()) > 60
-    for name in ("sweeps", "docs/sweeps.md", "sweeps.md#the-design"):
+    for name in ("sweeps", "docs/how-to/sweeps.md", "sweeps.md#the-design"):
         shown = invoke("docs", name)
-        assert (shown.exit_code, shown.stdout) == (0, (ROOT / "docs" / "sweeps.md").read_text())
+        assert (shown.exit_code, shown.stdout) == (0, (ROOT / "docs" / "how-to" / "sweeps.md").read_text())
 
 
 def test_an_unknown_page_is_answered_with_the_nearest() -> None:
@@ -48,7 +48,7 @@ def test_a_page_for_a_browser_links_to_the_others(
     opened: list[str] = []
     monkeypatch.setattr(webbrowser, "open", lambda uri: opened.append(uri) or has_browser)
     done = invoke("docs", "sweeps", "--open")
-    page = tmp_path / "docs" / "sweeps.html"
+    page = tmp_path / "docs" / "how-to" / "sweeps.html"
     assert (done.exit_code, done.stdout, opened) == (0, f"{page}\n", [page.as_uri()])
     assert ("No browser could be opened" in done.stderr) is not has_browser
     links = re.findall(r'href="([^"#:]+\.html)(?:#([\w-]+))?"', page.read_text())

@@ -33,12 +33,8 @@ img{max-width:100%}"
 
 
 def pages() -> Mapping[str, Path]:
-    """Return all pages by their names, such as `sweeps` and `decisions/0001-dependencies`."""
-    folder = shipped().root / "docs"
-    return {
-        path.relative_to(folder).with_suffix("").as_posix(): path
-        for path in (*sorted(folder.glob("*.md")), *sorted(folder.glob("*/*.md")))
-    }
+    """Return all pages by their names, such as `sweeps` and `0001-dependencies`."""
+    return {path.stem: path for path in sorted((shipped().root / "docs").rglob("*.md"))}
 
 
 def list_pages() -> None:
@@ -51,13 +47,13 @@ def list_pages() -> None:
 
 
 def find_page(wanted: str) -> Path:
-    """Return the file of a page, by its name or as other pages write it: `sweeps`, `sweeps.md`, `docs/sweeps.md#plots`.
+    """Return the file of a page, by its name or path: `sweeps`, `sweeps.md`, `docs/how-to/sweeps.md#plots`.
 
     Raises:
         BadFile: there is no such page.
     """
     known = pages()
-    name = wanted.partition("#")[0].removeprefix("docs/").removesuffix(".md")
+    name = wanted.partition("#")[0].rpartition("/")[2].removesuffix(".md")
     if name in known:
         return known[name]
     near = difflib.get_close_matches(name, known, n=1)
@@ -86,16 +82,16 @@ def open_in_browser(page: Path | None) -> None:
     Raises:
         BadFile: the files for the browser cannot be written.
     """
+    root = shipped().root / "docs"
     folder = cache_folder().parent / "docs"
-    known = pages()
-    links = "".join(f"* [{_title(path)}]({name}.md)\n" for name, path in known.items())
-    files = {"index": _html(f"# thbridge\n{links}", shipped().root / "docs")}
-    files |= {name: _html(path.read_text(encoding="utf-8"), path.parent) for name, path in known.items()}
+    written = {path: path.relative_to(root).with_suffix(".html") for path in pages().values()}
+    links = "".join(f"* [{_title(path)}]({path.relative_to(root)})\n" for path in written)
+    files = {Path("index.html"): _html(f"# thbridge\n{links}", root)}
+    files |= {name: _html(path.read_text(encoding="utf-8"), path.parent) for path, name in written.items()}
     for name, text in files.items():
-        with whole_file(folder / f"{name}.html", folders=True, synced=False) as file:
+        with whole_file(folder / name, folders=True, synced=False) as file:
             file.write(text.encode())
-    name = next((name for name, path in known.items() if path == page), "index")
-    target = folder / f"{name}.html"
+    target = folder / (Path("index.html") if page is None else written[page])
     opened = False
     with suppress(webbrowser.Error):
         opened = webbrowser.open(target.as_uri())

@@ -29,7 +29,7 @@ from thbridge.ros import names
 from thbridge.ros.messages import unpack
 from thbridge.study.study_file import DialogueSection, MannerSection, Study
 
-DOCUMENT = Path(__file__).parents[4] / "docs" / "bags.md"
+DOCUMENT = Path(__file__).parents[4] / "docs" / "reference" / "bags.md"
 SECONDS = 2.0
 DOUBTS_UNTIL = 5
 STUDY = dataclasses.replace(
