@@ -68,7 +68,7 @@ class Audit:
 
 
 def pins_of(lock: str) -> dict[str, str]:
-    """Return the versions that a lock pins, by the packages' normalised names."""
+    """Return the versions that a lock pins, by the packages' normalized names."""
     return {canonicalize_name(name): version for name, version in PIN.findall(lock)}
 
 

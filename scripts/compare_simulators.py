@@ -5,7 +5,7 @@ Run it from the project's folder, with the Python of an environment in which `pi
 
 Both drive as many robots with differential drive in the same hall, with lasers of 360 beams all around that reach 10 m.
 IR-SIM does so at 10 Hz: bodies, lasers, collisions and a straight drive towards goals. Ours moves bodies at 50 Hz, and
-each robot localises itself, keeps costmaps, plans and keeps clear of the others besides.
+each robot localizes itself, keeps costmaps, plans and keeps clear of the others besides.
 """
 
 import argparse

@@ -1,10 +1,10 @@
-"""Measure the localiser on recordings of real robots: logs of CARMEN with corrected poses, as collections of them have.
+"""Measure the localizer on recordings of real robots: logs of CARMEN with corrected poses, as collections of them have.
 
 Run it from the project's folder: `.venv/bin/python scripts/measure_carmen_logs.py LOGS --to FOLDER`, where LOGS is a
 folder of `*-corrected.log.gz`. Such a log has the laser's poses as a mapper found them, and between two scans the way
 of the wheels from the former of them; put end to end, these ways are the wheels' odometry with all its drift. Every
-other scan draws the map, on which all are localised by `thbridge localize`, from the start and from anywhere, and its
-paths are drawn over the map. Writes tables in Markdown: how far the localiser is from the mapper's poses, and how often
+other scan draws the map, on which all are localized by `thbridge localize`, from the start and from anywhere, and its
+paths are drawn over the map. Writes tables in Markdown: how far the localizer is from the mapper's poses, and how often
 it is wrong where it reports a probability of that. Logs without odometry between scans are left out.
 
 Source: CARMEN's log format (FLASER and ODOM).
@@ -32,9 +32,9 @@ from tests.bench.robots.wrong_pose_runs import HEAD, UpdateRow, calibration, is_
 
 RESOLUTION = 0.05
 LONGEST = 25.0
-"""Metres beyond which a beam has met nothing."""
+"""Meters beyond which a beam has met nothing."""
 SPEED = 0.5
-"""Metres a second, where a log has no times."""
+"""Meters a second, where a log has no times."""
 STORE = get_typestore(Stores.ROS1_NOETIC)
 TYPES = STORE.types
 
@@ -44,7 +44,7 @@ class LoggedScan:
     """A scan of a log.
 
     Attributes:
-        ranges: (n,) metres, from right to left over half a circle.
+        ranges: (n,) meters, from right to left over half a circle.
         laser_in_map: pose of the laser as the mapper found it.
         laser_in_odom: the same by the wheels alone.
         seconds: since the beginning.
@@ -183,10 +183,10 @@ def _odometry(number: int, stamp: int, scan: LoggedScan) -> object:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """How far a localiser was from the mapper.
+    """How far a localizer was from the mapper.
 
     Attributes:
-        errors: (n,) metres at each update.
+        errors: (n,) meters at each update.
         lost: (n,) where it said to be lost.
         updates: each with the probability that its pose is wrong, and whether it is.
     """
@@ -208,7 +208,7 @@ class Measured:
 
 
 def localized(bag: Path, place: Path, scans: list[LoggedScan], folder: Path, *, known: bool) -> Measured:
-    """Localise a bag as its user would."""
+    """Localize a bag as its user would."""
     name = "start" if known else "anywhere"
     start = scans[0].laser_in_map
     begin = ["--initial-pose", f"{start.x}", f"{start.y}", f"{start.theta}"] if known else ["--global"]

@@ -63,7 +63,7 @@ PARTICIPANTS: Mapping[str, Callable[[Attitude, BotStrategy], bool]] = {
 }
 """Groups of participants that are compared; the attentive ones listen to what robots say."""
 MOVED_DISTANCE = 0.05
-"""Metres, and radians, that count as having moved."""
+"""Meters, and radians, that count as having moved."""
 
 
 @dataclass(frozen=True, slots=True)

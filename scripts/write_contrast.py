@@ -1,4 +1,4 @@
-"""Write `docs/reference/accessibility.md`: every pair of colours that the windows draw, and how well it is seen.
+"""Write `docs/reference/accessibility.md`: every pair of colors that the windows draw, and how well it is seen.
 
 python scripts/write_contrast.py [FILE]
 """
@@ -20,7 +20,7 @@ LEAST: dict[Kind, float] = {"text": 4.5, "sign": 3.0, "told besides": 0.0}
 """WCAG 2.2, AA: 1.4.3 for text, 1.4.11 for edges and signs."""
 
 APART = 15.0
-"""Least distance (CIE76) in everybody's eyes of colours that distinguish things; 2.3 is just noticed."""
+"""Least distance (CIE76) in everybody's eyes of colors that distinguish things; 2.3 is just noticed."""
 
 FLOORS = "unvisited reserved visited won lost"
 GROUNDS = f"window panel floor {FLOORS}"
@@ -28,7 +28,7 @@ GROUNDS = f"window panel floor {FLOORS}"
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """Colours drawn on other colours.
+    """Colors drawn on other colors.
 
     Attributes:
         module: path in ui/windows.
@@ -168,10 +168,10 @@ PAIRS = (
     Pair("study/pictures.py", "beams", "line", "panel", "told besides", 70 / 255, "the crosses at their ends"),
     Pair("study/window.py", "edges of fields, ring of the focus", "line accent", "window panel", "sign"),
 )
-"""All pairs of colours. Faults in the text of a study have a tinted ground, too; see `TINTED`."""
+"""All pairs of colors. Faults in the text of a study have a tinted ground, too; see `TINTED`."""
 
 TINTED = (("study/pages.py", "text on the line of a fault", "text", "bad", 48 / 255, "panel"),)
-"""Module, what it is, its ink; the ground: a colour, its opacity, and what is below it."""
+"""Module, what it is, its ink; the ground: a color, its opacity, and what is below it."""
 
 HEAD = """\
 # Who can see and use the windows
@@ -190,7 +190,7 @@ screen of 1024 x 600 with each of these sizes.
 
 
 def mixed(ink: str, opacity: float, ground: str) -> str:
-    """Return the colour seen of an ink through which the ground shows."""
+    """Return the color seen of an ink through which the ground shows."""
     channels = (
         round(opacity * int(ink[at : at + 2], 16) + (1.0 - opacity) * int(ground[at : at + 2], 16)) for at in (1, 3, 5)
     )
@@ -198,7 +198,7 @@ def mixed(ink: str, opacity: float, ground: str) -> str:
 
 
 def colours(palette: Palette, roles: str) -> list[str]:
-    """Return the colours of some roles."""
+    """Return the colors of some roles."""
     found: list[str] = []
     for role in roles.split():
         colour = getattr(palette, role)
@@ -223,7 +223,7 @@ def tinted(palette: Palette) -> Iterator[tuple[str, str, float]]:
 
 
 ReportedPair = tuple[str, str, float]
-"""Things distinguished by colours, by what besides, and the least distance of these colours (CIE76)."""
+"""Things distinguished by colors, by what besides, and the least distance of these colors (CIE76)."""
 
 TOLD_APART: dict[ReportedPair, tuple[str, ...]] = {
     ("robots", "numbers", APART): ("robots",),
@@ -235,7 +235,7 @@ TOLD_APART: dict[ReportedPair, tuple[str, ...]] = {
 
 
 def apart(palette: Palette, roles: tuple[str, ...], vision: Vision) -> float:
-    """Return the least difference among the colours of some roles."""
+    """Return the least difference among the colors of some roles."""
     return min(difference(a, b, vision) for a, b in combinations(colours(palette, " ".join(roles)), 2))
 
 

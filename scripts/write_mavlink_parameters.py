@@ -86,7 +86,5 @@ def document() -> str:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     page = ROOT / "docs" / "reference" / "mavlink-parameters.md"
-    parser.add_argument(
-        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/reference/mavlink-parameters.md"
-    )
+    parser.add_argument("file", nargs="?", type=Path, metavar="FILE", default=page, help=f"default: {page.name}")
     parser.parse_args().file.write_text(document(), encoding="utf-8")

@@ -45,7 +45,7 @@ class DriveManually:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SetPoseEstimate:
-    """Tell a robot where it is (ROS: initialpose): its localiser begins anew there; body and goal stay.
+    """Tell a robot where it is (ROS: initialpose): its localizer begins anew there; body and goal stay.
 
     Attributes:
         covariance: (3, 3) of x, y and theta, how sure; m^2, m rad, rad^2.

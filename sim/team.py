@@ -241,7 +241,7 @@ class Team:
             robot: its index.
             start: pose at the beginning; None: where the robot believes it is.
             goal: pose at the end.
-            tolerance: metres by which it may miss the goal, along x and along y, where that cannot be reached.
+            tolerance: meters by which it may miss the goal, along x and along y, where that cannot be reached.
 
         Returns:
             (m, 3) poses in the map, or why there are none.

@@ -38,7 +38,7 @@ class Encounter:
 
     Attributes:
         title: of the picture.
-        doors: positions of the doors along the wall, metres.
+        doors: positions of the doors along the wall, meters.
         starts: poses of the robots.
         goals: poses of the robots; None for one that is dead from the beginning.
     """

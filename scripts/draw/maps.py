@@ -7,7 +7,7 @@ Travel costs of a map that has none measured are estimated, in seconds, as
 
     length / SPEED + turned / TURN_RATE
 
-over the shortest path between two goals that keeps a robot's clearance: `length` in metres, `turned` the angles in
+over the shortest path between two goals that keeps a robot's clearance: `length` in meters, `turned` the angles in
 radians by which a robot turns at its start, at every corner and at its goal, since every goal is left and reached at
 the goal's own heading. The constants are rounded from the least-squares fit of this formula to the matrix measured in
 2016 on arena8 (1.01 m/s and 0.78 rad/s); rounded, they miss it by 2.4 s root mean square, 5.2 s at most.
@@ -36,18 +36,18 @@ Point = tuple[float, float]
 Segment = tuple[float, float, float, float]
 
 WALL = 0.12
-"""Thickness of a wall, metres."""
+"""Thickness of a wall, meters."""
 CLEARANCE = 0.4
-"""Least distance of a robot's centre from walls on a path, metres: the footprint's corners and a little more."""
+"""Least distance of a robot's center from walls on a path, meters: the footprint's corners and a little more."""
 SPEED = 1.0
-"""Metres per second."""
+"""Meters per second."""
 TURN_RATE = 0.8
 """Radians per second."""
 
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """A room: its corners (two: of a box) and the robots' goal in it, all in the map frame, metres."""
+    """A room: its corners (two: of a box) and the robots' goal in it, all in the map frame, meters."""
 
     name: str
     region: tuple[Point, ...]
@@ -60,13 +60,13 @@ class MapPlan:
 
     Attributes:
         name: of its folder.
-        origin: lower left corner, metres.
-        size: width and height, metres.
-        walls: the centre lines of the walls inside, (x0, y0, x1, y1); the outer box is added.
+        origin: lower left corner, meters.
+        size: width and height, meters.
+        walls: the center lines of the walls inside, (x0, y0, x1, y1); the outer box is added.
         cabinets: boxes that stand about, two opposite corners each, (x0, y0, x1, y1).
         rooms: room 1 first.
         poses: starts of the first robots.
-        rows: lines along which further robots start, a metre from each other.
+        rows: lines along which further robots start, a meter from each other.
         estimate_costs: write a `mapTimes` of estimated travel costs.
     """
 
@@ -295,7 +295,7 @@ OFFICE = MapPlan(
 
 
 def draw(plan: MapPlan, resolution: float) -> OccupancyGrid:
-    """Draw the grid of a plan: a cell is a wall when its centre lies in one."""
+    """Draw the grid of a plan: a cell is a wall when its center lies in one."""
     cols, rows = (round(side / resolution) for side in plan.size)
     x = plan.origin[0] + (np.arange(cols) + 0.5) * resolution
     y = (plan.origin[1] + (np.arange(rows) + 0.5) * resolution)[:, np.newaxis]
@@ -347,14 +347,14 @@ def rooms_yaml(plan: MapPlan) -> str:
 
 @dataclass(frozen=True)
 class PathLength:
-    """Length of a path from one pose to another: metres driven and radians turned on it."""
+    """Length of a path from one pose to another: meters driven and radians turned on it."""
 
     length: float
     turned: float
 
 
 def path_lengths(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, int], PathLength]:
-    """Measure the shortest paths between all places, over the eight neighbours of each cell, then pulled taut.
+    """Measure the shortest paths between all places, over the eight neighbors of each cell, then pulled taut.
 
     A path over a grid turns by multiples of 45 degrees only and is up to 8 % too long, hence the pulling."""
     walls = np.pad(grid.cells != OCCUPIED, 1, constant_values=False)

@@ -1,6 +1,6 @@
 """Draws the pictures of the treasures in `templates/*/pictures`, the same every time.
 
-Each treasure is a signed distance field with a colour for every point, seen by sphere tracing: lit from the upper left,
+Each treasure is a signed distance field with a color for every point, seen by sphere tracing: lit from the upper left,
 standing on a floor that it shadows.
 
     python scripts/draw/treasures.py [FOLDER]
@@ -29,7 +29,7 @@ WALL = np.array([0.62, 0.66, 0.71])
 
 @dataclass(frozen=True)
 class Solid:
-    """A treasure: distance (n,) of points (n, 3) to its surface, colours (n, 3) of points on it, and how it shines."""
+    """A treasure: distance (n,) of points (n, 3) to its surface, colors (n, 3) of points on it, and how it shines."""
 
     distance: Callable[[Floats], Floats]
     colour: Callable[[Floats], Floats]
@@ -38,7 +38,7 @@ class Solid:
 
 
 def rgb(code: int) -> Floats:
-    """Return a colour such as 0xff8800 as three linear numbers in [0, 1]."""
+    """Return a color such as 0xff8800 as three linear numbers in [0, 1]."""
     return (np.array([code >> 16 & 255, code >> 8 & 255, code & 255]) / 255.0) ** 2.2
 
 
@@ -89,7 +89,7 @@ def box(half: Sequence[float], centre: Sequence[float], rounding: float) -> Call
 
 
 def painted(points: Floats, ground: Floats) -> Floats:
-    """One colour everywhere, to be painted over."""
+    """One color everywhere, to be painted over."""
     return np.broadcast_to(ground, points.shape).copy()
 
 

@@ -46,8 +46,8 @@ SIZED = (
 ABOUT = (
     "Each window light and dark, and the most important ones at four sizes with text of 100, 125 and 150 %.",
     "`make pictures` draws them from real games and a real recording, and writes this page. What is seen in them is",
-    "explained in [windows.md](windows.md), [watching.md](../how-to/watching.md), [study-edit.md](../how-to/study-edit.md) and",
-    "the pages *Your own ...*.",
+    "explained in [windows.md](windows.md), [watching.md](../how-to/watching.md),",
+    "[study-edit.md](../how-to/study-edit.md) and the pages *Your own ...*.",
 )
 SCREEN = (1920, 1080)
 """Width and height of the screen, logical pixels; windows keep within it. That of `offscreen` is 800 x 800."""

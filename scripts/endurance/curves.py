@@ -14,7 +14,7 @@ TITLES = {"MB": "Resident memory, MB", "descriptors": "Open descriptors", "threa
 
 
 def draw(samples: Samples, path: Path) -> None:
-    """Draw the curves: in the legends the growth after the warm-up, which is grey."""
+    """Draw the curves: in the legends the growth after the warm-up, which is gray."""
     figure, axes = plt.subplots(3, 2, figsize=(10.0, 10.0), sharex=True, layout="constrained")
     hours, columns = samples.hours, samples.columns
     memory, ticks, descriptors, waits, threads, games = axes.flat

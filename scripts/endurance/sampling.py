@@ -29,7 +29,7 @@ def load_of(pid: int) -> dict[str, float]:
 
 
 def yardstick() -> float:
-    """Return the processor time of a fixed piece of work now, ms: beside busy neighbours a core does less."""
+    """Return the processor time of a fixed piece of work now, ms: beside busy neighbors a core does less."""
     began = time.thread_time()
     for number in range(YARDSTICK):
         str(number)

@@ -9,7 +9,7 @@ from sim.common.grid import OCCUPIED, OccupancyGrid
 from sim.numerics.float_array import FloatArray
 
 MAX_CLEARANCE = 2.0
-"""Greatest clearance that is told apart, metres: to a robot farther from the walls it makes no difference."""
+"""Greatest clearance that is told apart, meters: to a robot farther from the walls it makes no difference."""
 
 
 BAND = 256
@@ -17,7 +17,7 @@ BAND = 256
 
 
 def cells_away(free: NDArray[np.bool_]) -> FloatArray:
-    """(rows, cols) cells from each cell's centre to that of the nearest one that is not free; the border is a wall."""
+    """(rows, cols) cells from each cell's center to that of the nearest one that is not free; the border is a wall."""
     padded = np.pad(free, 1)
     near_row, near_col = nearest_cells(~padded)[:, 1:-1, 1:-1]
     row, col = np.ogrid[1 : len(padded) - 1, 1 : padded.shape[1] - 1]
@@ -52,7 +52,7 @@ def _distances(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
 
 @lru_cache(maxsize=8)
 def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
-    """Metres from each cell's centre to the centre of the nearest occupied cell, capped.
+    """Meters from each cell's center to the center of the nearest occupied cell, capped.
 
     Exact Euclidean distance, where ROS's likelihood field and inflation propagate it approximately.
 
@@ -67,7 +67,7 @@ def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float
 
 @lru_cache(maxsize=8)
 def near_walls(grid: OccupancyGrid, distance: float) -> NDArray[np.bool_]:
-    """(rows, cols) True in cells whose centre is within so many metres of that of an occupied one.
+    """(rows, cols) True in cells whose center is within so many meters of that of an occupied one.
 
     Read-only, and shared by all robots on the map.
     """
@@ -79,7 +79,7 @@ def near_walls(grid: OccupancyGrid, distance: float) -> NDArray[np.bool_]:
 
 @lru_cache(maxsize=8)
 def clearance_field(grid: OccupancyGrid) -> NDArray[np.float32]:
-    """Metres from each cell's centre to the nearest side of an occupied cell, about; at most MAX_CLEARANCE.
+    """Meters from each cell's center to the nearest side of an occupied cell, about; at most MAX_CLEARANCE.
 
     Returns:
         (rows, cols) float32, half a cell less than `distance_field`, and at least 0. All robots on a map share one, so

@@ -17,7 +17,7 @@ _cos_sin = lru_cache(maxsize=1024)(elementary.cos_sin)
 class Pose2:
     """A pose of the plane, equally the transform from its own frame to its parent's.
 
-    `base_in_odom` reads: the pose of frame base in frame odom. Metres, radians in [-pi, pi).
+    `base_in_odom` reads: the pose of frame base in frame odom. Meters, radians in [-pi, pi).
     """
 
     x: float
@@ -41,7 +41,7 @@ class Pose2:
         return self.inverse().compose(other)
 
     def distance(self, other: "Pose2") -> float:
-        """Metres between the two origins."""
+        """Meters between the two origins."""
         return elementary.hypot(other.x - self.x, other.y - self.y)
 
     def transform(self, points: FloatArray) -> FloatArray:

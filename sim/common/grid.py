@@ -32,11 +32,11 @@ class GridFrame(NamedTuple):
     """Pose and resolution of a grid in the world, in the form that compiled kernels take.
 
     Attributes:
-        x: origin of the grid (outer corner of cell (0, 0)) in the map frame, metres.
+        x: origin of the grid (outer corner of cell (0, 0)) in the map frame, meters.
         y: the same.
         cos: cosine of the origin's yaw.
         sin: sine of the origin's yaw.
-        resolution: side of a cell, metres.
+        resolution: side of a cell, meters.
     """
 
     x: float
@@ -52,8 +52,8 @@ class OccupancyGrid:
 
     Attributes:
         cells: (rows, cols) int8; 0 free, 100 occupied, -1 unknown. Values between come from maps read in `scale` or
-            `raw` mode; localisation and planning count only exact 0 as free and exact 100 as occupied. Read-only.
-        resolution: side of a cell, metres.
+            `raw` mode; localization and planning count only exact 0 as free and exact 100 as occupied. Read-only.
+        resolution: side of a cell, meters.
         origin: pose of the outer corner of cell (0, 0) in the map frame.
     """
 
@@ -122,7 +122,7 @@ class OccupancyGrid:
         return math.floor(row), math.floor(col)
 
     def centre_of(self, row: int, col: int) -> tuple[float, float]:
-        """World point of a cell's centre, metres."""
+        """World point of a cell's center, meters."""
         frame = self.frame
         along = (col + 0.5) * frame.resolution
         across = (row + 0.5) * frame.resolution
@@ -145,7 +145,7 @@ class OccupancyGrid:
         return np.floor(in_grid[:, ::-1] / self.resolution).astype(np.int64)
 
     def centres_of(self, cells: NDArray[np.int64]) -> FloatArray:
-        """(n, 2) world points of the centres of (n, 2) rows and columns."""
+        """(n, 2) world points of the centers of (n, 2) rows and columns."""
         centres = cells[:, ::-1].astype(np.float64) + 0.5
         return self.origin.transform(centres * self.resolution)
 
@@ -160,7 +160,7 @@ def interpret_image(
     mean itself, as a signed byte.
 
     Args:
-        pixels: (rows, cols) grey, or (rows, cols, channels) RGB or RGBA; row 0 is the top of the picture.
+        pixels: (rows, cols) gray, or (rows, cols, channels) RGB or RGBA; row 0 is the top of the picture.
         negate: bright is occupied.
         occupied_thresh: 0..1.
         free_thresh: 0..1, less than `occupied_thresh`.
@@ -170,7 +170,7 @@ def interpret_image(
         (rows, cols), row 0 at the bottom of the picture.
 
     Source: ros-planning/navigation, map_server/src/image_loader.cpp; its particulars are kept: an alpha channel is
-        averaged with the colours in `trinary` mode and left out of the mean in the others, and in `scale` mode the
+        averaged with the colors in `trinary` mode and left out of the mean in the others, and in `scale` mode the
         last of several channels (blue, when there is no alpha) being 0 makes a cell unknown.
     """
     planes = pixels[:, :, np.newaxis] if pixels.ndim == 2 else pixels

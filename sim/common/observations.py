@@ -25,7 +25,7 @@ def next_turn(tick: int, robot: int, period: int) -> int:
 
 @frozen()
 class Twist:
-    """A velocity of the base, in its own frame: metres per second forward, radians per second anti-clockwise."""
+    """A velocity of the base, in its own frame: meters per second forward, radians per second anti-clockwise."""
 
     linear: float
     angular: float
@@ -55,7 +55,7 @@ class Imu:
 class LaserMount:
     """A planar laser: where it sits on the base and which beams it sends.
 
-    Beam i looks along `angle_min + i * angle_increment` in the laser's frame. Ranges in metres.
+    Beam i looks along `angle_min + i * angle_increment` in the laser's frame. Ranges in meters.
     """
 
     laser_in_base: Pose2
@@ -75,7 +75,7 @@ class Scan:
     """One sweep of the laser.
 
     Attributes:
-        ranges: (beams,) float32 metres; +inf where nothing was hit within range_max (REP 117), NaN where the beam
+        ranges: (beams,) float32 meters; +inf where nothing was hit within range_max (REP 117), NaN where the beam
             was lost.
     """
 
@@ -113,7 +113,7 @@ class Neighbour:
         robot: its index in the team.
         base_in_map: believed pose of the robot.
         twist: its velocity.
-        footprint: (n, 2) corners in its base frame, metres.
+        footprint: (n, 2) corners in its base frame, meters.
         path: (m, 2) map points it is heading along, its own place first; empty when it stands.
         times: (m,) when it means to be there: the order in which robots pass a place
             (`sim.robot.global_planning.itinerary`). Empty with a path that is only wanted: other robots obstruct it

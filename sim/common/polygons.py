@@ -20,7 +20,7 @@ class Polygons(NamedTuple):
     """Several polygons in flat arrays, the form that compiled kernels take.
 
     Attributes:
-        corners: (v, 2) of all of them, metres.
+        corners: (v, 2) of all of them, meters.
         ends: (p + 1,) int64; polygon i has the corners from ends[i] up to ends[i + 1].
         circles: (p, 3) x, y and radius of a circle around each.
     """
@@ -156,7 +156,7 @@ def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatA
 
 @njit(cache=True)
 def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margin: float) -> bool:
-    """Return True when a body overlaps an occupied cell, at edges or inside, or comes within `margin` metres of one."""
+    """Return True when a body overlaps an occupied cell, at edges or inside, or comes within `margin` meters of one."""
     body = np.empty_like(corners)  # in cells: columns, rows
     left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     for k in range(corners.shape[0]):

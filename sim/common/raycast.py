@@ -107,15 +107,15 @@ def _line_after(
 def _cast(
     squares: FreeSquares, col_start: float, row_start: float, col_speed: float, row_speed: float, limit: float
 ) -> float:
-    """Metres along one beam to the first occupied cell; inf if there is none nearer than `limit`.
+    """Meters along one beam to the first occupied cell; inf if there is none nearer than `limit`.
 
     Args:
         squares: table of the grid; all ones on free cells would give the same range, slower.
         col_start: start of the beam, along the columns, in cells.
         row_start: the same along the rows.
-        col_speed: cells per metre of beam along the columns.
+        col_speed: cells per meter of beam along the columns.
         row_speed: the same along the rows.
-        limit: metres, finite.
+        limit: meters, finite.
 
     See the module's docstring. On a corner the row is crossed first, here and in `_line_after` (`inclusive`).
     """
@@ -191,8 +191,8 @@ def cast_beams(
         frame: the grid's.
         poses: (n, 3) of the sensors in the map frame.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
-        max_range: metres, finite; what is farther away has range inf.
-        out: (n, m) metres.
+        max_range: meters, finite; what is farther away has range inf.
+        out: (n, m) meters.
     """
     # A cell at exactly max_range is still seen.
     limit = np.nextafter(max_range, np.inf)
@@ -202,7 +202,7 @@ def cast_beams(
         col_start = (frame.cos * dx + frame.sin * dy) / frame.resolution
         row_start = (frame.cos * dy - frame.sin * dx) / frame.resolution
         c, s = elementary.cos_sin(poses[i, 2])
-        # The sensor's axes, in cells per metre along the grid's.
+        # The sensor's axes, in cells per meter along the grid's.
         ahead_cols = (frame.cos * c + frame.sin * s) / frame.resolution
         ahead_rows = (frame.cos * s - frame.sin * c) / frame.resolution
         for j in range(directions.shape[0]):
@@ -220,7 +220,7 @@ def cast_beams(
 
 @njit(cache=True)
 def _circle(polygon: FloatArray) -> tuple[float, float, float]:
-    """Centre (x, y) and radius of a circle around all corners."""
+    """Center (x, y) and radius of a circle around all corners."""
     x, y = polygon[:, 0].mean(), polygon[:, 1].mean()
     radius = 0.0
     for k in range(polygon.shape[0]):
@@ -235,8 +235,8 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
     Args:
         polygon: (v, 2) corners in the sensor's frame, either way round, convex or not.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
-        max_range: metres; a farther edge is not seen.
-        ranges: (m,) metres, changed in place. A sensor inside the polygon sees its outline from within.
+        max_range: meters; a farther edge is not seen.
+        ranges: (m,) meters, changed in place. A sensor inside the polygon sees its outline from within.
     """
     corners = polygon.shape[0]
     centre_x, centre_y, radius = _circle(polygon)
@@ -281,7 +281,7 @@ def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, 
     beams = fan.directions.shape[0]
     centre_x, centre_y, radius = _circle(polygon)
     away = elementary.hypot(centre_x, centre_y)
-    # From nearer by, beams that lead away from its centre may meet it too.
+    # From nearer by, beams that lead away from its center may meet it too.
     if away < 2.0 * radius:
         shorten_by_polygon(polygon, fan.directions, max_range, ranges)
         return
@@ -320,12 +320,12 @@ class Raycaster:
         return cls(free_squares_of(grid), grid.frame)
 
     def ranges(self, poses: FloatArray, angles: FloatArray, max_range: float) -> FloatArray:
-        """Metres to the first occupied cell along every beam; inf where there is none within `max_range`.
+        """Meters to the first occupied cell along every beam; inf where there is none within `max_range`.
 
         Args:
             poses: (n, 3) of the sensors in the map frame.
             angles: (m,) radians in the sensor's frame.
-            max_range: metres.
+            max_range: meters.
 
         Returns:
             (n, m).

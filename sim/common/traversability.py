@@ -15,7 +15,7 @@ from sim.numerics.float_array import FloatArray
 
 Point = tuple[float, float]
 Polygon = tuple[Point, ...]
-"""Corners in turn, metres; the last is joined to the first."""
+"""Corners in turn, meters; the last is joined to the first."""
 Mask = NDArray[np.bool_]
 Span: TypeAlias = "slice[int, int, None]"
 """Range of rows or columns."""
@@ -29,8 +29,8 @@ class TraversabilityMap:
 
     Attributes:
         grid: the map. Its border counts as a wall: nothing is known of what lies beyond.
-        clearance: (rows, cols) metres from each cell's centre to that of the nearest cell that is not free; 0 there.
-        inscribed: radius of the largest circle about a robot's centre inside its footprint, metres.
+        clearance: (rows, cols) meters from each cell's center to that of the nearest cell that is not free; 0 there.
+        inscribed: radius of the largest circle about a robot's center inside its footprint, meters.
         circumscribed: radius of the smallest one around it.
     """
 
@@ -52,7 +52,7 @@ class TraversabilityMap:
         return slice(0, self.grid.rows), slice(0, self.grid.cols)
 
     def centres(self, box: Box) -> tuple[FloatArray, FloatArray]:
-        """(rows, cols) x and y of the centres of the cells in a box, map frame, metres."""
+        """(rows, cols) x and y of the centers of the cells in a box, map frame, meters."""
         frame = self.grid.frame
         along = (np.arange(box[1].start, box[1].stop) + 0.5) * frame.resolution
         across = ((np.arange(box[0].start, box[0].stop) + 0.5) * frame.resolution)[:, np.newaxis]
@@ -62,7 +62,7 @@ class TraversabilityMap:
         )
 
     def box_around(self, points: FloatArray, margin: float = 0.0) -> Box:
-        """The rows and columns that (n, 2) points of the map frame span, with so many metres more on all sides."""
+        """The rows and columns that (n, 2) points of the map frame span, with so many meters more on all sides."""
         places = self.grid.origin.inverse().transform(points)[:, ::-1]
         # A cell more: one at whose very edge a point is may be told by rounding to be beyond it.
         low, high = (
@@ -72,17 +72,17 @@ class TraversabilityMap:
         return slice(low[0], high[0]), slice(low[1], high[1])
 
     def held_by(self, polygon: Polygon) -> tuple[Box, Mask]:
-        """The cells whose centres a polygon in the map frame holds: a box, and a mask of it."""
+        """The cells whose centers a polygon in the map frame holds: a box, and a mask of it."""
         box = self.box_around(np.array(polygon))
         return box, inside(polygon, *self.centres(box))
 
     def clearance_at(self, pose: Pose2) -> float:
-        """Metres to the nearest cell that is not free; 0 outside the map."""
+        """Meters to the nearest cell that is not free; 0 outside the map."""
         row, col = self.grid.cell_of(pose.x, pose.y)
         return float(self.clearance[row, col]) if self.grid.contains(row, col) else 0.0
 
     def obstructed_by(self, other: Pose2) -> tuple[Box, Mask]:
-        """The cells in which no robot's centre can be while another stands there, however the two are turned.
+        """The cells in which no robot's center can be while another stands there, however the two are turned.
 
         Returns:
             A box, and a mask of it.
@@ -93,7 +93,7 @@ class TraversabilityMap:
         return box, np.sqrt(np.square(x - other.x) + np.square(y - other.y)) <= apart
 
     def reachable(self, start: Pose2) -> Mask:
-        """Cells to which a robot's centre gets from a pose; none from a place where no robot fits."""
+        """Cells to which a robot's center gets from a pose; none from a place where no robot fits."""
         passable = self.clearance > self.inscribed
         areas = _areas(passable)
         row, col = self.grid.cell_of(start.x, start.y)
@@ -186,7 +186,7 @@ def sides(polygon: Polygon) -> list[tuple[Point, Point]]:
 
 
 def area(polygon: Polygon) -> float:
-    """Square metres, whichever way round the corners are."""
+    """Square meters, whichever way round the corners are."""
     return abs(math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in sides(polygon))) / 2
 
 

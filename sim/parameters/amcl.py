@@ -1,4 +1,4 @@
-"""Particle filter localisation, under amcl's names."""
+"""Particle filter localization, under amcl's names."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from sim.parameters.declaration import live, param
 
 @dataclass(frozen=True, slots=True)
 class AmclParameters:
-    """Particle filter localisation, under amcl's names and with the defaults that amcl's node runs with."""
+    """Particle filter localization, under amcl's names and with the defaults that amcl's node runs with."""
 
     not_in_ros: ClassVar[frozenset[str]] = frozenset({"odom_noise_learning_rate"})
     ros_only: ClassVar[Mapping[str, str]] = {

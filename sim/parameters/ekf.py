@@ -1,4 +1,4 @@
-"""Kalman filter localisation."""
+"""Kalman filter localization."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from sim.parameters.declaration import live, param
 
 @dataclass(frozen=True, slots=True)
 class EkfParameters:
-    """Extended Kalman filter localisation: odometry and gyroscope, corrected by matching scans to the map.
+    """Extended Kalman filter localization: odometry and gyroscope, corrected by matching scans to the map.
 
     It stands where robot_pose_ekf stood, and takes its names: the matched pose is its visual odometry.
 
@@ -45,7 +45,7 @@ class EkfParameters:
 
 @dataclass(frozen=True, slots=True)
 class UkfParameters:
-    """Unscented Kalman filter localisation: sigma points; all else is as in `ekf`.
+    """Unscented Kalman filter localization: sigma points; all else is as in `ekf`.
 
     Names and defaults are those of robot_localization's ukf_localization_node.
     """

@@ -1,4 +1,4 @@
-"""Localisation by the truth, under fake_localization's names."""
+"""Localization by the truth, under fake_localization's names."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from sim.parameters.declaration import param
 
 @dataclass(frozen=True, slots=True)
 class FakeLocalizationParameters:
-    """Localisation by the truth, under fake_localization's names: a map frame that lies beside the simulator's."""
+    """Localization by the truth, under fake_localization's names: a map frame that lies beside the simulator's."""
 
     ros_only: ClassVar[Mapping[str, str]] = {
         "odom_frame_id": "the name of the odometry's frame in tf",

@@ -21,7 +21,7 @@ class RobotOutput:
         observations: its sensors' messages.
         estimate: believed pose of the robot.
         navigation: command, goal and plan; its command acts in the next tick.
-        neighbour: the state that it broadcasts; the other robots receive it in the next tick.
+        neighbor: the state that it broadcasts; the other robots receive it in the next tick.
     """
 
     observations: Observations
@@ -100,11 +100,11 @@ class PropagatedOutput(RobotOutput):
 
 
 class Robot:
-    """The software of one robot: a localiser and a navigator, joined; it knows nothing but its observations.
+    """The software of one robot: a localizer and a navigator, joined; it knows nothing but its observations.
 
     Args:
         index: its index in the team.
-        footprint: (n, 2) corners of its body in the base frame, metres.
+        footprint: (n, 2) corners of its body in the base frame, meters.
 
     Attributes:
         next_due: first tick in which a step does more than carry its output on, if no scan and no request comes.
@@ -131,7 +131,7 @@ class Robot:
 
         Args:
             observations: this tick's.
-            neighbours: broadcasts of the other robots in the last tick.
+            neighbors: broadcasts of the other robots in the last tick.
         """
         tick, odometry = observations.tick, observations.odometry
         estimate = self.localizer.update(odometry, observations.imu, observations.scan)

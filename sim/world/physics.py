@@ -103,8 +103,8 @@ class _Body(NamedTuple):
     """Size and limits of a robot, for the kernel.
 
     Attributes:
-        radius: that of the circle around the base that holds all corners, metres.
-        reach: the farthest any corner gets in one tick, metres.
+        radius: that of the circle around the base that holds all corners, meters.
+        reach: the farthest any corner gets in one tick, meters.
         max_vel_x: see WorldParameters, and so on.
     """
 
@@ -128,7 +128,7 @@ def _touches(
     margin: float,
     touched: BoolArray,
 ) -> tuple[bool, bool, bool]:
-    """Return whether a robot's body overlaps, or comes within `margin` metres of, walls, other robots, and things.
+    """Return whether a robot's body overlaps, or comes within `margin` meters of, walls, other robots, and things.
 
     Args:
         robot: its index.
@@ -138,7 +138,7 @@ def _touches(
         clearance: that of the grid.
         frame: the grid's.
         bodies: those of things, map frame.
-        margin: metres; 0 asks for overlap.
+        margin: meters; 0 asks for overlap.
         touched: (n,) set to True for every robot that is touched.
     """
     x, y, theta = poses[robot]

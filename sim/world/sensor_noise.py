@@ -38,7 +38,7 @@ def measured_increment(wheels: WheelNoise, chord: float, half: float, draws: Flo
 
     Args:
         wheels: their errors.
-        chord: signed length of the chord that was really driven, metres.
+        chord: signed length of the chord that was really driven, meters.
         half: the chord's angle to the heading before it, half of what was turned, radians.
         draws: (3,) standard normals.
 
@@ -58,7 +58,7 @@ class SensorNoise:
 
     Attributes:
         wheels: (n, 6) each row the numbers of a `WheelNoise`.
-        laser: (n, 3) standard deviation and bias of ranges, metres; share of beams that are lost.
+        laser: (n, 3) standard deviation and bias of ranges, meters; share of beams that are lost.
         gyro: (n,) standard deviation of the measured rate of turn, rad/s.
     """
 

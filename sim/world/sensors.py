@@ -36,7 +36,7 @@ def _sweep(
 ) -> FloatArray:
     """(m,) true ranges of one robot's laser: to walls, all other robots and things; inf beyond range_max.
 
-    `radius`, metres, is that of a circle around the base that holds the (v, 2) corners of the footprint.
+    `radius`, meters, is that of a circle around the base that holds the (v, 2) corners of the footprint.
     """
     theta = poses[robot, 2]
     laser = np.empty((1, 3))
@@ -176,7 +176,7 @@ class Sensors:
     """The sensors of every robot in one map; all of them read the same WorldState, and err as it says.
 
     Wheels and gyroscope report every tick. The laser reports `rate` times a second, at another tick for each of
-    neighbouring robots, so that their work spreads over time. It sees walls, the bodies of the other robots and of
+    neighboring robots, so that their work spreads over time. It sees walls, the bodies of the other robots and of
     things, never its own. A range is the true range plus a bias and normal noise; nearer than range_min it is
     range_min, beyond range_max it is +inf, and a lost beam is NaN.
     """

@@ -16,7 +16,7 @@ class Thing:
 
     Attributes:
         name: its name for people; a world holds one of a name.
-        footprint: corners in its own frame, metres, in turn around it.
+        footprint: corners in its own frame, meters, in turn around it.
         base_in_map: pose at which it appears.
         path: points of the map that it walks to from there, one after the other, facing along; empty when it stays.
         speed: at which it walks, m/s.
@@ -53,16 +53,16 @@ class Thing:
 
     @cached_property
     def _distances(self) -> FloatArray:
-        """(m,) metres from the start to each point."""
+        """(m,) meters from the start to each point."""
         return np.concatenate(([0.0], np.cumsum(elementary_arrays.hypot(*np.diff(self._points, axis=0).T))))
 
     @property
     def length(self) -> float:
-        """Metres of its path."""
+        """Meters of its path."""
         return float(self._distances[-1])
 
     def pose_after(self, walked: float) -> Pose2:
-        """Pose after so many metres of its path."""
+        """Pose after so many meters of its path."""
         if self.length == 0.0:
             return self.base_in_map
         leg = min(int(np.searchsorted(self._distances, walked, side="right")), len(self._distances) - 1)

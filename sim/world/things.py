@@ -17,7 +17,7 @@ from sim.numerics.kernels import njit
 from sim.world.thing import Thing
 
 ROBOT_MARGIN = 0.3
-"""Metres that things leave between themselves and a robot."""
+"""Meters that things leave between themselves and a robot."""
 BRAKING_TIME = 1.0
 """Seconds of a robot's driving that they leave besides, so that it can see and brake."""
 TURN_BACK_TICKS = 5 * TICKS_PER_SECOND
@@ -31,7 +31,7 @@ class ThingState:
     Attributes:
         thing: the thing itself.
         appeared: True when it is there; else it waits until its place is free.
-        walked: metres along its path that it is now.
+        walked: meters along its path that it is now.
         forward: True when it walks along its path, False when back.
         held_up: ticks for which a robot has held it up.
     """

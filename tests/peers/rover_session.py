@@ -18,7 +18,7 @@ from thbridge.ros.messages.stamps import START_NS, TICK_NS
 PEERS = ROOT / ".peers"
 ROBOTS = 3
 ORIGIN = (51.5, -0.1, 30.0)
-"""Degrees north and east, metres up: where the map's origin lies on earth."""
+"""Degrees north and east, meters up: where the map's origin lies on earth."""
 
 RATE = "4"
 """Simulated seconds per second. Ground stations go by their own clocks, so that they are in no hurry here."""
@@ -72,7 +72,7 @@ def truth(bag: Path, system: int) -> dict[int, Pose2]:
 
 
 def metres(latitude: float, longitude: float) -> tuple[float, float]:
-    """East and north of the origin, on the plane that touches WGS84's ellipsoid there; good to a centimetre nearby."""
+    """East and north of the origin, on the plane that touches WGS84's ellipsoid there; good to a centimeter nearby."""
     east, north = _metres_of_a_degree()
     return (longitude - ORIGIN[1]) * east, (latitude - ORIGIN[0]) * north
 

@@ -68,4 +68,5 @@ def test_what_is_not_seen_well_is_told_somewhere_else() -> None:
 
 
 def test_the_page_is_current() -> None:
-    assert (ROOT / "docs" / "reference" / "accessibility.md").read_text() == script.page(), "run scripts/write_contrast.py"
+    page = ROOT / "docs" / "reference" / "accessibility.md"
+    assert page.read_text() == script.page(), "run scripts/write_contrast.py"

@@ -222,7 +222,7 @@ STUDIES: Mapping[str, PortableStudy] = {
     ),
     "client of 2016": PortableStudy("seed: 20\nrobots: 2\ntemplates: sklar-azhar-2015\n", 8.0, inputs=lambda: clients),
 }
-"""Studies by name: all localisers, planners, maps, dialogues and kinds of inputs."""
+"""Studies by name: all localizers, planners, maps, dialogues and kinds of inputs."""
 
 
 def play_study(name: str, bag: Path) -> None:

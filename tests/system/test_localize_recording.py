@@ -1,4 +1,4 @@
-"""A robot of a recorded hunt, localised again from its bag alone."""
+"""A robot of a recorded hunt, localized again from its bag alone."""
 
 import json
 from pathlib import Path

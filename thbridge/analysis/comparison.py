@@ -15,9 +15,9 @@ class RobotFigures:
 
     Attributes:
         name: "robot1".
-        error_mean: mean distance between the true and the estimated position, metres.
-        error_95: 95 % quantile of this distance, metres.
-        distance: metres driven.
+        error_mean: mean distance between the true and the estimated position, meters.
+        error_95: 95 % quantile of this distance, meters.
+        distance: meters driven.
         arrivals: times of its arrivals at goals, seconds.
         energy: the energy left at the end.
     """

@@ -161,7 +161,7 @@ class HuntRecording:
         return HuntReplay(done.difference is None, done.ticks, done.messages, difference, made)
 
     def figures(self) -> pa.Table:
-        """Return a row for each game and robot, to compare runs: score, errors of the estimate, metres, arrivals."""
+        """Return a row for each game and robot, to compare runs: score, errors of the estimate, meters, arrivals."""
         with told():
             games = [figures_of(report) for report in read_games(messages(self.path))]
         rows = [

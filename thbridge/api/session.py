@@ -321,7 +321,7 @@ class HuntSession:
     # Requests to robots
 
     def set_goal(self, robot: int, x: float, y: float, theta: float = 0.0) -> None:
-        """Give a robot's move_base a goal beside the game: metres and radians in the map; a "goal" event tells its end.
+        """Give a robot's move_base a goal beside the game: meters and radians in the map; a "goal" event tells its end.
 
         Raises:
             HuntError: as all that follow: there is no such robot, or the request is refused.

@@ -22,7 +22,7 @@ Ranges: TypeAlias = NDArray[np.float32]
 class HuntSnapshot:
     """State of a session after a tick, as arrays: a row for each of the n robots, robot 1 first; rooms likewise.
 
-    Poses are x, y (metres), theta (radians) in the map. What begins with `true_` neither robots nor participant know.
+    Poses are x, y (meters), theta (radians) in the map. What begins with `true_` neither robots nor participant know.
     The arrays are made when they are asked for; they are the caller's to read, not to write.
 
     Attributes:
@@ -70,7 +70,7 @@ class HuntSnapshot:
 
     @property
     def particles(self) -> tuple[Floats, ...]:
-        """(m, 3) poses of each robot's particles; m is 0 for localisers without."""
+        """(m, 3) poses of each robot's particles; m is 0 for localizers without."""
         return tuple(output.estimate.particles for output in self._team.robots)
 
     @cached_property
@@ -97,7 +97,7 @@ class HuntSnapshot:
 
     @cached_property
     def scans(self) -> Ranges:
-        """(n, beams) ranges of each robot's last scan, metres: infinite beyond the greatest range, NaN where lost."""
+        """(n, beams) ranges of each robot's last scan, meters: infinite beyond the greatest range, NaN where lost."""
         return np.stack(self._scans)
 
     # What robots do
@@ -121,7 +121,7 @@ class HuntSnapshot:
 
     @cached_property
     def remaining(self) -> Floats:
-        """(n,) metres of these plans."""
+        """(n,) meters of these plans."""
         return np.array([output.navigation.remaining for output in self._team.robots])
 
     # The game

@@ -20,13 +20,13 @@ class RobotStatistics:
 
     Attributes:
         robot: its number, from 1.
-        position_rmse: root mean square of the distance between the two, metres.
-        position_max: greatest such distance, metres.
+        position_rmse: root mean square of the distance between the two, meters.
+        position_max: greatest such distance, meters.
         heading_rmse: root mean square of the angle between the two, degrees.
         heading_max: greatest such angle, degrees.
-        times_lost: number of times that its localiser held itself to be lost.
+        times_lost: number of times that its localizer held itself to be lost.
         seconds_lost: how long, simulated seconds.
-        distance: metres driven.
+        distance: meters driven.
         seconds_waiting: simulated seconds in which it stood to let another robot go first.
     """
 

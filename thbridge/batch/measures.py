@@ -31,10 +31,10 @@ class GameMeasures:
         goals_reached: goals of the robots' navigators that were reached.
         goals_failed: goals that were given up.
         failures: the reason of each of those, as a code, in their order.
-        distance: metres driven.
-        error_mean: mean distance between the true and the believed position at every scan, metres.
-        error_95: 95 % quantile of this distance, metres.
-        times_lost: number of times that a localiser held itself to be lost.
+        distance: meters driven.
+        error_mean: mean distance between the true and the believed position at every scan, meters.
+        error_95: 95 % quantile of this distance, meters.
+        times_lost: number of times that a localizer held itself to be lost.
         seconds_lost: how long, simulated seconds.
         seconds_waiting: simulated seconds in which a robot stood to let another one go first.
         refusals: number of requests that the keeper refused.

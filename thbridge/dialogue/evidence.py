@@ -65,7 +65,7 @@ class WhereFacts:
         compares: False: it gives no reason but what a room costs, as an adviser does that may err.
         proven: False: the values are of plans that were found, and others may be better; none is compared with another.
         left_behind: robots that the plan gives no room when this one goes to a certain room, by that room.
-        confidence: of its localisation, 0 to 1.
+        confidence: of its localization, 0 to 1.
         at: simulated time, s.
     """
 

@@ -132,7 +132,7 @@ class LessThan(HuntProposition):
 
 @dataclass(frozen=True, slots=True)
 class ColourFound(HuntProposition):
-    """A robot has seen a colour in a picture."""
+    """A robot has seen a color in a picture."""
 
     predicate: ClassVar[str] = "color_found"
     image: str

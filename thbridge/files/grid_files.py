@@ -22,7 +22,7 @@ from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse
 
 GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
-"""Grey values of cells, as written by map_saver."""
+"""Gray values of cells, as written by map_saver."""
 UNKNOWN_GREY = GREY_OF_CELL[UNKNOWN]
 OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196

@@ -11,7 +11,7 @@ from thbridge.files.disk.regular_files import content_of
 from thbridge.files.errors import BadFile
 
 MOST_PIXELS = 32_000_000
-"""Largest number of pixels: 280 m x 280 m at 0.05 m. To localise on such a map takes 32 bytes a cell, a gigabyte."""
+"""Largest number of pixels: 280 m x 280 m at 0.05 m. To localize on such a map takes 32 bytes a cell, a gigabyte."""
 MOST_WORDS = 8_000_000
 """Largest number of pixels that are written as words (P2), for each takes 40 bytes."""
 LARGEST_IMAGE = 1 << 29
@@ -25,7 +25,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     """The pixels of an image: PGM (P2 and P5, 8 and 16 bit), PNG, JPEG, BMP, GIF, TIFF, WebP, TGA, PCX, XPM.
 
     Returns:
-        (rows, cols) grey or (rows, cols, 3 or 4) colours, row 0 at the top; deeper pixels are scaled down to 8 bit as
+        (rows, cols) gray or (rows, cols, 3 or 4) colors, row 0 at the top; deeper pixels are scaled down to 8 bit as
         the library behind map_server does.
 
     Raises:

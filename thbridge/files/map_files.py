@@ -34,10 +34,10 @@ from thbridge.hunt.rooms import Room, RoomNames
 T = TypeVar("T")
 
 FOOTPRINT: Polygon = WorldParameters().footprint
-"""Corners of the robot of the 2016 study, metres."""
+"""Corners of the robot of the 2016 study, meters."""
 
 LEAST_FLOOR = 0.01
-"""A region smaller than this is a mistake, square metres."""
+"""A region smaller than this is a mistake, square meters."""
 MOST_AMISS = 0.75
 """Share of goals and starts off the floor from which on the image is in doubt, and not each of them."""
 MOST_STARTS = 1000
@@ -51,7 +51,7 @@ class MapRoom:
     Attributes:
         room: its number.
         name: its name for people.
-        region: corners of its floor in the map frame, metres; a simple polygon inside the map.
+        region: corners of its floor in the map frame, meters; a simple polygon inside the map.
         goal: the goal of robots that are sent there, map frame.
     """
 
@@ -136,7 +136,7 @@ def read_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool =
 
     Args:
         folder: the folder of `map.yaml`, its image, `rooms.yaml` and, optionally, `mapTimes`.
-        footprint: corners of a robot in its own frame, metres.
+        footprint: corners of a robot in its own frame, meters.
         with_costs: False leaves `mapTimes` unread: the map has no costs, whatever is in that file.
 
     Raises:

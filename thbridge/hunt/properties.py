@@ -18,7 +18,7 @@ class Teller(StrEnum):
 
 
 class PropertyDrawing(StrEnum):
-    """Drawing beside a value: a patch of that colour, an outline of that shape (round or square), or none."""
+    """Drawing beside a value: a patch of that color, an outline of that shape (round or square), or none."""
 
     NONE = "none"
     COLOUR = "colour"

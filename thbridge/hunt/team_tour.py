@@ -1,7 +1,7 @@
 """Joint plan of a team: which robot visits which of the rooms that are left, and in which order.
 
 An assignment of rooms to robots that visits most rooms within the robots' energies, and of those the one with the
-least energy for all moves. Each robot's cheapest tour of every subset comes from the subset dynamic programme of
+least energy for all moves. Each robot's cheapest tour of every subset comes from the subset dynamic program of
 `thbridge.hunt.tour`; robots are then joined one by one, each taking any subset of what those before it leave. That
 compares 3^n pairs of a set and a subset of it: exact, and with three robots a matter of 15 ms for twelve rooms and of
 half a second for sixteen.

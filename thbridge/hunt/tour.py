@@ -1,6 +1,6 @@
 """The exact cheapest open tour of the rooms that are left.
 
-The subset dynamic programme of Bellman (1962) and Held and Karp (1962), in its cost-to-go form: `to_go[S, j]` is the
+The subset dynamic program of Bellman (1962) and Held and Karp (1962), in its cost-to-go form: `to_go[S, j]` is the
 least energy that visits every room of the set S starting at place j. It is filled by the size of S, so that all sets of
 one size are one array operation, and it also answers for every subset what a robot with too little energy can still do.
 """

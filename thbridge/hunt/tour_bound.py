@@ -2,7 +2,7 @@
 
 The greater of two relaxations. In the *assignment*, every room is entered from a place of its own, but not all from one
 tour. In the *1-tree* (Held and Karp, The traveling-salesman problem and minimum spanning trees, 1970 and 1971), the
-places are joined by a tree instead of a path, and places that have too many or too few neighbours are made dearer or
+places are joined by a tree instead of a path, and places that have too many or too few neighbors are made dearer or
 cheaper until the tree is nearly a path; a move costs the lesser of its two directions there.
 """
 
@@ -67,7 +67,7 @@ def _tree_bound(moves: FloatArray, known: float) -> float:
 
 
 def _tree(weights: FloatArray) -> tuple["np.ndarray[tuple[int], np.dtype[np.int64]]", float]:
-    """Number of neighbours of each place in the lightest tree of all places, and its weight (Prim's algorithm)."""
+    """Number of neighbors of each place in the lightest tree of all places, and its weight (Prim's algorithm)."""
     size = len(weights)
     neighbours, total = np.zeros(size, dtype=np.int64), 0.0
     nearest, distance = np.zeros(size, dtype=np.int64), weights[0].copy()

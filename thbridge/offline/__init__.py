@@ -1,1 +1,1 @@
-"""Single parts of a robot run on any maps and recordings: localise, plan, drive, scan, measure."""
+"""Single parts of a robot run on any maps and recordings: localize, plan, drive, scan, measure."""

@@ -26,17 +26,17 @@ from thbridge.hunt.rooms import Room
 from thbridge.offline.room_finding import Labels, drivable_floor
 
 TOLERANCES = (0.2, 0.1, 0.05)
-"""Metres that the outline of the cells may be away from that with fewer corners; the first that fits is taken."""
+"""Meters that the outline of the cells may be away from that with fewer corners; the first that fits is taken."""
 GAP = 2
 """Cells between rooms without a wall, where their outlines would be complicated without."""
 SPARE = 0.1
-"""Metres that goals and starts are farther from walls than they must be, where there is room."""
+"""Meters that goals and starts are farther from walls than they must be, where there is room."""
 APART = 1.0
-"""Metres from one start pose to the next."""
+"""Meters from one start pose to the next."""
 SKIPPED = 0.2
-"""Metres from a place where no robot may stand to the next that is tried."""
+"""Meters from a place where no robot may stand to the next that is tried."""
 NEARER = 20.0
-"""Metres that a start pose may be farther from the middle for each metre that it is farther from a wall."""
+"""Meters that a start pose may be farther from the middle for each meter that it is farther from a wall."""
 MOST_TRIED = 400
 """Places tried for start poses before it is said that no more robots fit."""
 
@@ -67,7 +67,7 @@ def arena_of(
         labels: its rooms, as `find_rooms` gives them.
         robots: number of start poses wanted.
         names: names of the first rooms; the others are called "Room 3".
-        footprint: corners of a robot in its own frame, metres.
+        footprint: corners of a robot in its own frame, meters.
     """
     inscribed, circumscribed = radii(np.array(footprint))
     floor = TraversabilityMap.of(grid, inscribed, circumscribed)
@@ -86,7 +86,7 @@ def arena_of(
 
 
 def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
-    """Cells whose centres an outline in the map frame holds."""
+    """Cells whose centers an outline in the map frame holds."""
     held = np.zeros(floor.clearance.shape, dtype=np.bool_)
     box, mask = floor.held_by(outline)
     held[box] = mask
@@ -96,7 +96,7 @@ def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
 def best_goal(floor: TraversabilityMap, outline: Polygon, where: Mask) -> Pose2 | None:
     """The pose with the greatest clearance among these cells, the most central of equals; yaw 0.
 
-    A cell whose centre lies on the outline may be inside it, and its pose, which is rounded, outside: it is left out.
+    A cell whose center lies on the outline may be inside it, and its pose, which is rounded, outside: it is left out.
 
     Returns:
         None where there is no cell.
@@ -124,7 +124,7 @@ def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom],
 
     Args:
         floor: the map for the robot's footprint.
-        reach: cells that a robot's centre reaches.
+        reach: cells that a robot's center reaches.
         rooms: their floor is used only when there is no corridor at all.
         robots: number of poses wanted.
 
@@ -202,7 +202,7 @@ def _fits(outline: Polygon, taken: Mask, floor: TraversabilityMap) -> bool:
 
 
 def _placed(corners: Sequence[Point], grid: OccupancyGrid) -> Polygon:
-    """Corners in cells as corners in the map frame, in whole millimetres."""
+    """Corners in cells as corners in the map frame, in whole millimeters."""
     placed = grid.origin.transform(np.array(corners) * grid.resolution)
     return tuple((round(float(x), 3), round(float(y), 3)) for x, y in placed)
 

@@ -29,13 +29,13 @@ WALLED = 0.8
 CUSP = 4
 """Extent in widths of lines up to which what is filled between lines alone is no wall."""
 OPENING = 2.5
-"""Greatest width of an opening to the outside that is an entrance or a window, metres."""
+"""Greatest width of an opening to the outside that is an entrance or a window, meters."""
 PAPER = 0.9
 """Share of an image's border that is blank from which on a plan has paper all around."""
 GAINED = 1.1
 """Ratio of the floor inside with its openings closed to that without, from which on a building is open."""
 ROOM = 3.0
-"""Floor out of reach that is worth a word, square metres."""
+"""Floor out of reach that is worth a word, square meters."""
 NEAR = 1.5
 """Meters within which pieces of lines block the same path."""
 
@@ -85,7 +85,7 @@ def joined(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
 
 
 def turned(pixels: NDArray[np.uint8], degrees: float) -> NDArray[np.uint8]:
-    """Return a grey image turned counterclockwise, on paper of its brightest shade that holds all of it."""
+    """Return a gray image turned counterclockwise, on paper of its brightest shade that holds all of it."""
     if degrees % 90.0 == 0.0:
         return np.rot90(pixels, round(degrees / 90.0))
     return np.asarray(rotate(pixels, degrees, order=1, mode="constant", cval=float(pixels.max())), dtype=np.uint8)
@@ -119,7 +119,7 @@ def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
 
     Args:
         grid: the plan.
-        inscribed: radius of the robot's inner circle, metres.
+        inscribed: radius of the robot's inner circle, meters.
     """
     areas, sizes = _closed_floors(grid, inscribed)
     reached = int(sizes.max())
@@ -138,10 +138,10 @@ def blocked_paths(grid: OccupancyGrid, inscribed: float) -> BlockedPaths | None:
 
 
 def reached_floor(grid: OccupancyGrid, inscribed: float) -> tuple[float, tuple[tuple[Point, float], ...]]:
-    """Share of the floor within a plan that is connected for a robot of this inner radius, metres; 0 without floor.
+    """Share of the floor within a plan that is connected for a robot of this inner radius, meters; 0 without floor.
 
     Returns:
-        The share, and the middle (map frame) and size (square metres) of each other part that is as large as a room,
+        The share, and the middle (map frame) and size (square meters) of each other part that is as large as a room,
         the largest first.
     """
     areas, sizes = _closed_floors(grid, inscribed)
@@ -159,7 +159,7 @@ def closed_to_outside(grid: OccupancyGrid, inscribed: float) -> tuple[OccupancyG
 
     Args:
         grid: the plan without its thin lines.
-        inscribed: radius of the robot's inner circle, metres.
+        inscribed: radius of the robot's inner circle, meters.
 
     Returns:
         The plan, and the openings, map frame, the widest first; the same plan and none where the building is closed,

@@ -45,9 +45,9 @@ class DriveResult:
         reached: True when the robot reported that it stands at the goal.
         collided: True when its body ever touched a wall or an obstacle.
         seconds: simulated seconds until it arrived or gave up.
-        distance: true distance driven, metres.
+        distance: true distance driven, meters.
         min_clearance: least true distance of the body's outline during the drive from a wall, of the map or not in
-            it, metres; inf without walls. Obstacles that move do not count.
+            it, meters; inf without walls. Obstacles that move do not count.
         reason: why it did not arrive, as a sentence; None if it did.
     """
 
@@ -171,7 +171,7 @@ class _Room:
 
 
 def _to_squares(body: FloatArray, centres: FloatArray, half: float) -> float:
-    """Metres from a polygon to the nearest of (k, 2) upright squares, none of which it covers; 0 where one overlaps."""
+    """Meters from a polygon to the nearest of (k, 2) upright squares, none of which it covers; 0 where one overlaps."""
     # The least distance of two polygons apart is always between a corner of one and an edge of the other.
     beside = np.maximum(np.abs(body[:, np.newaxis] - centres) - half, 0.0)
     corners = centres[:, np.newaxis] + half * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])

@@ -11,7 +11,7 @@ from thbridge.ros.frames import PlanarMount
 from thbridge.ros.messages.unpack import LaserScan
 
 FAR = 30.0
-"""Range of a laser whose driver does not give a valid one, metres."""
+"""Range of a laser whose driver does not give a valid one, meters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

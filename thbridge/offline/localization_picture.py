@@ -1,4 +1,4 @@
-"""Picture of a localisation: the estimated path over the map, with the stretches marked at which the robot was lost."""
+"""Picture of a localization: the estimated path over the map, with the stretches marked at which the robot was lost."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,13 +15,13 @@ from thbridge.offline.map_picture import grid_bounds, map_figure, picture_settin
 _TRACKED = "#0072B2"
 _LOST = "#D55E00"
 _JUMP = 1.0
-"""Metres between two updates from which on the line is broken: the robot did not drive there."""
+"""Meters between two updates from which on the line is broken: the robot did not drive there."""
 _MARGIN = 5.0
-"""Metres of the map that are shown around the path: many maps are mostly unknown."""
+"""Meters of the map that are shown around the path: many maps are mostly unknown."""
 
 
 def localization_picture(result: LocalizationResult, grid: OccupancyGrid, title: str) -> Figure:
-    """Draw the path of a localisation with at least one update. The same result gives the same picture."""
+    """Draw the path of a localization with at least one update. The same result gives the same picture."""
     poses = np.array([update.base_in_map.array() for update in result.updates])
     lost = np.array([update.lost for update in result.updates])
     jumps = np.abs(np.diff(poses[:, :2], axis=0)).max(axis=1, initial=0.0) > _JUMP

@@ -1,4 +1,4 @@
-"""Updates of a localisation as rows: pose, how sure it is, how well the map explained the scan, whether the robot was
+"""Updates of a localization as rows: pose, how sure it is, how well the map explained the scan, whether the robot was
 lost, and how likely the pose is wrong."""
 
 import csv
@@ -26,7 +26,7 @@ COLUMNS = (
     "lost",
     "p_wrong",
 )
-"""Seconds; metres and radians in the map frame; m^2, m rad, rad^2; share 0..1; true or false; probability 0..1, or
+"""Seconds; meters and radians in the map frame; m^2, m rad, rad^2; share 0..1; true or false; probability 0..1, or
 nothing where the filter does not know it."""
 
 

@@ -1,4 +1,4 @@
-"""Localisation in a recording."""
+"""Localization in a recording."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -68,7 +68,7 @@ class LostStretch:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalizationResult:
-    """The result of a localisation.
+    """The result of a localization.
 
     Attributes:
         updates: all of them, in order.
@@ -119,12 +119,12 @@ def localize(
     progress: Callable[[], None],
     headings: ScanHeadings | None = None,
 ) -> LocalizationResult | RequestRefused:
-    """Localise a robot in a recording.
+    """Localize a robot in a recording.
 
     Each scan is used with the odometry at its stamp, as amcl gets it from tf.
 
     Args:
-        localizer: the filter, initialised at the start pose.
+        localizer: the filter, initialized at the start pose.
         laser: converts the scans.
         odometry: the odometry of the whole recording.
         scans: the scans in the order of recording.

@@ -56,7 +56,7 @@ def warm_up(localizer: Localizer, software: RobotParameters, scan: Scan) -> None
     """Compile all code of updates, by running a filter that is not used further.
 
     Args:
-        localizer: a filter made and initialised like the one to measure.
+        localizer: a filter made and initialized like the one to measure.
         software: its parameters.
         scan: any scan of its laser.
     """

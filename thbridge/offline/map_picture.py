@@ -27,7 +27,7 @@ _WIDTH = 10.0
 _SIZE, _SMALLEST = 9.0, 4.5
 """Points: size of letters, and the least where rooms are narrow."""
 _ARROW = 0.4
-"""Length of the arrow along a pose's yaw, metres."""
+"""Length of the arrow along a pose's yaw, meters."""
 
 
 def picture_settings() -> AbstractContextManager[None]:
@@ -73,14 +73,14 @@ def _fitting(label: str, width: float) -> float:
 
 
 def grid_bounds(grid: OccupancyGrid) -> FloatArray:
-    """(2, 2) least and greatest x and y of a map's corners, metres in its frame."""
+    """(2, 2) least and greatest x and y of a map's corners, meters in its frame."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     corners = grid.origin.transform(np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]))
     return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
 def map_figure(grid: OccupancyGrid, view: FloatArray) -> tuple[Figure, Axes]:
-    """A figure with the cells of a map, and axes in metres of its frame. Call it within `picture_settings`.
+    """A figure with the cells of a map, and axes in meters of its frame. Call it within `picture_settings`.
 
     Args:
         grid: the map.

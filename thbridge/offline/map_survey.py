@@ -15,10 +15,10 @@ from thbridge.files.map_files import FOOTPRINT, Map, MapRoom
 from thbridge.hunt.rooms import Room
 
 Owners = NDArray[np.int32]
-"""(rows, cols) number of the room that holds each cell's centre; 0 is the corridor."""
+"""(rows, cols) number of the room that holds each cell's center; 0 is the corridor."""
 
 GAP = 0.6
-"""Floor between two outlines that is no corridor but the sill of a door, square metres."""
+"""Floor between two outlines that is no corridor but the sill of a door, square meters."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
@@ -30,9 +30,9 @@ class Doorway:
     Attributes:
         room: the room; of two rooms the one with the lower number.
         beyond: what lies on the other side.
-        x: its middle, map frame, metres.
+        x: its middle, map frame, meters.
         y: the same.
-        width: metres.
+        width: meters.
     """
 
     room: Room
@@ -44,7 +44,7 @@ class Doorway:
 
 @dataclass(frozen=True, slots=True)
 class RoomSurvey:
-    """A room with its free floor, square metres, and its doors."""
+    """A room with its free floor, square meters, and its doors."""
 
     room: MapRoom
     area: float
@@ -78,7 +78,7 @@ class MapSurvey:
 
 
 def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
-    """Measure a map for robots with these corners in their own frame, metres; it may have faults."""
+    """Measure a map for robots with these corners in their own frame, meters; it may have faults."""
     grid = place.grid
     floor = TraversabilityMap.of(grid, *radii(np.array(footprint)))
     owners = owners_of(place, floor)

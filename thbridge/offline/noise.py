@@ -35,9 +35,9 @@ _CHI_SQUARE_95 = 5.991464547107979
 CourseShape = Literal["straight", "square"]
 
 STRAIGHT = 10.0
-"""Length of the straight course, metres."""
+"""Length of the straight course, meters."""
 SIDE = 2.5
-"""Side of the square course, which has the same length, metres."""
+"""Side of the square course, which has the same length, meters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,12 +45,12 @@ class PathSpread:
     """Many random paths of one drive.
 
     Attributes:
-        driven: (k, 2) the path without noise, metres; from the origin along x.
+        driven: (k, 2) the path without noise, meters; from the origin along x.
         paths: (n, k, 2) the paths with noise.
-        centre: (2,) mean of the paths' ends.
+        center: (2,) mean of the paths' ends.
         ellipse: (m, 2) outline of the 95 % ellipse of the ends.
-        along: longer half axis of that ellipse, metres.
-        across: shorter half axis, metres.
+        along: longer half axis of that ellipse, meters.
+        across: shorter half axis, meters.
     """
 
     driven: FloatArray
@@ -178,7 +178,7 @@ def _spread(driven: FloatArray, paths: FloatArray) -> PathSpread:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoomScan:
-    """One laser scan in a room, in the map frame, metres.
+    """One laser scan in a room, in the map frame, meters.
 
     Attributes:
         walls: (k, 2, 2) ends of the walls' lines.

@@ -28,7 +28,7 @@ class PlanResult:
 
     Attributes:
         found: True when there is a path.
-        length: length of the path, metres; None without a path.
+        length: length of the path, meters; None without a path.
         milliseconds: planning time, without compilation.
         reason: why there is no path, as a sentence; None when there is one.
         code: the same reason as a code for programs.
@@ -46,8 +46,8 @@ def costmap(grid: OccupancyGrid, radius: float, inflation: float) -> Costs:
 
     Args:
         grid: the map.
-        radius: radius of the robot, metres.
-        inflation: inflation radius, metres; at least `radius` is used.
+        radius: radius of the robot, meters.
+        inflation: inflation radius, meters; at least `radius` is used.
     """
     parameters = InflationParameters(
         inflation_radius=max(inflation, radius), cost_scaling_factor=_COSTMAP.inflation_layer.cost_scaling_factor
@@ -71,7 +71,7 @@ def plan(
 
     Args:
         grid: the map; its origin may be turned.
-        queries: (n, 4) x and y of the start, x and y of the goal, map frame, metres; n at least 1.
+        queries: (n, 4) x and y of the start, x and y of the goal, map frame, meters; n at least 1.
         radius: as for `costmap`.
         inflation: as for `costmap`.
         algorithm: order in which navfn expands cells: "navfn" is Dijkstra's, "astar" is A*'s.

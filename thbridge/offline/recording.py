@@ -1,4 +1,4 @@
-"""Finds in a bag the data for localisation: scans, odometry, and the mounting of the laser."""
+"""Finds in a bag the data for localization: scans, odometry, and the mounting of the laser."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -25,7 +25,7 @@ T = TypeVar("T")
 
 TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 SCANS = ("scan", "base_scan", "scan_filtered")
-"""Usual topics of the lasers by which robots localise themselves, the most usual first."""
+"""Usual topics of the lasers by which robots localize themselves, the most usual first."""
 BASE_FRAMES = ("base_footprint", "base_link")
 LEVEL = math.radians(10)
 """Tilt above which a laser does not see the plane of the map, radians."""
@@ -42,7 +42,7 @@ class StampedScan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalizationBag:
-    """A bag with the data for localising a robot.
+    """A bag with the data for localizing a robot.
 
     Attributes:
         path: the bag.

@@ -31,23 +31,23 @@ Span: TypeAlias = "slice[int, int, None]"
 """Range of rows or columns."""
 
 SPECK = 0.5
-"""Greatest extent of what counts as noise or a leg of a table, metres."""
+"""Greatest extent of what counts as noise or a leg of a table, meters."""
 FURNITURE = 2.5
-"""Greatest extent of what stands alone on the floor and is looked through, metres; thin things are walls."""
+"""Greatest extent of what stands alone on the floor and is looked through, meters; thin things are walls."""
 SLENDER = 0.3
 """Ratio of a thing's width to its length below which it is a piece of wall."""
 LEVEL = 0.05
-"""Metres of clearance from one look to the next, at least a cell's half."""
+"""Meters of clearance from one look to the next, at least a cell's half."""
 PASSAGE = 0.3
-"""Clearance of what counts as a passage and not as a room's corner, metres."""
+"""Clearance of what counts as a passage and not as a room's corner, meters."""
 CORNER = 1.5
 """Floor that is no farther from where a robot drives, in radii of its inner circle, belongs to the room."""
 WIDEST_DOOR = 10.0
-"""Metres: a wider opening parts no rooms."""
+"""Meters: a wider opening parts no rooms."""
 SHED = 3.0
-"""Floor of a corridor that makes itself felt when it falls off a single room, square metres."""
+"""Floor of a corridor that makes itself felt when it falls off a single room, square meters."""
 TINY = 1.0
-"""Floor too small for a corridor, square metres."""
+"""Floor too small for a corridor, square meters."""
 LONG = 3.2
 """Length of floor, in widths of its own, times its doors but one, from which on it is a corridor."""
 OPEN = 0.35
@@ -62,7 +62,7 @@ class RoomFindingOptions:
 
     Attributes:
         prominence: least ratio of a room's clearance in its middle to that in its widest door.
-        area: least floor, square metres.
+        area: least floor, square meters.
     """
 
     prominence: float = 1.25
@@ -78,8 +78,8 @@ def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, want
 
     Args:
         grid: the map; noise, furniture and unknown space are tolerated, unknown space is no floor.
-        inscribed: radius of the robot's inner circle, metres: it drives where this fits.
-        circumscribed: radius of its outer circle, metres: a room has a place where the robot can turn.
+        inscribed: radius of the robot's inner circle, meters: it drives where this fits.
+        circumscribed: radius of its outer circle, meters: a room has a place where the robot can turn.
         wanted: number of rooms; more than these are left to the corridor, the smallest first. None: as many as there
             are by the usual thresholds.
 
@@ -103,7 +103,7 @@ def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, want
 
 
 def drivable_floor(grid: OccupancyGrid, inscribed: float) -> Mask:
-    """Cells that a robot's centre reaches on the largest connected floor.
+    """Cells that a robot's center reaches on the largest connected floor.
 
     Floor that runs off the image is left aside when there is enough inside: it is the paper around a drawn plan.
     """
@@ -182,7 +182,7 @@ def _is_slender(mask: Mask) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Core:
-    """The middle of a place: its cells as flat indices, and the clearance of its widest door, metres."""
+    """The middle of a place: its cells as flat indices, and the clearance of its widest door, meters."""
 
     cells: NDArray[np.int64]
     door: float

@@ -25,10 +25,10 @@ def scan(grid: OccupancyGrid, poses: FloatArray, angles: FloatArray, range_max: 
         grid: the map; beams end at occupied cells, and pass unknown ones and the outside of the map.
         poses: (n, 3) poses of the laser in the map frame.
         angles: (m,) radians in the laser's frame.
-        range_max: metres, finite.
+        range_max: meters, finite.
 
     Returns:
-        n lists of m ranges in metres; None where nothing is within `range_max`.
+        n lists of m ranges in meters; None where nothing is within `range_max`.
     """
     ranges = Raycaster.of(grid).ranges(poses, angles, range_max)
     return [[reach if math.isfinite(reach) else None for reach in row] for row in ranges.tolist()]

@@ -16,7 +16,7 @@ _BEAMS = 60
 _PERIOD_NS = 50_000_000
 """Least time between scans that are matched."""
 _SEARCHED = 0.6
-"""Metres by which the pose that a match begins with may put a point wrong."""
+"""Meters by which the pose that a match begins with may put a point wrong."""
 
 
 class ScanHeadings:

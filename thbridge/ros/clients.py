@@ -27,7 +27,7 @@ _GOAL_ID_LENGTH = 512
 _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
 """x, y and yaw among x, y, z, roll, pitch, yaw."""
 FARTHEST = 1e6
-"""Metres: no map is that large, and the squares of larger numbers lose their precision."""
+"""Meters: no map is that large, and the squares of larger numbers lose their precision."""
 _FLAT = elementary.cos(math.radians(10.0))
 """Cosine of the largest tilt of a goal: move_base, too, takes a few degrees for noise and more for a mistake."""
 
@@ -82,7 +82,7 @@ class ActionCancel:
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """nav_msgs/GetPlan: start (None: the robot's own pose), goal, and tolerance around the goal in metres."""
+    """nav_msgs/GetPlan: start (None: the robot's own pose), goal, and tolerance around the goal in meters."""
 
     start: Pose2 | None
     goal: Pose2

@@ -16,7 +16,7 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest, LogLevel, 
 from thbridge.ros.names import CALLER, MAKES_WAY_FOR, NAVIGATION, RobotNames
 
 SPREAD = 0.5
-"""Standard deviation of the position above which a robot counts as unsure, metres."""
+"""Standard deviation of the position above which a robot counts as unsure, meters."""
 LOW_CHARGE = 0.2
 """Share of the energy below which a robot gets a warning."""
 

@@ -31,7 +31,7 @@ def foxglove_layout(software: Sequence[RobotParameters], grid: OccupancyGrid) ->
 
     Args:
         software: the parameters of each robot, whose planners name the topics of its plans.
-        grid: the map, which sets centre and distance of the view.
+        grid: the map, which sets center and distance of the view.
     """
     team = [RobotNames.of(number) for number in range(len(software))]
     topics = [RobotTopics(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
@@ -121,12 +121,12 @@ def _plot(title: str, lines: Sequence[Section]) -> Section:
 
 
 def _hex(robot: int) -> str:
-    """A robot's colour as Foxglove writes it."""
+    """A robot's color as Foxglove writes it."""
     return "#" + "".join(f"{int(part):02x}" for part in colour_of(robot).split("; "))
 
 
 def _from_above(grid: OccupancyGrid) -> Section:
-    """The camera above the middle of the map, with a view as high as `distance`, metres."""
+    """The camera above the middle of the map, with a view as high as `distance`, meters."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     middle = grid.origin.compose(Pose2(width / 2, height / 2, 0.0))
     return {

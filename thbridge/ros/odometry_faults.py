@@ -40,9 +40,9 @@ RETURN_NS = 1_000_000_000
 LEAST_MESSAGES = 3
 """Messages in a row that odometry must go on with, for a jump to be more than an outlier."""
 AT_ORIGIN = 0.5
-"""Metres and radians from 0 within which odometry that jumps is reset."""
+"""Meters and radians from 0 within which odometry that jumps is reset."""
 MISSED = ((0.05, 0.03), (1.0, 0.5))
-"""Least and greatest standard deviations, in metres and radians, of what the robot drives unseen during a reset."""
+"""Least and greatest standard deviations, in meters and radians, of what the robot drives unseen during a reset."""
 
 
 class FaultKind(StrEnum):
@@ -73,7 +73,7 @@ class RecordedFault:
         kind: its kind.
         received_ns: stamp of recording of the message.
         stamp_ns: its own stamp.
-        distance: metres from the message before that can be true; 0 for faults of stamps.
+        distance: meters from the message before that can be true; 0 for faults of stamps.
         turn: radians from it, not negative.
         seconds: change of the clock, ahead positive; 0 for other faults.
     """
@@ -297,7 +297,7 @@ class _Judge:
         return Pose2(*self._poses[i].tolist())
 
     def _moved(self, before: int, after: int) -> tuple[float, float]:
-        """Metres and radians, not negative, from one sample to another."""
+        """Meters and radians, not negative, from one sample to another."""
         one, other = self._pose(before), self._pose(after)
         return one.distance(other), abs(wrap_angle(other.theta - one.theta))
 

@@ -1,4 +1,4 @@
-"""Messages of one robot's ROS nodes (driver, localiser, navigator), tick by tick."""
+"""Messages of one robot's ROS nodes (driver, localizer, navigator), tick by tick."""
 
 import math
 from collections.abc import Iterator, Sequence

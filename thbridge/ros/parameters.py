@@ -23,7 +23,7 @@ NODES = ("amcl", "ekf", "ukf", "fake_localization")
 """Sections that are separate nodes in ROS."""
 MOVE_BASE = "move_base"
 DEFAULT_RECOVERY = ("conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery")
-"""move_base's recovery behaviours by default (move_base.cpp, loadDefaultRecoveryBehaviors)."""
+"""move_base's recovery behaviors by default (move_base.cpp, loadDefaultRecoveryBehaviors)."""
 
 
 _LAYERS = {
@@ -43,7 +43,7 @@ _DRIVES_AHEAD: Mapping[str, Tree] = {
 }
 """Parameters by which ROS's planners know that a robot cannot drive sideways: by default they think it can."""
 _LOWEST = -1.0
-"""Metres below the base from which on readings of a laser count: rounding must not put the floor's plane out."""
+"""Meters below the base from which on readings of a laser count: rounding must not put the floor's plane out."""
 
 
 def robot_tree(software: RobotParameters, named: RobotNames, body: Sequence[Sequence[float]]) -> Tree:
@@ -55,7 +55,7 @@ def robot_tree(software: RobotParameters, named: RobotNames, body: Sequence[Sequ
     Args:
         software: of the robot.
         named: its names.
-        body: corners of its true body, metres in its base frame, for costmaps that are told no other footprint.
+        body: corners of its true body, meters in its base frame, for costmaps that are told no other footprint.
     """
     whole = tree_of(software)
     nodes: Tree = {name: cast(Tree, whole[name]) for name in NODES}

@@ -20,7 +20,7 @@ Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Va
 Section: TypeAlias = dict[str, Value]
 
 COLOURS = ("0; 114; 178", "213; 94; 0", "0; 158; 115", "204; 121; 167", "230; 159; 0", "86; 180; 233", "120; 94; 240")
-"""One colour a robot, distinguishable for colour-blind people (Okabe and Ito, without the yellow: it is too pale)."""
+"""One color a robot, distinguishable for color-blind people (Okabe and Ito, without the yellow: it is too pale)."""
 
 WINDOW = (1280, 900)
 """Pixels, width and height."""
@@ -43,7 +43,7 @@ def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> s
 
     Args:
         software: the parameters of each robot, whose planners name the topics of its plans.
-        grid: the map, which sets centre and scale of the view.
+        grid: the map, which sets center and scale of the view.
     """
     team = [RobotNames.of(number) for number in range(len(software))]
     topics = [RobotTopics(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
@@ -78,7 +78,7 @@ def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> s
 
 
 def colour_of(robot: int) -> str:
-    """A robot's colour as rviz writes it: red, green and blue from 0 to 255."""
+    """A robot's color as rviz writes it: red, green and blue from 0 to 255."""
     return COLOURS[robot % len(COLOURS)]
 
 
@@ -145,7 +145,7 @@ def _tools(of: RobotTopics) -> Iterator[Section]:
 
 
 def _from_above(grid: OccupancyGrid) -> Section:
-    """The view of the whole map; rviz's scale is in pixels per metre."""
+    """The view of the whole map; rviz's scale is in pixels per meter."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     scale = _SHARE_OF_WINDOW * min((WINDOW[0] - _PANEL) / width, (WINDOW[1] - 120) / height)
     middle = grid.origin.compose(Pose2(width / 2, height / 2, 0.0))

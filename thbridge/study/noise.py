@@ -236,6 +236,6 @@ believed:
 
 turtlebot2: a Kobuki base and an RPLidar A1. The wheels' scales are the error of an uncalibrated base (Borenstein and
 Feng 1996 report up to a few per cent); the gyroscope's noise is its data sheet's 0.03 deg/s per root hertz (L3G4200D)
-over 50 Hz; the ranges' noise is the data sheet's 1 % at two metres (A1M8). The particle filter's model is that of
+over 50 Hz; the ranges' noise is the data sheet's 1 % at two meters (A1M8). The particle filter's model is that of
 turtlebot_navigation's amcl.launch.xml.
 """

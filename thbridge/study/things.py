@@ -32,7 +32,7 @@ class Shape(StrEnum):
 
 
 SIZES = {Shape.CRATE: (0.6, 0.6), Shape.DOOR: (1.2, 0.1), Shape.FIRE: (0.8, 0.8), Shape.PERSON: (0.4, 0.5)}
-"""Default size of each shape: metres along the thing's yaw and across it."""
+"""Default size of each shape: meters along the thing's yaw and across it."""
 ROUND = {Shape.FIRE, Shape.PERSON}
 ROUND_CORNERS = 12
 LONGEST = 86400.0
@@ -173,7 +173,7 @@ def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
 
     Args:
         thing: as described.
-        farthest: greatest coordinate, metres.
+        farthest: greatest coordinate, meters.
         longest: greatest length of its name, characters.
     """
     places = ((thing.base_in_map.x, thing.base_in_map.y), (thing.base_in_map.theta, 0.0), *thing.path)

@@ -42,7 +42,7 @@ class SessionMessage:
         topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
         stamp_ns: when it was published, nanoseconds of ROS time.
-        data: its bytes, as ROS 1 serialises it.
+        data: its bytes, as ROS 1 serializes it.
     """
 
     topic: str
@@ -98,7 +98,7 @@ class WatchStatus:
     ended: bool = False
 
     def data(self) -> bytes:
-        """Return the status as a serialised std_msgs/String."""
+        """Return the status as a serialized std_msgs/String."""
         text = msgspec.json.encode(self)
         return _U32.pack(len(text)) + text
 

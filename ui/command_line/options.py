@@ -78,7 +78,7 @@ KeyFile = Annotated[
 
 
 class ColourScheme(StrEnum):
-    """Colours of windows."""
+    """Colors of windows."""
 
     SYSTEM = "system"
     LIGHT = "light"

@@ -40,7 +40,7 @@ class VisibleConsole(Console):
         super().__init__(stderr=stderr, markup=False, emoji=False)
 
     def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
-        """Render an object; colours and cursor are set by segments of their own, or not in the text."""
+        """Render an object; colors and cursor are set by segments of their own, or not in the text."""
         for text, style, control in super().render(renderable, options):
             yield Segment(text if control else visible(text, _KEPT), style, control)
 

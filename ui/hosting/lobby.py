@@ -38,7 +38,7 @@ class GameVisit:
 
     Args:
         window: the participant's window.
-        token: secret by which the server recognises the window.
+        token: secret by which the server recognizes the window.
         practice: True for the practice game.
         agreed_at: time of day at which the participant agreed to take part; empty: nothing was asked.
     """
@@ -91,7 +91,7 @@ async def host(
     Args:
         window: the participant's window; it is opened here.
         offer: numbers of robots that may be chosen, the text to agree to, and the texts of the study's language.
-        token: secret by which the server recognises the window.
+        token: secret by which the server recognizes the window.
         play: gives a game with so many robots.
         practise: gives the practice game.
         speak: gives an offer in another of its languages, in which games are played from then on.

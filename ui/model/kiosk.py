@@ -143,7 +143,7 @@ class GameToJoin(msgspec.Struct, frozen=True, tag=True):
         page: number of the page.
         host: host of its text server.
         port: port of its text server.
-        token: secret by which the server recognises this participant.
+        token: secret by which the server recognizes this participant.
         practice: True for the practice game.
         agreed_at: time of day at which the person agreed to take part; empty: nothing was asked.
         progress: of the person.

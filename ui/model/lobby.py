@@ -46,7 +46,7 @@ class Join(msgspec.Struct, frozen=True, tag=True):
     Attributes:
         host: host of its text server.
         port: port of its text server.
-        token: secret by which the server recognises this participant.
+        token: secret by which the server recognizes this participant.
         practice: True for the practice game.
         agreed_at: time of day at which the participant agreed to take part; empty: nothing was asked.
     """

@@ -211,7 +211,7 @@ def open_within_screen(window: QWidget, wanted: QSize = _USUAL_WINDOW) -> None:
 
 
 def qt_palette(palette: Palette) -> QPalette:
-    """The same colours as Qt's palette."""
+    """The same colors as Qt's palette."""
     role = QPalette.ColorRole
     made = QPalette()
     for roles, colour in (
@@ -328,7 +328,7 @@ def style_as_panel(widget: QWidget) -> None:
 
 
 def text_colour_on(colour: str) -> str:
-    """The palette's text colour that is read best on a colour."""
+    """The palette's text color that is read best on a color."""
     palette = colours()
     return max((palette.panel, palette.text, palette.on_accent), key=lambda text: contrast(text, colour))
 

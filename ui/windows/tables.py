@@ -70,7 +70,7 @@ class TextModel(TableModel):
         return True
 
     def data(self, index: ModelIndex, role: int = 0) -> object:
-        """Return a cell's text, place, colour or tool tip."""
+        """Return a cell's text, place, color or tool tip."""
         is_time = self._has_time and index.column() == 0
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
             return shown(self._shown[index.row()][index.column()])

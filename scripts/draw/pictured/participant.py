@@ -345,7 +345,7 @@ def arguing() -> Iterator[Shot]:
 
 
 def _misfit(pop: object) -> str:
-    """A name of another colour than that of what was found."""
+    """A name of another color than that of what was found."""
     if not isinstance(pop, TreasurePopup):
         raise TypeError("no treasure is shown")
     colour = (pop.facts or ())[0].value

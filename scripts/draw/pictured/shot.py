@@ -22,7 +22,7 @@ def unkept_preferences() -> Preferences:
 
 
 def nothing(_palette: Palette) -> None:
-    """Do nothing: for windows that follow the application's colours by themselves."""
+    """Do nothing: for windows that follow the application's colors by themselves."""
 
 
 @dataclass(frozen=True)

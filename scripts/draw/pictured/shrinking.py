@@ -1,4 +1,4 @@
-"""Pictures of windows as small files: few colours, and those that matter."""
+"""Pictures of windows as small files: few colors, and those that matter."""
 
 import io
 
@@ -9,14 +9,14 @@ from PIL import Image
 LARGEST = 60_000
 """Most bytes that a picture should have; a busy one of double size has some more."""
 PALETTES = (128, 64, 40, 26)
-"""Numbers of colours to try, the most first."""
+"""Numbers of colors to try, the most first."""
 RARE = 100_000
-"""A colour counts when one pixel of so many has it."""
+"""A color counts when one pixel of so many has it."""
 _WEIGHTS = np.array([65536, 256, 1], dtype=np.uint32)
 
 
 def shrunk(picture: Image.Image) -> bytes:
-    """Return a PNG with as many colours as fit into `LARGEST` bytes."""
+    """Return a PNG with as many colors as fit into `LARGEST` bytes."""
     pixels = np.asarray(picture, dtype=np.uint32)
     codes, places, counts = np.unique(pixels @ _WEIGHTS, return_inverse=True, return_counts=True)
     colours = (codes[:, None] // _WEIGHTS % 256).astype(np.float32)
@@ -35,10 +35,10 @@ def shrunk(picture: Image.Image) -> bytes:
 
 
 def palette_of(colours: NDArray[np.float32], counts: NDArray[np.int64], number: int) -> list[int]:
-    """Return which of (n, 3) colours to keep.
+    """Return which of (n, 3) colors to keep.
 
     Half of them are the most frequent, so that backgrounds stay as they are. Then always the one is added that is
-    farthest from those kept, so that a rare colour with a meaning, such as a robot's, stays.
+    farthest from those kept, so that a rare color with a meaning, such as a robot's, stays.
     """
     kept = np.argsort(-counts, kind="stable")[: number // 2].tolist()
     frequent = counts >= counts.sum() / RARE

@@ -27,12 +27,12 @@ class Costmap2D:
 
     Args:
         parameters: costmap_2d's; those of a local costmap make one that moves along with the robot.
-        body: (n, 2) corners of the robot's true body, base frame, metres; they count where the parameters give none.
+        body: (n, 2) corners of the robot's true body, base frame, meters; they count where the parameters give none.
         grid: the map on whose cells it lies; its origin must not be turned.
 
     Attributes:
-        footprint: (n, 2) padded corners, base frame, metres.
-        inscribed_radius: that of the padded footprint, metres.
+        footprint: (n, 2) padded corners, base frame, meters.
+        inscribed_radius: that of the padded footprint, meters.
         circumscribed_radius: the same.
         obstacles: what the laser has seen.
     """
@@ -149,7 +149,7 @@ class Costmap2D:
 
         Args:
             x: place of the robot, map point; so y.
-            neighbours: the other robots.
+            neighbors: the other robots.
             pending: a scan that the update would take in.
 
         Returns:

@@ -14,7 +14,7 @@ Costs = NDArray[np.uint8]
 
 FREE = 0
 INSCRIBED = 253
-"""A robot whose centre is here touches an obstacle, however it is turned."""
+"""A robot whose center is here touches an obstacle, however it is turned."""
 LETHAL = 254
 """An obstacle is here."""
 UNKNOWN = 255
@@ -25,7 +25,7 @@ MAX_CHANGES = 100
 
 
 class CostFrame(NamedTuple):
-    """Place of a costmap: map coordinates of the outer corner of cell (0, 0), and the side of a cell, metres."""
+    """Place of a costmap: map coordinates of the outer corner of cell (0, 0), and the side of a cell, meters."""
 
     x: float
     y: float

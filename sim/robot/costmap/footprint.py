@@ -17,10 +17,10 @@ def of_radius(radius: float) -> FloatArray:
 
 
 def pad(footprint: FloatArray, padding: float) -> FloatArray:
-    """Move every corner outward by `padding` metres along each axis; a coordinate that is 0 stays.
+    """Move every corner outward by `padding` meters along each axis; a coordinate that is 0 stays.
 
     Args:
-        footprint: (n, 2) corners in the base frame, metres.
+        footprint: (n, 2) corners in the base frame, meters.
 
     Returns:
         (n, 2).
@@ -30,7 +30,7 @@ def pad(footprint: FloatArray, padding: float) -> FloatArray:
 
 
 def radii(footprint: FloatArray) -> tuple[float, float]:
-    """Inscribed and circumscribed radius about the base frame's origin, metres.
+    """Inscribed and circumscribed radius about the base frame's origin, meters.
 
     Args:
         footprint: (n, 2) corners in order; the last is joined to the first.
@@ -44,7 +44,7 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
 
 
 def outline(footprint: FloatArray, spacing: float) -> FloatArray:
-    """(m, 2) points along the outline, corners included, no farther apart than `spacing` metres."""
+    """(m, 2) points along the outline, corners included, no farther apart than `spacing` meters."""
     points: list[FloatArray] = []
     for start, end in zip(footprint, np.roll(footprint, -1, axis=0), strict=True):
         steps = max(1, math.ceil(elementary.hypot(*(end - start)) / spacing))

@@ -29,7 +29,7 @@ def in_cells(footprint: FloatArray, frame: CostFrame, x: float, y: float, theta:
 
 @njit(cache=True)
 def circumscribed_radius(footprint: FloatArray) -> float:
-    """Metres from the base frame's origin to the farthest of (n, 2) corners."""
+    """Meters from the base frame's origin to the farthest of (n, 2) corners."""
     farthest = 0.0
     for i in range(footprint.shape[0]):
         farthest = max(farthest, elementary.hypot(footprint[i, 0], footprint[i, 1]))
@@ -71,7 +71,7 @@ def footprint_cost(costs: Costs, frame: CostFrame, footprint: FloatArray, x: flo
         costs: (rows, cols).
         frame: their place in the map.
         footprint: (n, 2) corners in the base frame.
-        x: place of the base in the map, metres; so y, and theta in radians.
+        x: place of the base in the map, meters; so y, and theta in radians.
 
     Returns:
         FREE to INSCRIBED, or COLLIDES.

@@ -6,7 +6,7 @@ and then each row takes its least over the columns within reach.
 
 Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp and include/costmap_2d/inflation_layer.h;
 Felzenszwalb, Huttenlocher, Distance Transforms of Sampled Functions (2012), for taking columns first and rows then.
-Differs: distances are exact, from cell centre to cell centre, where ROS hands the nearest obstacle from cell to cell
+Differs: distances are exact, from cell center to cell center, where ROS hands the nearest obstacle from cell to cell
 and now and then misses a nearer one.
 """
 
@@ -29,8 +29,8 @@ def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float
     """Cost of a cell this far from the nearest obstacle: LETHAL on it, INSCRIBED within that radius, then falling.
 
     Args:
-        distance: metres, at least 0.
-        inscribed_radius: that of the robot's padded footprint, metres.
+        distance: meters, at least 0.
+        inscribed_radius: that of the robot's padded footprint, meters.
         cost_scaling_factor: rate at which the cost falls, 1/m.
     """
     if distance == 0.0:
@@ -115,8 +115,8 @@ class InflationLayer:
 
     Args:
         parameters: costmap_2d's.
-        resolution: side of a cell, metres.
-        inscribed_radius: that of the padded footprint, metres.
+        resolution: side of a cell, meters.
+        inscribed_radius: that of the padded footprint, meters.
 
     Attributes:
         reach: the inflation radius, in cells.

@@ -8,7 +8,7 @@ the robot remembers what it does not see now.
 
 Source: ros-planning/navigation, costmap_2d/plugins/obstacle_layer.cpp.
 Differs: `explained_distance` keeps readings that the map or another robot explains from marking, else every error of
-localisation would thicken the walls and every passing robot would leave a trail; `clear_between_beams` clears cells
+localization would thicken the walls and every passing robot would leave a trail; `clear_between_beams` clears cells
 that lie between two beams far out, which no beam would ever clear; a beam that hit nothing never marks; a scan marks at
 once, where ROS keeps the last one for the next update.
 """
@@ -47,10 +47,10 @@ class Sweep(NamedTuple):
     """A scan as the kernels take it: the laser's pose in the map, and each beam's direction and reading.
 
     Attributes:
-        x: place of the laser in the map, metres; so y, and theta in radians.
+        x: place of the laser in the map, meters; so y, and theta in radians.
         angle_min: angle of the first beam, in the laser's frame.
         angle_increment: from one beam to the next.
-        ranges: (beams,) metres; NaN where nothing is known, +inf where nothing was hit.
+        ranges: (beams,) meters; NaN where nothing is known, +inf where nothing was hit.
         rays: (beams, 2) cosine and sine of its direction in the map.
     """
 
@@ -67,10 +67,10 @@ class KnownObstacles(NamedTuple):
     """Walls and robots that are known, near which readings do not mark.
 
     Attributes:
-        distance: metres within which they are explained.
+        distance: meters within which they are explained.
         near_walls: (rows, cols) of the static map, True where a wall is as near as that.
         row: that of the marks' cell (0, 0) in the static map; so col.
-        discs: (n, 3) x, y and radius of the other robots, metres.
+        discs: (n, 3) x, y and radius of the other robots, meters.
     """
 
     distance: float
@@ -103,7 +103,7 @@ class CostmapObservation:
     Args:
         base_in_map: pose of the robot when it scanned.
         scan: the readings.
-        discs: (n, 3) x, y and radius of the other robots, metres.
+        discs: (n, 3) x, y and radius of the other robots, meters.
 
     Attributes:
         sweep: the scan as the kernels take it.
@@ -129,8 +129,8 @@ def _clear_along_beams(
         marks: (rows, cols).
         frame: their place in the map.
         sweep: the scan.
-        farthest: metres for which beams stand that hit nothing; 0 leaves them out.
-        raytrace_range: metres.
+        farthest: meters for which beams stand that hit nothing; 0 leaves them out.
+        raytrace_range: meters.
         changed: (4,) the window that is grown by the cells that change.
     """
     rows, cols = marks.shape
@@ -169,9 +169,9 @@ def _clear_along_beams(
 def _clear_between_beams(
     marks: Costs, frame: CostFrame, sweep: Sweep, farthest: float, raytrace_range: float, changed: NDArray[np.int64]
 ) -> None:
-    """Clear lethal cells that two neighbouring beams both see past. Arguments as for `_clear_along_beams`.
+    """Clear lethal cells that two neighboring beams both see past. Arguments as for `_clear_along_beams`.
 
-    Far out, neighbouring beams are more than a cell apart. A cell between them is passed by none, so ray tracing would
+    Far out, neighboring beams are more than a cell apart. A cell between them is passed by none, so ray tracing would
     leave its mark for ever, for example where a person walked by.
     """
     rows, cols = marks.shape
@@ -332,10 +332,10 @@ def _observe(
 
     Args:
         marks: (rows, cols).
-        grid_x: place of the static map's cell (0, 0); so grid_y, and size, a cell's side, metres.
+        grid_x: place of the static map's cell (0, 0); so grid_y, and size, a cell's side, meters.
         row: that of the marks' cell (0, 0) in the static map; so col.
         laser_x: see `Sweep`, as the next six.
-        range_max: metres for which beams stand that hit nothing, where those are valid.
+        range_max: meters for which beams stand that hit nothing, where those are valid.
         sources: (s, 5) of each source: whether it clears, whether beams that hit nothing are valid, its raytrace_range,
             whether it marks, its obstacle_range.
         clears: True when the space before the readings is cleared.
@@ -386,7 +386,7 @@ class ObstacleLayer:
 
     Attributes:
         marks: (rows, cols): LETHAL where something stands, FREE where nothing does, else UNKNOWN.
-        explained_range: metres from the laser beyond which no disc explains a reading that would mark.
+        explained_range: meters from the laser beyond which no disc explains a reading that would mark.
     """
 
     reach = 0

@@ -18,7 +18,7 @@ from sim.robot.costmap.footprint_cost import circumscribed_radius, in_cells
 from sim.robot.costmap.lines import line
 
 MIN_MOTION = 0.05
-"""Metres below which a change of pose is not worth an update; of radians, twice the number."""
+"""Meters below which a change of pose is not worth an update; of radians, twice the number."""
 
 
 _NO_PATH: FloatArray = np.empty((0, 2))
@@ -26,7 +26,7 @@ _NO_PATH: FloatArray = np.empty((0, 2))
 
 @njit(cache=True)
 def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, col_end: int) -> None:
-    """Make the cells of a window lethal whose centre lies in a polygon (even-odd rule).
+    """Make the cells of a window lethal whose center lies in a polygon (even-odd rule).
 
     Args:
         corners: (n, 2) column and row, in cells of `costs`.
@@ -67,7 +67,7 @@ def _outline(
 def neighbours_reaching(
     neighbours: Sequence[Neighbour], left: float, low: float, right: float, high: float
 ) -> list[tuple[Neighbour, float]]:
-    """Neighbours whose bodies may reach into a rectangle of the map, with their circumscribed radii, metres."""
+    """Neighbors whose bodies may reach into a rectangle of the map, with their circumscribed radii, meters."""
     met: list[tuple[Neighbour, float]] = []
     footprint: FloatArray | None = None
     radius = 0.0

@@ -15,7 +15,7 @@ class CostmapView:
     Attributes:
         tick: its time.
         origin: pose of the grid's first corner, map frame.
-        resolution: metres of a cell's side.
+        resolution: meters of a cell's side.
         costs: (rows, cols) uint8, read-only, see `sim.robot.costmap.costs`; row 0 is lowest.
     """
 

@@ -113,7 +113,7 @@ def _astar_on(
 def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool, portion: int) -> Iterator[None]:
     """Fill the potential cell by cell, always the one first that promises the cheapest path, until the target is met.
 
-    As in ROS a cell's potential is set once, when the first neighbour reaches it. So the path found is not always the
+    As in ROS a cell's potential is set once, when the first neighbor reaches it. So the path found is not always the
     cheapest one, even where the estimate of the cost to go (`neutral` for each step of the Manhattan distance) is not
     too high.
 
@@ -216,7 +216,7 @@ def orientations(points: FloatArray, mode: int, window: int, start: float, goal:
     """(m,) headings on (m, 2) points, m at least 2.
 
     Args:
-        points: metres.
+        points: meters.
         mode: 0 none, 1 forward, 2 from start to goal evenly, 3 forward and evenly at last, 4 backward, 5 leftward,
             6 rightward.
         window: the direction at a point is that from so many points before it to as many behind it.

@@ -33,11 +33,11 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 ITINERARY_SPEED = 0.5
-"""Metres a second by which itineraries are timed: what is left of a robot's speed after turns and arrivals."""
+"""Meters a second by which itineraries are timed: what is left of a robot's speed after turns and arrivals."""
 POINT_SPACING = 0.1
-"""Metres between the points of an itinerary."""
+"""Meters between the points of an itinerary."""
 NEAR_START = 0.5
-"""Metres from its place within which a robot may stay as near to another as it is already."""
+"""Meters from its place within which a robot may stay as near to another as it is already."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Itinerary:
     """Points that a robot means to pass, each with a time.
 
     Attributes:
-        points: (m, 2) map, metres; a wait is the same point twice.
+        points: (m, 2) map, meters; a wait is the same point twice.
         times: (m,) ascending, seconds; before the first it stands at the first point, after the last at the last.
         unhindered_from: time from which it leads on as it would without other robots; before, it makes way for them.
     """
@@ -73,7 +73,7 @@ _FOR_GOOD: FloatArray = np.array([-math.inf])
 
 
 def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
-    """Gather the itineraries that neighbours broadcast; one that stands has one point for all times."""
+    """Gather the itineraries that neighbors broadcast; one that stands has one point for all times."""
     if not neighbours:
         return OtherItineraries(np.empty((0, 2)), np.empty(0), np.zeros(1, dtype=np.int64))
     points = [
@@ -86,7 +86,7 @@ def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 
 def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
-    """Return the neighbours that may come within `distance` metres of a place: all but those standing farther away."""
+    """Return the neighbors that may come within `distance` meters of a place: all but those standing farther away."""
     # A hair more than that: none is left out because of rounding.
     reach = distance + 1e-6
     return [
@@ -97,7 +97,7 @@ def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, dis
 
 
 def itineraries_of_moving(neighbours: Sequence[Neighbour]) -> OtherItineraries:
-    """Gather the itineraries of those neighbours that mean to move."""
+    """Gather the itineraries of those neighbors that mean to move."""
     return itineraries_of([neighbour for neighbour in neighbours if len(neighbour.times)])
 
 
@@ -174,7 +174,7 @@ def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItinera
         points: (m, 2) of the itinerary.
         times: (m,) with them.
         others: the other robots'.
-        separation: metres from centre to centre. Within NEAR_START of the first point a smaller distance that exists
+        separation: meters from center to center. Within NEAR_START of the first point a smaller distance that exists
             already may stay.
     """
     n = points.shape[0]
@@ -212,7 +212,7 @@ def first_met(points: FloatArray, times: FloatArray, others: OtherItineraries, s
         points: (m, 2) of the itinerary.
         times: (m,) with them.
         others: the other robots'.
-        separation: metres from centre to centre. A robot that is nearer at the first point is met where it comes nearer
+        separation: meters from center to center. A robot that is nearer at the first point is met where it comes nearer
             still.
     """
     for i in range(points.shape[0]):
@@ -246,7 +246,7 @@ def right_of_way(
         last: index of the last point that is looked at.
         x: its true place; so y.
         others: the other robots', each from the point it has reached.
-        separation: metres from centre to centre. A robot that is nearer already may go where it does not come nearer
+        separation: meters from center to center. A robot that is nearer already may go where it does not come nearer
             still.
 
     Returns:
@@ -282,7 +282,7 @@ def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, 
         points: (m, 2) of the itinerary.
         times: (m,) with them.
         others: the other robots', each from the point it has reached.
-        separation: metres from centre to centre, as in `right_of_way`.
+        separation: meters from center to center, as in `right_of_way`.
     """
     own = points.shape[0]
     count = others.starts.shape[0]

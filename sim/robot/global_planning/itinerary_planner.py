@@ -41,11 +41,11 @@ from sim.robot.global_planning.safe_interval import BoolArray, Roadmap, make_roa
 from sim.robot.part_failure import PartFailed
 
 PLANNED_GAP = 0.16
-"""Metres that two robots' circumscribed circles are apart in a plan."""
+"""Meters that two robots' circumscribed circles are apart in a plan."""
 DRIVEN_GAP = 0.1
 """The same while they drive, by right of way."""
 ROOM_TO_TURN = 0.08
-"""Metres that the circumscribed circle is off the walls where a robot waits or makes a detour."""
+"""Meters that the circumscribed circle is off the walls where a robot waits or makes a detour."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -306,7 +306,7 @@ class ItineraryPlanner:
 
 @lru_cache(maxsize=8)
 def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int32]]:
-    """The coarse grid for robots of a radius, metres, and (n, 2) the cells of the map in which its centres lie.
+    """The coarse grid for robots of a radius, meters, and (n, 2) the cells of the map in which its centers lie.
 
     All robots of one size share them, so they must not be written to.
     """
@@ -316,7 +316,7 @@ def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.i
 
 @njit(cache=True)
 def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) -> bool:
-    """Return True when a marked cell's centre is within `radius` of any of (m, 2) points."""
+    """Return True when a marked cell's center is within `radius` of any of (m, 2) points."""
     span = int(radius / frame.resolution) + 1
     for k in range(points.shape[0]):
         row = math.floor((points[k, 1] - frame.y) / frame.resolution)
@@ -330,7 +330,7 @@ def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) 
 
 @njit(cache=True)
 def thinned(points: FloatArray, spacing: float) -> FloatArray:
-    """(k, 2) of (m, 2) points: both ends, and those at least `spacing` metres apart."""
+    """(k, 2) of (m, 2) points: both ends, and those at least `spacing` meters apart."""
     kept = np.empty((points.shape[0] + 1, 2))
     kept[0] = points[0]
     count = 1

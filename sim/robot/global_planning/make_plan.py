@@ -35,7 +35,7 @@ def make_plan(
         frame: their place in the map.
         start: pose at the beginning, in the costmap's frame.
         goal: pose at the end.
-        tolerance: half the side of the largest square, metres.
+        tolerance: half the side of the largest square, meters.
         add_unreachable_goal: True when the goal itself follows after a place near to it.
 
     Returns:

@@ -41,14 +41,14 @@ class Path:
     """Poses from start to goal.
 
     Attributes:
-        poses: (m, 3) in the map, metres and radians; each heads for the next, the last has the goal's own heading.
+        poses: (m, 3) in the map, meters and radians; each heads for the next, the last has the goal's own heading.
     """
 
     poses: FloatArray
 
     @property
     def length(self) -> float:
-        """Length in metres."""
+        """Length in meters."""
         return float(elementary_arrays.hypot(*np.diff(self.poses[:, :2], axis=0).T).sum())
 
 

@@ -3,7 +3,7 @@
 Source: ros-planning/navigation, navfn/src/navfn_ros.cpp, global_planner/src/planner_core.cpp.
 Differs: a start in a lethal cell is refused, where ROS clears the cell; a goal that was reached is the path's end
 even when a tolerance is set, where navfn ends at one of a raster of points about it; positions are those of the cells'
-centres, where navfn's paths lie half a cell off, towards the origin; the costmap is left as it is.
+centers, where navfn's paths lie half a cell off, towards the origin; the costmap is left as it is.
 """
 
 import math
@@ -36,11 +36,11 @@ class PotentialMethod(Protocol):
 
     @property
     def tolerance(self) -> float:
-        """Metres from a goal that cannot be reached within which a path may end."""
+        """Meters from a goal that cannot be reached within which a path may end."""
 
     @property
     def exact(self) -> bool:
-        """True when the wave begins between cells' centres, and the path ends there; else both are at centres."""
+        """True when the wave begins between cells' centers, and the path ends there; else both are at centers."""
 
     def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
         """Fill the potential from a position, in cells, until the target is reached; -1 for no target.
@@ -87,7 +87,7 @@ class PotentialPlanner:
         return space.potential.reshape(rows, cols).copy()
 
     def descend(self, potential: Potential, frame: CostFrame, place: Pose2, start: Pose2) -> FloatArray | None:
-        """(m, 2) points from a place down to the start of a `potential`, metres in its frame; None where unreached."""
+        """(m, 2) points from a place down to the start of a `potential`, meters in its frame; None where unreached."""
         rows, cols = potential.shape
         (x, y), (end_x, end_y) = _position(frame, place), _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or potential[round(y), round(x)] >= UNREACHED:
@@ -189,7 +189,7 @@ class PotentialPlanner:
 
 
 def _position(frame: CostFrame, pose: Pose2) -> tuple[float, float]:
-    """Position in cells, such that rounding gives the cell: whole numbers are centres."""
+    """Position in cells, such that rounding gives the cell: whole numbers are centers."""
     x, y = (pose.x - frame.x) / frame.resolution, (pose.y - frame.y) / frame.resolution
     # The lower edge is a cell's own, also where rounding to even would say otherwise.
     return _within(x), _within(y)

@@ -27,7 +27,7 @@ from sim.numerics.kernels import njit
 from sim.robot.global_planning.itinerary import ITINERARY_SPEED, NEAR_START, Itinerary, OtherItineraries
 
 CELL_SIDE = 0.2
-"""Side of a coarse cell, metres, at most."""
+"""Side of a coarse cell, meters, at most."""
 BIN_LENGTH = 0.5
 """Seconds of one bin of time: intervals begin and end between bins."""
 BIN_COUNT = 240
@@ -57,10 +57,10 @@ class Roadmap:
     """The coarse grid.
 
     Attributes:
-        centres: (rows, cols, 2) map point of each cell: its middle, or its roomiest point when that is too tight.
+        centers: (rows, cols, 2) map point of each cell: its middle, or its roomiest point when that is too tight.
         free: (rows, cols) whether a robot can stand and turn there without touching a wall.
         corner: (2,) map coordinates of the outer corner of cell (0, 0).
-        side: that of a cell, metres.
+        side: that of a cell, meters.
     """
 
     centres: FloatArray
@@ -74,8 +74,8 @@ def make_roadmap(grid: OccupancyGrid, clearance: FloatArray | NDArray[np.float32
 
     Args:
         grid: the map.
-        clearance: (rows, cols) of the map: metres to the nearest obstacle or unknown cell.
-        radius: that of the robot however it is turned, metres.
+        clearance: (rows, cols) of the map: meters to the nearest obstacle or unknown cell.
+        radius: that of the robot however it is turned, meters.
     """
     stride = max(1, int(CELL_SIDE / grid.resolution + 1e-9))
     rows, cols = grid.rows // stride, grid.cols // stride
@@ -101,7 +101,7 @@ def _shade(
 
     Of the traffic's rows `count` are in use; both are returned as they are then.
 
-    `present` is that robot's distance, metres, from the planning robot's start (start_x, start_y): at the start no more
+    `present` is that robot's distance, meters, from the planning robot's start (start_x, start_y): at the start no more
     distance is asked for than there is, or a robot that stands too near to another could never leave.
     """
     row_of, busy = traffic
@@ -182,10 +182,10 @@ def _traffic(
 
 @njit(cache=True)
 def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
-    """(rows, cols) metres to the nearest target through free cells; inf where none can be reached.
+    """(rows, cols) meters to the nearest target through free cells; inf where none can be reached.
 
-    The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbours). A
-    cell is looked at again only where one of its neighbours has changed since: nothing else can have become nearer.
+    The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbors). A
+    cell is looked at again only where one of its neighbors has changed since: nothing else can have become nearer.
     """
     rows, cols = free.shape
     field = np.full((rows, cols), np.inf)
@@ -396,7 +396,7 @@ def _search(
 def _off_path(
     free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, path: FloatArray, distance: float
 ) -> BoolArray:  # fmt: skip
-    """(rows, cols) the free cells that are so many metres or more from each of (m, 2) points."""
+    """(rows, cols) the free cells that are so many meters or more from each of (m, 2) points."""
     off = free.copy()
     rows, cols = free.shape
     span = distance / side + 1.0
@@ -411,7 +411,7 @@ def _off_path(
 
 
 def _nearest(roadmap: Roadmap, free: BoolArray, x: float, y: float, reach: float) -> tuple[int, int] | None:
-    """Return the free cell whose centre is nearest to a map point, within `reach` metres."""
+    """Return the free cell whose center is nearest to a map point, within `reach` meters."""
     place = np.array([x, y]) - roadmap.corner
     if (place < -reach).any() or (place > roadmap.side * np.array(free.shape[::-1]) + reach).any():
         # A place this far off may have no cell number that fits an integer.
@@ -448,7 +448,7 @@ def route(
         goal: (2,) map point.
         time: from which the itinerary is numbered.
         others: the other robots'.
-        separation: metres from centre to centre.
+        separation: meters from center to center.
 
     Returns:
         None when there is none within the time looked ahead.
@@ -484,7 +484,7 @@ def refuge(
         avoided: (m, 2) map points of that path.
         time: from which the itinerary is numbered.
         others: the other robots'.
-        separation: metres from centre to centre, also from that path.
+        separation: meters from center to center, also from that path.
     """
     # A cell farther than just off it, since the other robot plans between rounded places too.
     targets = _off_path(free, roadmap.centres, roadmap.corner, roadmap.side, avoided, separation + roadmap.side)
@@ -509,7 +509,7 @@ def _itinerary_to(
     found = _search(free, traffic, targets, roadmap.centres, roadmap.side, *cell, BIN_LENGTH, ITINERARY_SPEED)
     if len(found) < 2:
         return None
-    # The first cell's centre is but the start, rounded: a robot that has to wait there stays where it is.
+    # The first cell's center is but the start, rounded: a robot that has to wait there stays where it is.
     points = found[:, :2].copy()
     points[(points == points[0]).all(axis=1)] = start
     times, would_be_left = time + found[:, 2], found[:, 3]

@@ -2,13 +2,13 @@
 
 The potential of a cell is the cost of the cheapest path to it from where the wave began. As its only minimum lies
 there, a path is found from anywhere by going downhill (a navigation function). The wave is Dijkstra's algorithm with
-two changes. A cell's potential is not that of one neighbour plus a step, but that of a plane wave between its two
-lowest neighbours, so paths are not bound to rows, columns and diagonals (Konolige's gradient method). And instead of a
+two changes. A cell's potential is not that of one neighbor plus a step, but that of a plane wave between its two
+lowest neighbors, so paths are not bound to rows, columns and diagonals (Konolige's gradient method). And instead of a
 sorted queue there are three unsorted ones: the cells of this round, of the next round, and those that are put off
 because they are dearer than a threshold, which rises when the first two are empty. Cells may then be visited before
-their potential is final; they are put in again when a neighbour can lower it.
+their potential is final; they are put in again when a neighbor can lower it.
 
-Cells are numbered row by row. Positions are (x, y) in cells, whole numbers at cell centres. Costs of passage are whole
+Cells are numbered row by row. Positions are (x, y) in cells, whole numbers at cell centers. Costs of passage are whole
 numbers from 1 to 255, and BLOCKED where there is none; the rim of the map has none.
 
 A wave over a large map takes longer than a tick may. So it can be spread a portion at a time: what it becomes in the
@@ -70,7 +70,7 @@ def prepare(
 ) -> None:
     """Translate costs, close the rim, and reset the potential.
 
-    The rim is closed so that every cell that the wave enters has four neighbours: no step needs a check of the borders.
+    The rim is closed so that every cell that the wave enters has four neighbors: no step needs a check of the borders.
 
     Args:
         costs: (rows, cols).
@@ -96,7 +96,7 @@ def prepare(
 def wave_value(
     left: np.float32, right: np.float32, below: np.float32, above: np.float32, cost: np.float32, quadratic: bool
 ) -> np.float32:
-    """Potential of a cell by those of its four neighbours and its own cost of passage."""
+    """Potential of a cell by those of its four neighbors and its own cost of passage."""
     across = left if left < right else right
     along = below if below < above else above
     gap = across - along
@@ -105,7 +105,7 @@ def wave_value(
         gap, lowest = -gap, across
     if gap >= cost or not quadratic:
         return np.float32(lowest + cost)
-    # A plane wave between the two lower neighbours, as navfn's quadratic approximates it.
+    # A plane wave between the two lower neighbors, as navfn's quadratic approximates it.
     d = gap / cost
     return np.float32(lowest + cost * np.float32(-0.2301 * d * d + 0.5307 * d + 0.7040))
 
@@ -119,7 +119,7 @@ def value_of(potential: Potential, cell: int, cols: int, cost: int, quadratic: b
 
 @njit(cache=True)
 def _lowered(value: np.float32, rank: np.float32, cost: int) -> bool:
-    """Return True where a neighbour of this value and cost may become lower from a cell of this rank.
+    """Return True where a neighbor of this value and cost may become lower from a cell of this rank.
 
     It can by 0.7 of its own cost at least, the factor of a diagonal wave in `wave_value`.
     """
@@ -140,7 +140,7 @@ def _push(queues: Cells, queue: int, length: int, waiting: NDArray[np.bool_], ce
 def _begin(
     potential: Potential, costs: CellCosts, waiting: NDArray[np.bool_], queue: Cells, cols: int, seeds: Cells
 ) -> int:
-    """Put the neighbours of the seeds into a queue; return its length."""
+    """Put the neighbors of the seeds into a queue; return its length."""
     length = 0
     for seed in seeds:
         for step in (1, -1, -cols, cols):
@@ -213,7 +213,7 @@ def _spread_on(
                 row, col = cell // width, cell % width
                 away = elementary.hypot(float(col) - target_col, float(row) - target_row)
                 rank += np.float32(np.float32(away) * attraction)
-            # navfn's A* also asks a neighbour to be worse by this rank: cells once reached are seldom looked at again.
+            # navfn's A* also asks a neighbor to be worse by this rank: cells once reached are seldom looked at again.
             near = rank < limit
             queue, n = (following, n_following) if near else (later, n_later)
             if _lowered(left, rank, costs[cell - one]):
@@ -263,7 +263,7 @@ def spread(
 
     Args:
         space: prepared; the potential is set at the seeds, UNREACHED elsewhere.
-        seeds: cells whose neighbours are first.
+        seeds: cells whose neighbors are first.
         target: the cell at which to stop; -1 for the whole map.
         attraction: cost per cell of the straight line to the target, which A* adds in choosing what comes first; or 0.
         threshold: cells of at most this cost are first ...
@@ -314,9 +314,9 @@ def _mixed(a: np.float32, b: np.float32, share: np.float32) -> np.float32:
 
 @njit(cache=True)
 def _lowest_beside(potential: Potential, cell: int, cols: int) -> tuple[int, bool]:
-    """Return the lowest of a cell and its eight neighbours, and whether the wave reached all of them.
+    """Return the lowest of a cell and its eight neighbors, and whether the wave reached all of them.
 
-    Neighbours across a corner do not count when the cells on both sides of the corner were not reached.
+    Neighbors across a corner do not count when the cells on both sides of the corner were not reached.
     """
     lowest, value, inside = cell, potential[cell], True
     for up in (-cols, 0, cols):

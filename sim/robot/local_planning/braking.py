@@ -1,8 +1,8 @@
 """Safe commands: those after which a robot can still stop in time.
 
 A command is safe when the robot, having obeyed it until the next command and then braked as hard as it can, has come
-nowhere too near to a wall or to a place where a neighbour can be while it brakes. Walls must stay WALL_MARGIN away. Of
-the gap to a neighbour, less NEIGHBOUR_MARGIN, a robot may use up one half: the other robot may just now be deciding to
+nowhere too near to a wall or to a place where a neighbor can be while it brakes. Walls must stay WALL_MARGIN away. Of
+the gap to a neighbor, less NEIGHBOUR_MARGIN, a robot may use up one half: the other robot may just now be deciding to
 use the other half. Where less than the margin is left (an estimate jumped, somebody was put there), it may not become
 less. So braking is safe whenever the last command was, and robots that obey safe commands alone do not collide, as long
 as the margins cover the errors of their estimates. Turning in place moves a robot's corners so little from one command
@@ -30,32 +30,32 @@ from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.costmap.footprint_cost import circumscribed_radius
 
 WALL_MARGIN = 0.08
-"""Metres: about the largest error of localisation."""
+"""Meters: about the largest error of localization."""
 LEAST_MARGIN = 0.03
-"""Metres that remain of it in any case."""
+"""Meters that remain of it in any case."""
 USUAL_PADDING = 0.01
-"""Metres: costmap_2d's default `footprint_padding`; what a robot's padding is beyond it counts toward its margins."""
+"""Meters: costmap_2d's default `footprint_padding`; what a robot's padding is beyond it counts toward its margins."""
 SLIGHT_MARGIN = 0.01
-"""Metres that remain where the padding is a margin in itself."""
+"""Meters that remain where the padding is a margin in itself."""
 NEIGHBOUR_MARGIN = 0.14
-"""Metres: the errors of two robots' localisation add up."""
+"""Meters: the errors of two robots' localization add up."""
 TURNING_MARGIN = 0.08
 LATENCY = 0.02
 """Seconds from a decision to the moment it acts."""
 OBSTACLE_RANGE = 1.5
-"""Metres from a robot within which it looks out for obstacles that its laser has seen."""
+"""Meters from a robot within which it looks out for obstacles that its laser has seen."""
 NEIGHBOUR_RANGE = 2.0
-"""Metres between footprints beyond which a neighbour does not matter."""
+"""Meters between footprints beyond which a neighbor does not matter."""
 
 
 class Surroundings(NamedTuple):
-    """Walls and neighbours that a robot may hit, in the form that compiled kernels take.
+    """Walls and neighbors that a robot may hit, in the form that compiled kernels take.
 
     Attributes:
-        clearance: (rows, cols) metres from each cell of the map to the nearest wall.
+        clearance: (rows, cols) meters from each cell of the map to the nearest wall.
         frame: place of these cells in the map.
-        bodies: (k, n, 2) outlines in the map: each neighbour where it is, and where it can be until it stands.
-        gaps: (k,) metres left to each before the robot moves.
+        bodies: (k, n, 2) outlines in the map: each neighbor where it is, and where it can be until it stands.
+        gaps: (k,) meters left to each before the robot moves.
     """
 
     clearance: NDArray[np.float32]
@@ -80,7 +80,7 @@ def _inside(x: float, y: float, polygon: FloatArray) -> bool:
 
 @njit(cache=True)
 def gap(a: FloatArray, b: FloatArray) -> float:
-    """Metres between two polygons; 0 when they touch or overlap.
+    """Meters between two polygons; 0 when they touch or overlap.
 
     Args:
         a: (n, 2) corners in order.
@@ -141,7 +141,7 @@ def stopping_poses(
 def wall_clearance(
     clearance: NDArray[np.float32], frame: CostFrame, outline: FloatArray, x: float, y: float, theta: float
 ) -> float:
-    """Metres from a robot's outline to the nearest wall; 0 outside the map.
+    """Meters from a robot's outline to the nearest wall; 0 outside the map.
 
     Args:
         clearance: see Surroundings.
@@ -155,7 +155,7 @@ def wall_clearance(
     for i in range(outline.shape[0]):
         px = x + c * outline[i, 0] - s * outline[i, 1]
         py = y + s * outline[i, 0] + c * outline[i, 1]
-        # Interpolated between four cell centres, or a step along a wall would seem a step toward it now and then.
+        # Interpolated between four cell centers, or a step along a wall would seem a step toward it now and then.
         across, along = (py - frame.y) / frame.resolution - 0.5, (px - frame.x) / frame.resolution - 0.5
         row, col = math.floor(across), math.floor(along)
         if row < 0 or col < 0 or row >= rows - 1 or col >= cols - 1:
@@ -174,7 +174,7 @@ def beside_obstacles(
     """Return the clearance around a robot, counting obstacles that its laser has seen as walls.
 
     Args:
-        clearance: (rows, cols) metres to the nearest wall.
+        clearance: (rows, cols) meters to the nearest wall.
         marks: (rows, cols) LETHAL where an obstacle was seen.
         frame: place of these cells in the map.
         x: place of the robot in the map; so y.
@@ -227,7 +227,7 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
 
 @njit(cache=True)
 def _gaps(body: FloatArray, bodies: FloatArray) -> FloatArray:
-    """(k,) metres from one polygon to each of k others; to those of one robot, the least of the three."""
+    """(k,) meters from one polygon to each of k others; to those of one robot, the least of the three."""
     out = np.empty(bodies.shape[0])
     for k in range(0, bodies.shape[0], 3):
         least = min(gap(body, bodies[k]), gap(body, bodies[k + 1]), gap(body, bodies[k + 2]))
@@ -244,14 +244,14 @@ def surroundings(
     acc_lim_x: float,
     hold: float,
 ) -> Surroundings:
-    """Gather the walls and neighbours that a robot at a pose must look out for.
+    """Gather the walls and neighbors that a robot at a pose must look out for.
 
     Args:
-        clearance: (rows, cols) metres to the nearest wall.
+        clearance: (rows, cols) meters to the nearest wall.
         frame: place of these cells in the map.
         footprint: (n, 2) of the robot, padded.
         pose: pose of its base in the map.
-        neighbours: the other robots; those far off are left out.
+        neighbors: the other robots; those far off are left out.
         acc_lim_x: limit of braking, for all robots, m/s^2.
         hold: seconds from one command to the next, latency included.
     """
@@ -291,7 +291,7 @@ def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
 
 
 def left_of(margin: float, padding: float) -> float:
-    """Return what is left of a margin, metres, for a footprint that was padded by `padding` metres."""
+    """Return what is left of a margin, meters, for a footprint that was padded by `padding` meters."""
     return margin - max(0.0, padding - USUAL_PADDING)
 
 
@@ -311,11 +311,11 @@ def safe(
         wanted_v: the command; so wanted_w.
         hold: seconds from one command to the next, latency included.
         acc_lim_x: limit of braking, m/s^2; acc_lim_theta in turning, rad/s^2.
-        margin: metres to keep from walls.
+        margin: meters to keep from walls.
     """
     room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
     # A robot nearer than the margin may stay as near as it is, and 3 mm nearer, or it could not even drive along the
-    # wall. These millimetres add up from command to command, but only until LEAST_MARGIN is left.
+    # wall. These millimeters add up from command to command, but only until LEAST_MARGIN is left.
     room = max(min(margin, room) - 0.003, min(LEAST_MARGIN, margin, room))
     poses = stopping_poses(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
     radius = circumscribed_radius(footprint)

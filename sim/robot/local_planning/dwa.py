@@ -39,7 +39,7 @@ from sim.robot.local_planning.rollout import (
 EPSILON = 1e-4
 """Tolerance of speeds at their bounds, m/s and rad/s."""
 ESCAPE_VEL = -0.1
-"""Metres a second backwards when no command leads on, for ESCAPE_DIST metres; ROS's leaves that to move_base."""
+"""Meters a second backwards when no command leads on, for ESCAPE_DIST meters; ROS's leaves that to move_base."""
 ESCAPE_DIST = 0.12
 
 
@@ -75,7 +75,7 @@ class _Critics(NamedTuple):
         obstacles: per unit of cost.
         sum_scores: True when the costs along the trajectory add up.
         twirling: per rad/s.
-        nose: metres that the nose is forward of the centre.
+        nose: meters that the nose is forward of the center.
         scaling_speed: m/s above which the footprint grows, up to 1 + max_scaling_factor times at max_vel_trans.
     """
 
@@ -151,7 +151,7 @@ def _best(
         last = path[path.shape[0] - 1]
         spread(grid, cols, along, cells[: 2 * n], grid.path)
         spread(grid, cols, along[along.shape[0] - 1 :], cells[: 2 * n : 2], grid.goal)
-        # The nose's goal lies as far beyond the path's end as the nose is forward of the centre.
+        # The nose's goal lies as far beyond the path's end as the nose is forward of the center.
         bearing = elementary.atan2(last[1] - now.y, last[0] - now.x)
         ahead = np.empty((1, 2))
         c, s = elementary.cos_sin(bearing)
@@ -187,7 +187,7 @@ class _OscillationCritic:
     """Keeps a robot from reversing: it may not go back at once the way it came (oscillation_cost_function.cpp).
 
     Args:
-        reset_dist: metres after which it may.
+        reset_dist: meters after which it may.
         reset_angle: or radians.
 
     Attributes:
@@ -224,7 +224,7 @@ class DwaPlanner(LocalPlanner):
         inflation: the costmap's.
         shape: rows and columns of the local costmap.
         period: seconds from one command to the next.
-        padding: metres by which the corners are padded.
+        padding: meters by which the corners are padded.
     """
 
     def __init__(

@@ -28,15 +28,15 @@ ALIGNED = 0.05
 """Radians from a heading that leads on, where the present one does not, within which a robot sets out."""
 OUTLINE_SPACING = 0.1
 STALL_TIMEOUT = 3.0
-"""Seconds of driving without moving STALL_DISTANCE metres, after which of obstacles only collisions count."""
+"""Seconds of driving without moving STALL_DISTANCE meters, after which of obstacles only collisions count."""
 STALL_DISTANCE = 0.3
 FREE_AGAIN_DISTANCE = 1.0
-"""Metres of driving after which the costs of obstacles count again."""
+"""Meters of driving after which the costs of obstacles count again."""
 BACK_ALONG = 0.1
 """Radians off the heading in which it came within which a robot with little margin may back up. Costmaps forget what
 lies under the padded outline, and a laser does not see behind: only where the body has been is surely free."""
 MIN_ARC_RADIUS = 0.05
-"""Metres: thinner robots, even a point, back up in arcs as a robot of this radius does."""
+"""Meters: thinner robots, even a point, back up in arcs as a robot of this radius does."""
 
 
 @frozen()
@@ -61,12 +61,12 @@ class PlannerLimits:
     Attributes:
         acc_lim_x: m/s^2; acc_lim_theta in turning, rad/s^2.
         max_vel_theta: rad/s; at least min_in_place_vel_theta in place.
-        escape_vel: m/s of backing up, negative; ends after escape_reset_dist metres or escape_reset_theta radians.
-        heading_lookahead: metres along the path to the point that a robot turns to before it sets out.
-        oscillation_reset_dist: metres after which a robot may turn the other way round.
+        escape_vel: m/s of backing up, negative; ends after escape_reset_dist meters or escape_reset_theta radians.
+        heading_lookahead: meters along the path to the point that a robot turns to before it sets out.
+        oscillation_reset_dist: meters after which a robot may turn the other way round.
         sim_time: seconds a trajectory is rolled out.
-        sim_granularity: metres between its points.
-        xy_goal_tolerance: metres; yaw_goal_tolerance radians.
+        sim_granularity: meters between its points.
+        xy_goal_tolerance: meters; yaw_goal_tolerance radians.
         latch_xy_goal_tolerance: True when a robot that was at the goal only turns.
         trans_stopped_vel: m/s that count as standing; theta_stopped_vel rad/s.
     """
@@ -91,7 +91,7 @@ class PlannerLimits:
 
 @njit(cache=True)
 def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[float, float]:
-    """Map heading from (x, y) to the first of (m, 2) points `lookahead` metres off, or the last; metres to the last."""
+    """Map heading from (x, y) to the first of (m, 2) points `lookahead` meters off, or the last; meters to the last."""
     last = path.shape[0] - 1
     target = last
     for i in range(last):
@@ -112,7 +112,7 @@ class LocalPlanner(ABC):
         footprint: (n, 2) padded corners, base frame.
         inflation: the costmap's.
         period: seconds from one command to the next.
-        padding: metres by which the corners are padded.
+        padding: meters by which the corners are padded.
 
     Attributes:
         limits: the parameters that others need.
@@ -226,7 +226,7 @@ class LocalPlanner(ABC):
             frame: its place in the map.
             path: (m, 2) map points from the robot on, within the costmap; it leads to the last one.
             slow_down: seconds left to reach the last point at the present speed, at least.
-            around: walls and neighbours that the robot may hit.
+            around: walls and neighbors that the robot may hit.
         """
         aligning = self._align(pose, twist, around)
         if aligning is not None:

@@ -1,6 +1,6 @@
 """Distance maps of the local costmap: steps from each cell to the path, or to a point of it, along free cells.
 
-Grids are flat, with a rim of closed cells around the costmap's: a step to a neighbour needs no check of the borders.
+Grids are flat, with a rim of closed cells around the costmap's: a step to a neighbor needs no check of the borders.
 
 Source: ros-planning/navigation, base_local_planner/src/map_grid.cpp.
 Differs: spreads only until all cells that will be looked at are reached; the counts there are the same.
@@ -71,7 +71,7 @@ def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float
         costs: (rows, cols).
         frame: their place in the map.
         x: place of the robot; so y.
-        own_radius: metres around the robot that are its own.
+        own_radius: meters around the robot that are its own.
         terrain: overwritten with the result.
     """
     rows, cols = costs.shape

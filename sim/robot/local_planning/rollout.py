@@ -15,11 +15,11 @@ from sim.robot.costmap.inflation import cost_at
 from sim.robot.local_planning.braking import Surroundings, safe
 
 COMFORT = 0.1
-"""Metres that a trajectory keeps from obstacles where it can: a robot too near a corner cannot turn."""
+"""Meters that a trajectory keeps from obstacles where it can: a robot too near a corner cannot turn."""
 
 
 class MotionState(NamedTuple):
-    """Pose of a robot in the map and its velocities: metres, radians, m/s, rad/s."""
+    """Pose of a robot in the map and its velocities: meters, radians, m/s, rad/s."""
 
     x: float
     y: float
@@ -35,12 +35,12 @@ class RobotBody(NamedTuple):
         footprint: (n, 2) padded corners, base frame.
         roomy: the same with what its padding leaves of COMFORT around it.
         outline: (m, 2) points along it.
-        inscribed: its radius, metres; so circumscribed.
+        inscribed: its radius, meters; so circumscribed.
         cost_scaling_factor: that of the costmap's inflation; so inflation_radius.
         acc_lim_x: limit of accelerating and braking, m/s^2; acc_lim_theta in turning, rad/s^2.
         period: seconds from one command to the next.
         hold: the same, latency included.
-        margin: metres to keep from walls.
+        margin: meters to keep from walls.
     """
 
     footprint: FloatArray
@@ -61,9 +61,9 @@ class TrajectoryCost(NamedTuple):
     """Costs along the trajectory of a command.
 
     Attributes:
-        legal: True when the centre stays on the costmap and off obstacles.
-        worst: the greatest cost under the centre.
-        total: the sum of the costs under the centre.
+        legal: True when the center stays on the costmap and off obstacles.
+        worst: the greatest cost under the center.
+        total: the sum of the costs under the center.
         doubtful: True when the outline may touch something, and must be looked at.
         x: the pose that is scored; so y and theta.
     """
@@ -79,8 +79,8 @@ class TrajectoryCost(NamedTuple):
 
 @njit(cache=True)
 def surely_free(body: RobotBody, scale: float) -> int:
-    """Cost under the centre below which a footprint grown by `scale` and COMFORT touches nothing, however turned."""
-    # Inflation makes the cost at the centre a measure of the distance to the nearest obstacle.
+    """Cost under the center below which a footprint grown by `scale` and COMFORT touches nothing, however turned."""
+    # Inflation makes the cost at the center a measure of the distance to the nearest obstacle.
     radius = body.circumscribed * scale + 1.5 * COMFORT
     if radius >= body.inflation_radius:
         return 0
@@ -121,7 +121,7 @@ def trajectory_cost(
     costs: Costs, frame: CostFrame, now: MotionState, wanted_v: float, wanted_w: float, body: RobotBody,
     sim_time: float, steps: int, scored: int, free: int,
 ) -> TrajectoryCost:  # fmt: skip
-    """Follow a command step by step as `rollout` does, and look at the costs under the centre.
+    """Follow a command step by step as `rollout` does, and look at the costs under the center.
 
     Args:
         costs: (rows, cols) the local costmap.
@@ -250,7 +250,7 @@ def best_safe_command(
         frame: its place in the map.
         tried: the commands; their scores are used up.
         n: their number.
-        around: walls and neighbours that the robot may hit.
+        around: walls and neighbors that the robot may hit.
         body: the robot's.
         now: the robot's pose and velocities.
         sim_time: seconds rolled out.

@@ -2,7 +2,7 @@
 
 Source: ros-planning/navigation, base_local_planner/src/trajectory_planner.cpp and trajectory_planner_ros.cpp; Gerkey,
 Konolige, Planning and Control in Unstructured Terrain (2008).
-Differs: a robot that faces away from its path first turns in place; obstacles are scored under the robot's centre, and
+Differs: a robot that faces away from its path first turns in place; obstacles are scored under the robot's center, and
 under its outline only looked at for collisions; of a trajectory only the pose that is scored must have a path to the
 goal; a command must also be safe (`braking`); the speed falls toward a point that may not be passed yet; with a
 `min_vel_x` above 0, turns in place are tried only where nothing else leads on, and to the heading that does.
@@ -35,7 +35,7 @@ from sim.robot.local_planning.rollout import (
 HEADING_SCALE = 0.3
 """Weight of a radian off the path in heading scoring; fixed in ROS, too."""
 STANDSTILL_SPEED = 1e-3
-"""Metres a second below which a command does not lead on."""
+"""Meters a second below which a command does not lead on."""
 LOOK_AROUND = 0.5 * math.pi
 """Radians either way within which a robot looks for a heading that leads on, where its own does not."""
 LOOK_STEP = 0.15
@@ -64,7 +64,7 @@ class _Weights(NamedTuple):
     Attributes:
         path: per cell off the path; goal per cell left; obstacles per cost.
         heading_time: seconds into a trajectory at which its heading is scored; negative: its end is scored.
-        straight: True when the goal counts by the squared metres to it.
+        straight: True when the goal counts by the squared meters to it.
     """
 
     path: float
@@ -172,7 +172,7 @@ class TrajectoryPlanner(LocalPlanner):
         inflation: the costmap's.
         shape: rows and columns of the local costmap.
         period: seconds from one command to the next.
-        padding: metres by which the corners are padded.
+        padding: meters by which the corners are padded.
     """
 
     def __init__(
@@ -233,7 +233,7 @@ class TrajectoryPlanner(LocalPlanner):
             wanted.sim_granularity,
             wanted.angular_sim_granularity,
         )
-        # ROS's biases are per cell; those in metres are scaled by what a cell is of one.
+        # ROS's biases are per cell; those in meters are scaled by what a cell is of one.
         per_cell = frame.resolution if wanted.meter_scoring else 1.0
         weights = _Weights(
             0.0 if wanted.simple_attractor else wanted.path_distance_bias * per_cell,

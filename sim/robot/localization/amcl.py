@@ -1,4 +1,4 @@
-"""Adaptive Monte Carlo localisation: ROS's amcl as a function of values.
+"""Adaptive Monte Carlo localization: ROS's amcl as a function of values.
 
 When the robot has moved enough and a scan is there, the cloud of particles that stands for its place is moved, weighed
 and drawn anew (`hypothesis`). Where the map explains the scans badly from there, the robot is looked for all over the

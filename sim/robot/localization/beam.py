@@ -16,7 +16,7 @@ from sim.parameters import AmclParameters
 from sim.robot.localization.likelihood_field import Beams
 
 _TOLERANCE = 0.3
-"""Metres by which a reading may miss the wall that the map shows and count as explained: errors of pose and map."""
+"""Meters by which a reading may miss the wall that the map shows and count as explained: errors of pose and map."""
 
 _CUT_SHORT = 0.1
 """Weight of a reading that something unmapped may have cut short, beside 1 for one that went through a wall."""
@@ -78,7 +78,7 @@ def _agreement(
         directions: see `Beams`, as range_max.
         laser_x: place of the laser in the base frame; so laser_y.
         x: place of the base in the map; so y and theta.
-        ranges: (m,) readings, metres.
+        ranges: (m,) readings, meters.
     """
     poses = np.empty((len(_TURNS), 3))
     for i in range(len(_TURNS)):
@@ -127,7 +127,7 @@ class BeamModel:
         return cls(Raycaster.of(grid), beams, parameters)
 
     def expected(self, particles: FloatArray) -> FloatArray:
-        """(n, m) metres that the beams should measure from (n, 3) base poses in the map; inf beyond `range_max`."""
+        """(n, m) meters that the beams should measure from (n, 3) base poses in the map; inf beyond `range_max`."""
         laser = self.beams.mount.laser_in_base
         c, s = elementary_arrays.cos(particles[:, 2]), elementary_arrays.sin(particles[:, 2])
         poses = particles.copy()
@@ -143,7 +143,7 @@ class BeamModel:
     def log_likelihood(self, particles: FloatArray, ranges: FloatArray) -> FloatArray:
         """(n,) log likelihood of (m,) ranges (see `Beams.ranges`) from each of (n, 3) base poses in the map.
 
-        Source: Probabilistic Robotics, table 6.1, with amcl's factors (a good reading's density is not normalised);
+        Source: Probabilistic Robotics, table 6.1, with amcl's factors (a good reading's density is not normalized);
             exact ranges. Differs: sums of logarithms, where amcl adds cubes; a beam that saw nothing counts as the
             greatest range and not as impossible; too short readings are left out.
         """

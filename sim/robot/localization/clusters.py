@@ -19,7 +19,7 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 BIN_SIDE = 0.5
-"""Metres: a bin's sides."""
+"""Meters: a bin's sides."""
 SECTORS = 36
 """Bins around the circle."""
 
@@ -104,7 +104,7 @@ def bin_particles(particles: FloatArray) -> ParticleBins:
 @njit(cache=True)
 def _cluster(corners: NDArray[np.int64], slots: NDArray[np.int64]) -> NDArray[np.int64]:
     count = corners.shape[0]
-    # Flood fill from bin to bin through the 26 neighbours on the lattice; sectors go round the circle.
+    # Flood fill from bin to bin through the 26 neighbors on the lattice; sectors go round the circle.
     labels = np.full(count, _EMPTY, dtype=np.int64)
     waiting = np.empty(count, dtype=np.int64)
     clusters = 0

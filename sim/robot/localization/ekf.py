@@ -33,7 +33,7 @@ GATE = 16.27
 """Greatest squared Mahalanobis distance of a match that is believed: chi-square with 3 degrees of freedom, 0.999."""
 
 _LEAST_INFORMATION = np.diag((1.0, 1.0, 4.0))
-"""Keeps a match's covariance finite where a corridor leaves a direction open: one metre, half a radian."""
+"""Keeps a match's covariance finite where a corridor leaves a direction open: one meter, half a radian."""
 
 _LEAST_SHARE = 0.4
 """Share of a scan's points that must lie on the map's walls; a scan from elsewhere hardly ever reaches it."""
@@ -55,7 +55,7 @@ _LOST_AFTER = 20
 """Scans refused one after another until the filter holds itself for lost: two seconds of a common laser."""
 
 _LEVER = 3.0
-"""Metres: distance of a typical wall, by which an uncertain heading is converted to an uncertain place."""
+"""Meters: distance of a typical wall, by which an uncertain heading is converted to an uncertain place."""
 
 _NO_COVARIANCE = read_only(np.zeros((3, 3)))
 

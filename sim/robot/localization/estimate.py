@@ -1,4 +1,4 @@
-"""Localiser: the interface that all of them share, and the estimate that they give."""
+"""Localizer: the interface that all of them share, and the estimate that they give."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -18,17 +18,17 @@ from sim.parameters import RobotParameters
 
 @frozen()
 class Estimate:
-    """Pose of the robot as a localiser estimates it.
+    """Pose of the robot as a localizer estimates it.
 
     Attributes:
         tick: the one it holds for.
         base_in_map: the robot's pose: the last correction, propagated by odometry.
         odom_in_map: the correction itself, what tf publishes as map -> odom.
         covariance: (3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2.
-        particles: (n, 3) poses in the map; (0, 3) where the localiser has none.
+        particles: (n, 3) poses in the map; (0, 3) where the localizer has none.
         updated: True when a scan (or whatever it corrects by) was weighed in this tick.
-        lost: True when the localiser itself holds that the pose cannot be relied on.
-        agreement: share of the last scan weighed that the map explains from this place, 0..1; None where the localiser
+        lost: True when the localizer itself holds that the pose cannot be relied on.
+        agreement: share of the last scan weighed that the map explains from this place, 0..1; None where the localizer
             weighs none, or has not yet.
         p_wrong: probability that the pose is wrong (`wrong_pose`) by the last scan weighed, 0..1; None likewise.
         fault: failure of a localizer of others in this tick, which is lost then; empty without one.
@@ -48,7 +48,7 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PosePrior:
-    """State of a localiser that was told where it is, and has seen no tick since.
+    """State of a localizer that was told where it is, and has seen no tick since.
 
     Attributes:
         base_in_map: the pose.
@@ -95,7 +95,7 @@ class LocalizerFactory(Protocol):
 
 
 class Localizer(Protocol):
-    """One robot's localisation; it never sees the truth."""
+    """One robot's localization; it never sees the truth."""
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose (ROS: initialpose); `covariance` is (3, 3)."""
@@ -104,7 +104,7 @@ class Localizer(Protocol):
         """Forget where the robot was: it may be anywhere (ROS: global_localization)."""
 
     def widen(self, distance: float, turn: float) -> None:
-        """Doubt the pose more: the robot has moved unseen, with standard deviations of these metres and radians."""
+        """Doubt the pose more: the robot has moved unseen, with standard deviations of these meters and radians."""
 
     def request_update(self) -> None:
         """Weigh the next scan even if the robot has not moved (ROS: request_nomotion_update)."""

@@ -1,4 +1,4 @@
-"""The localiser that is told the truth: ROS's fake_localization."""
+"""The localizer that is told the truth: ROS's fake_localization."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ from sim.robot.localization.estimate import Estimate, read_only
 
 
 class FakeLocalization:
-    """Reports the robot's true pose, without doubt: for studies in which localisation is not the question.
+    """Reports the robot's true pose, without doubt: for studies in which localization is not the question.
 
     The only part of a robot's software that may see the truth; the composer hands it over.
     """

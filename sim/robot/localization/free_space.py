@@ -14,7 +14,7 @@ from sim.numerics.kernels import njit
 from sim.numerics.noise_arrays import NoiseStream
 
 ELSEWHERE = (1.0, 0.5)
-"""Metres or radians by which a pose must differ from another to be another place."""
+"""Meters or radians by which a pose must differ from another to be another place."""
 
 
 @lru_cache(maxsize=8)

@@ -32,7 +32,7 @@ from sim.robot.localization.scan_agreement import ScanAgreement
 CANDIDATES_PER_PARTICLE = 20
 """Places looked at for each particle drawn anew."""
 MIN_CANDIDATES = 50_000
-"""At least so many, so that one lies near enough to the right place in a map of some hundred square metres."""
+"""At least so many, so that one lies near enough to the right place in a map of some hundred square meters."""
 MAX_CANDIDATES = 400_000
 """At most so many."""
 ROUGH_BEAMS = 15
@@ -48,10 +48,10 @@ CANDIDATES_BESIDES = 10_000
 FITTING_SHARE = 0.01
 """Share of the candidates that must remain effective when newcomers are drawn by how well a scan fits."""
 NEWCOMER_JITTER = (0.05, 0.05, 0.05)
-"""Metres, metres, radians by which newcomers at one place differ."""
+"""Meters, meters, radians by which newcomers at one place differ."""
 
 NEARBY = (0.5, 0.5, 0.25)
-"""Metres, metres, radians: standard deviations of the newcomers that are looked for around a place."""
+"""Meters, meters, radians: standard deviations of the newcomers that are looked for around a place."""
 NEARBY_SHARE = 0.2
 """Share of a generation that is looked for around its own place when scans fit it badly."""
 
@@ -61,13 +61,13 @@ CLEARLY_BETTER = 0.1
 """Share of a scan that these must explain more: among other robots, chance finds places that are a little better."""
 
 CONVERGED_DISTANCE = 0.5
-"""Metres from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
+"""Meters from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
 
 EFFECTIVE_SHARE = 0.1
 """Share of equal particles that every scan must leave effective, see `tempered`."""
 
 JITTER = (0.01, 0.01, 0.01)
-"""Metres, metres, radians by which heirs of one particle differ. The odometry of a robot that turns on the spot
+"""Meters, meters, radians by which heirs of one particle differ. The odometry of a robot that turns on the spot
 does not spread their places: without this they would all become one.
 
 Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
@@ -80,7 +80,7 @@ PULL = 1.2
 """Standard deviation of the pull of things that the map does not show if all beams end on them, as a share of
 `laser_sigma_hit`: walls of the map that far away still attract what lies before them, in all particles alike."""
 _PULLED = np.diag((1.0, 1.0, 1.0 / 9.0))
-"""A heading is pulled as a place is by walls three metres away."""
+"""A heading is pulled as a place is by walls three meters away."""
 
 INITIAL_AGREEMENT = ScanAgreement()
 """The agreement that a hypothesis begins with."""
@@ -255,7 +255,7 @@ class CloudFilter:
         well as is usual, and clearly better: then the scan may be to blame, or the robot was carried off.
 
         The factors on the errors of odometry stay: if they grew with every such scan, the cloud would soon be too wide
-        where scans are a metre apart.
+        where scans are a meter apart.
         """
         count = min(self._parameters.max_particles, MOST_NEAR)
         candidates = noise.places.normals(view.tick, 3 * count * CANDIDATES_PER_PARTICLE).reshape(-1, 3) * NEARBY
@@ -378,7 +378,7 @@ class CloudFilter:
     def _nearby(self, place: Pose2, count: int, view: ScanView, noise: CloudNoise) -> FloatArray:
         """(count, 3) places around one where a scan fits, drawn in proportion to how well.
 
-        Wheels that are a fifth off, or a map that is some decimetres wrong, carry a cloud away from the truth step by
+        Wheels that are a fifth off, or a map that is some decimeters wrong, carry a cloud away from the truth step by
         step: none of its particles' heirs comes back.
         """
         if count == 0:

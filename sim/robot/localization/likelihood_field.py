@@ -16,7 +16,7 @@ from sim.numerics.kernels import njit
 
 
 def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
-    """Metres from each cell's centre to the nearest surface that a beam of some direction can meet, capped.
+    """Meters from each cell's center to the nearest surface that a beam of some direction can meet, capped.
 
     A laser sees the near side of walls. To a field of distances to the nearest wall, as amcl's, it makes no difference
     whether a beam ends before a wall or behind it: through thin walls a robot that sees nothing behind itself may
@@ -159,8 +159,8 @@ class Beams:
         mount: the laser.
         indices: (m,) which beams, evenly spread over the scan, both outermost among them.
         directions: (m, 2) unit vectors in the base frame.
-        range_min: metres; readings at or below it are left out.
-        range_max: metres; readings at or beyond it are left out.
+        range_min: meters; readings at or below it are left out.
+        range_max: meters; readings at or beyond it are left out.
     """
 
     mount: LaserMount
@@ -184,7 +184,7 @@ class Beams:
         return cls(mount, indices, directions, range_min, range_max)
 
     def end_points(self, scan: Scan) -> FloatArray:
-        """(m, 2) points of the base frame where the readings that mean something ended; metres.
+        """(m, 2) points of the base frame where the readings that mean something ended; meters.
 
         NaN, infinite, too short (at most `range_min`) and too long (`range_max` and more) readings are left out.
         """
@@ -192,7 +192,7 @@ class Beams:
         return _end_points(scan.ranges, self.indices, self.directions, laser.x, laser.y, self.range_min, self.range_max)
 
     def ranges(self, scan: Scan) -> FloatArray:
-        """(m,) metres along every beam; `range_max` where it saw nothing, NaN where it is lost or too short."""
+        """(m,) meters along every beam; `range_max` where it saw nothing, NaN where it is lost or too short."""
         ranges = scan.ranges[self.indices].astype(np.float64)
         ranges[ranges <= self.range_min] = np.nan
         return np.minimum(ranges, self.range_max)
@@ -217,7 +217,7 @@ class LikelihoodField:
             that faces the beam, capped at `max_dist`.
         frame: place of the table in the map.
         outside: value of the table beyond the map's edge.
-        laser: place of the laser in the base frame, metres.
+        laser: place of the laser in the base frame, meters.
         noise: z_hit, z_rand / range_max and sigma_hit.
     """
 
@@ -239,8 +239,8 @@ class LikelihoodField:
             beams: the beams that will be weighed.
             z_hit: weight of readings that end on what the map shows.
             z_rand: weight of readings that end anywhere up to the beams' greatest range.
-            sigma_hit: standard deviation of the good readings, metres.
-            max_dist: distances are capped here, metres; also the distance of everything outside the map.
+            sigma_hit: standard deviation of the good readings, meters.
+            max_dist: distances are capped here, meters; also the distance of everything outside the map.
 
         Source: Probabilistic Robotics, table 6.3, without its constant factor (as amcl).
         Differs: measures to surfaces that face the beam, where table and amcl measure to occupied cells.
@@ -273,7 +273,7 @@ class LikelihoodField:
         Args:
             particles: (n, 3) base poses in the map that agree on where the robot is.
             points: (m, 2) end points of the beams in the base frame.
-            distance: a point this near a wall is explained, metres.
+            distance: a point this near a wall is explained, meters.
             threshold: share of the particles that must explain it.
             error_threshold: share of unexplained points from which on the particles are to blame: all points stay.
 

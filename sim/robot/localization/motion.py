@@ -13,7 +13,7 @@ from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 
 _STANDING = 0.01
-"""Metres: two places nearer than this give no trustworthy bearing (amcl)."""
+"""Meters: two places nearer than this give no trustworthy bearing (amcl)."""
 
 
 _SYSTEMATIC = 0.1
@@ -31,7 +31,7 @@ MAX_NOISE_SCALE = 10.0
 
 
 class DiffIncrement(NamedTuple):
-    """A movement measured by odometry: turn, drive straight, turn again. Radians, metres, radians."""
+    """A movement measured by odometry: turn, drive straight, turn again. Radians, meters, radians."""
 
     rot1: float
     trans: float
@@ -39,7 +39,7 @@ class DiffIncrement(NamedTuple):
 
 
 class DiffSpread(NamedTuple):
-    """Standard deviations of the three parts of an increment. Radians, metres, radians."""
+    """Standard deviations of the three parts of an increment. Radians, meters, radians."""
 
     rot1: float
     trans: float
@@ -47,9 +47,9 @@ class DiffSpread(NamedTuple):
 
 
 class Alphas(NamedTuple):
-    """Believed odometry noise, as in table 5.6: turn per turn, turn per metre, metre per metre, metre per turn.
+    """Believed odometry noise, as in table 5.6: turn per turn, turn per meter, meter per meter, meter per turn.
 
-    The fifth is sideways metre per metre.
+    The fifth is sideways meter per meter.
     """
 
     alpha1: float
@@ -78,7 +78,7 @@ class OmniIncrement(NamedTuple):
 
 
 class OmniSpread(NamedTuple):
-    """Standard deviations along and across a slide, and of its turn. Metres, metres, radians."""
+    """Standard deviations along and across a slide, and of its turn. Meters, meters, radians."""
 
     trans: float
     strafe: float

@@ -23,7 +23,7 @@ Source: Page, Continuous inspection schemes (1954).
 """
 
 DRIFT_AGREEMENT = 0.4
-"""Least share of a scan that the map explains from a place some decimetres off the right one."""
+"""Least share of a scan that the map explains from a place some decimeters off the right one."""
 
 _MEMORY = 0.5
 """Decay of the average over the last scans."""

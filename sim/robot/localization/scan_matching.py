@@ -19,11 +19,11 @@ from sim.robot.localization.bilinear import REACH, interpolate
 from sim.robot.localization.surface_matching import refined
 
 _FINEST, _COARSEST = 0.15, 0.6
-"""Metres: points this far from a surface begin to count as something that the map does not show."""
+"""Meters: points this far from a surface begin to count as something that the map does not show."""
 _SEARCHED = 0.3
-"""Metres: the same when places all over the map are compared, of which none is quite right."""
+"""Meters: the same when places all over the map are compared, of which none is quite right."""
 SPACING, _HEADINGS = 0.4, 16
-"""Metres between the places, and how many headings at each, that a search begins with."""
+"""Meters between the places, and how many headings at each, that a search begins with."""
 _REFINED = 40
 """Number of them, the best, that are looked at closely."""
 _FEWEST = 20
@@ -31,7 +31,7 @@ _FEWEST = 20
 GOOD, _MARGIN = 0.8, 0.1
 """Share of the points on walls that a pose must reach to be found, and by how much it must be better than others."""
 NEAR = 1.5
-"""Metres from its last pose within which a lost robot is looked for first."""
+"""Meters from its last pose within which a lost robot is looked for first."""
 _STEPS = 4
 """Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
@@ -45,8 +45,8 @@ class ScanMatch(NamedTuple):
         base_in_map: the pose.
         information: (3, 3) inverse covariance of it if the map is right; singular along a direction the scan does not
             fix.
-        by_walls: (3, 3) covariance of it if the map's walls are one metre off (one standard deviation).
-        walls_off: sum of squares that walls are off, and its expectation if they are one metre off.
+        by_walls: (3, 3) covariance of it if the map's walls are one meter off (one standard deviation).
+        walls_off: sum of squares that walls are off, and its expectation if they are one meter off.
         share: share of the points that lie on the map's surfaces there; 0 to 1.
     """
 
@@ -58,7 +58,7 @@ class ScanMatch(NamedTuple):
 
 
 def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
-    """Metres from each cell's centre to the nearest surface of a wall, negative inside walls.
+    """Meters from each cell's center to the nearest surface of a wall, negative inside walls.
 
     A laser sees surfaces: a field that is 0 throughout the walls would let beams sink into them for free.
 
@@ -145,10 +145,10 @@ class ScanMatcher:
     """Matches scans to a map.
 
     Attributes:
-        field: (rows, cols) metres to the nearest surface, negative inside walls; see `signed_distance`.
+        field: (rows, cols) meters to the nearest surface, negative inside walls; see `signed_distance`.
         frame: its place in the map.
         squares: the map's strides for beams.
-        laser: its x and y in the base frame, metres.
+        laser: its x and y in the base frame, meters.
         free: (n, 3) poses in free cells, so dense that a match from one of them finds any pose of a robot.
     """
 
@@ -205,9 +205,9 @@ class ScanMatcher:
         """The pose near `guess` from which the points lie on the map's walls.
 
         Args:
-            guess: base in map, within some decimetres of the truth.
+            guess: base in map, within some decimeters of the truth.
             points: (m, 2) end points of the beams in the base frame.
-            error: metres by which the guess may put a point wrong; the larger, the more the points of other robots
+            error: meters by which the guess may put a point wrong; the larger, the more the points of other robots
                 pull as well.
 
         Returns:

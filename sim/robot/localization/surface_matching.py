@@ -21,17 +21,17 @@ from sim.robot.localization.bilinear import interpolate
 _STEPS = 3
 """Gauss-Newton steps; each casts the beams anew."""
 _BEFORE = 0.01
-"""Metres before a surface at which its normal is taken: the field has a crease on it."""
+"""Meters before a surface at which its normal is taken: the field has a crease on it."""
 _FLATTEST = 0.3
-"""Least slope of the field, metres a metre, at which it says where a surface faces; at an inner corner it does not."""
+"""Least slope of the field, meters a meter, at which it says where a surface faces; at an inner corner it does not."""
 _LEAST_DEVIATION = 0.002
-"""Metres that points are held to scatter by at least."""
+"""Meters that points are held to scatter by at least."""
 _MOST_LEVERAGE = 0.9
 """A point that decides the pose nearly alone has no residual to judge it by."""
 _NEAR_A_SURFACE = 0.25
 """Weight from which on a point counts as one on a surface of the map."""
 _SAME_WALL = (0.95, 0.1)
-"""Least cosine between the normals of neighbouring points of one wall, and metres between their planes at most."""
+"""Least cosine between the normals of neighboring points of one wall, and meters between their planes at most."""
 
 
 @njit(cache=True)
@@ -106,13 +106,13 @@ def refined(
     """The pose at which points lie on the surfaces that their beams meet.
 
     Args:
-        field: (rows, cols) signed metres to the nearest surface, see `scan_matching.signed_distance`.
+        field: (rows, cols) signed meters to the nearest surface, see `scan_matching.signed_distance`.
         frame: its place in the map.
         squares: the map's strides, see `raycast.free_squares_of`.
-        laser: x and y in the base frame, metres.
-        pose: x, y, theta of the base in the map, a few centimetres from the truth.
+        laser: x and y in the base frame, meters.
+        pose: x, y, theta of the base in the map, a few centimeters from the truth.
         points: (m, 2) end points of the beams in the base frame.
-        width: metres from a surface at which points begin to count as something that the map does not show.
+        width: meters from a surface at which points begin to count as something that the map does not show.
         damping: part of the information's mean that is added to its diagonal.
 
     Returns:
@@ -192,8 +192,8 @@ def _walls(
     of them only: in how far each wall's points lie off it on the mean, more than by their own noise.
 
     Returns:
-        (3, 3) covariance of the pose for walls that are one metre off (one standard deviation); the sum of squares that
-        walls are off, in m^2; and its expectation for walls that are one metre off. The ratio of the latter two, over
+        (3, 3) covariance of the pose for walls that are one meter off (one standard deviation); the sum of squares that
+        walls are off, in m^2; and its expectation for walls that are one meter off. The ratio of the latter two, over
         many scans, is the variance of the walls' places.
 
     Source: Henderson, Estimation of variance and covariance components (1953), method 3, for the variance of a random

@@ -14,7 +14,7 @@ from sim.numerics.float_array import FloatArray
 from sim.robot.localization.hypothesis import Hypothesis
 
 WRONG_DISTANCE = 1.0
-"""Metres from the true place beyond which a pose is wrong."""
+"""Meters from the true place beyond which a pose is wrong."""
 WRONG_TURN = 0.5
 """Radians from the true heading beyond which a pose is wrong."""
 
@@ -25,7 +25,7 @@ _MANY_UPDATES = 100
 _SETTLED = 5
 """Settled scans after which more of them say nothing more."""
 _USUAL_DEVIATIONS = (0.1, 0.05)
-"""Metres and radians: usual standard deviations of a pose."""
+"""Meters and radians: usual standard deviations of a pose."""
 _WIDEST = 4.0
 """Greatest logarithm of a deviation's ratio to the usual one."""
 

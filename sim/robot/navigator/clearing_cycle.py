@@ -46,7 +46,7 @@ class ClearingCycle:
         self._seed = seed
 
     def recover(self, tick: int, pose: Pose2, why: Callable[[Goal], NoPath]) -> None:
-        """Try the next recovery behaviour; when there is none left, the goal is given up."""
+        """Try the next recovery behavior; when there is none left, the goal is given up."""
         self._execution.oscillation.restart(tick)
         self._execution.progress.restart_stay()
         self._execution.progress.restart_patience(tick)

@@ -21,14 +21,14 @@ from sim.robot.navigator.costmaps import Costmaps
 from sim.robot.navigator.scan_obstacles import may_turn, room_ahead, seen_around
 
 LOOK_AHEAD = 1.75
-"""Metres of path given to the local planner at most."""
+"""Meters of path given to the local planner at most."""
 RIM_MARGIN = 0.25
-"""Metres from it to the local costmap's rim, toward which the robot drives until the next update."""
+"""Meters from it to the local costmap's rim, toward which the robot drives until the next update."""
 
 SEARCH_TURN = 0.5
 """Radians by which the heading that a lost robot turns to is ahead of its own: its rate of turn in rad/s."""
 SEARCH_SPEED = 0.1
-"""Metres a second at which it drives on where it cannot turn."""
+"""Meters a second at which it drives on where it cannot turn."""
 
 
 class Controller:
@@ -43,7 +43,7 @@ class Controller:
     Attributes:
         costmap: the local one.
         planner: the local planner.
-        reach: metres of path that it may be given.
+        reach: meters of path that it may be given.
         control_ticks: from one command to the next.
         pending: the last scan, until the costmap has taken it in.
     """
@@ -110,7 +110,7 @@ class Controller:
         self.costmap.update(pose.x, pose.y)
 
     def surroundings(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
-        """Return the walls, obstacles seen and neighbours that the robot may hit."""
+        """Return the walls, obstacles seen and neighbors that the robot may hit."""
         clearance, frame = self._clearance, self._frame
         seen = self._whole.obstacles
         if seen.any_marks:

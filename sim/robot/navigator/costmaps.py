@@ -55,7 +55,7 @@ class CostmapPublisher:
         Args:
             tick: the present one.
             pose: believed pose of the robot.
-            neighbours: the other robots.
+            neighbors: the other robots.
             pending: a scan that the costmap has yet to take in.
         """
         self._first = False
@@ -70,7 +70,7 @@ class Costmaps:
 
     Args:
         parameters: this robot's software's.
-        footprint: (n, 2) corners of its body, base frame, metres.
+        footprint: (n, 2) corners of its body, base frame, meters.
         turned: the map, and its change of frames.
         robot: its index in the team.
 
@@ -98,7 +98,7 @@ class Costmaps:
 
     @property
     def explained_range(self) -> float:
-        """Metres from the laser beyond which no robot's body explains a reading that would mark."""
+        """Meters from the laser beyond which no robot's body explains a reading that would mark."""
         return max(self.global_costmap.obstacles.explained_range, self.local_costmap.obstacles.explained_range)
 
     def clear(self) -> None:

@@ -33,9 +33,9 @@ from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.transitions import check_transition
 
 HALT_DISTANCE = 0.12
-"""Metres before a point that may not be passed at which a robot waits."""
+"""Meters before a point that may not be passed at which a robot waits."""
 TURN_BACK_DISTANCE = 0.06
-"""Metres that a path comes nearer again before it counts as turning back."""
+"""Meters that a path comes nearer again before it counts as turning back."""
 YIELD_TIME = 0.5
 """Seconds from such a point, at least, from which a robot slows down."""
 STUCK_TIMEOUT = 2.0
@@ -125,7 +125,7 @@ class Follower:
             planner have begun goes on: a robot with ten plans a second would else begin to back up ten times.
 
     Attributes:
-        ahead: (m, 3) poses still to be passed, their (m,) times, and their length in metres.
+        ahead: (m, 3) poses still to be passed, their (m,) times, and their length in meters.
     """
 
     def __init__(
@@ -177,7 +177,7 @@ class Follower:
 
     @property
     def remaining(self) -> float:
-        """Metres of the itinerary that are left."""
+        """Meters of the itinerary that are left."""
         return self.ahead[2]
 
     def held_up(self, tick: int) -> bool:
@@ -196,7 +196,7 @@ class Follower:
             tick: the present one; a command is due.
             pose: believed pose of the robot.
             twist: its velocity.
-            neighbours: the last states of the others.
+            neighbors: the last states of the others.
         """
         if self._controller.update_due(tick) or self._held_up_since == tick:
             self._controller.update_costmap(pose, neighbours)
@@ -310,7 +310,7 @@ class Follower:
 
 @njit(cache=True)
 def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
-    """Last point of a path within `reach` metres along it from point `index`; (m,) metres are left at each."""
+    """Last point of a path within `reach` meters along it from point `index`; (m,) meters are left at each."""
     last = index
     while last + 1 < left.shape[0] and left[index] - left[last + 1] <= reach:
         last += 1

@@ -29,7 +29,7 @@ class GoalExecution:
 
     Args:
         move_base: parameters.
-        circumscribed: radius of the robot, metres.
+        circumscribed: radius of the robot, meters.
         planner: of itineraries, whose search is given up when the robot stops.
 
     Attributes:

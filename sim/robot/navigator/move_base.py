@@ -3,7 +3,7 @@
 A goal is planned for (`planning.itinerary_planner`), followed as far as the right of way reaches
 (`navigator.follower`), and ends GoalReached, NoPath or Cancelled. Where robots that stand leave no path, the robot
 broadcasts the path it wants; those of them that rest, or whose goals are younger, move aside. An obstacle seen on the
-path is planned around at once; where that leaves no path, the robot waits, then tries the recovery behaviours. Whatever
+path is planned around at once; where that leaves no path, the robot waits, then tries the recovery behaviors. Whatever
 the cause, a goal whose remaining path has not become shorter for PROGRESS_TIMEOUT seconds is given up: every goal ends
 in bounded time. `navigator.states` has the states, and the table of all transitions between them.
 
@@ -66,7 +66,7 @@ class Navigator:
 
     Args:
         parameters: this robot's software's.
-        footprint: (n, 2) corners of its body, base frame, metres.
+        footprint: (n, 2) corners of its body, base frame, meters.
         static: the map.
         robot: its index in the team.
         space: room to plan in, which it may share with others: nothing is kept there between plans. None: of its own.
@@ -151,7 +151,7 @@ class Navigator:
             base_in_map: believed pose of the robot.
             start: pose at the beginning.
             goal: pose at the end.
-            tolerance: metres by which it may miss the goal, along x and along y, where that cannot be reached.
+            tolerance: meters by which it may miss the goal, along x and along y, where that cannot be reached.
 
         Returns:
             (m, 3) poses in the map, or why there are none.
@@ -190,7 +190,7 @@ class Navigator:
             base_in_map: believed pose of the robot.
             twist: its velocity, by odometry.
             scan: the laser's, where it was due.
-            neighbours: broadcasts of the other robots in the last tick.
+            neighbors: broadcasts of the other robots in the last tick.
             lost: True when that pose cannot be relied on: with a goal the robot looks around until it can.
         """
         execution = self._execution
@@ -229,7 +229,7 @@ class Navigator:
 
         Args:
             tick: that of the last step.
-            neighbours: broadcasts of the other robots in that tick.
+            neighbors: broadcasts of the other robots in that tick.
         """
         execution = self._execution
         state = execution.state
@@ -260,7 +260,7 @@ class Navigator:
 
     @property
     def recovery(self) -> RecoveryProgress:
-        """The recovery behaviours, and how many of them have been tried."""
+        """The recovery behaviors, and how many of them have been tried."""
         return self._execution.recovery.progress
 
     @property
@@ -330,6 +330,6 @@ def _plans_by(parameters: RobotParameters) -> tuple[str, NavfnParameters, Global
 
 
 def _discs(neighbours: Sequence[Neighbour], laser: Pose2, reach: float) -> FloatArray:
-    """(k, 3) x, y and circumscribed radius of those neighbours that come within `reach` metres of the laser."""
+    """(k, 3) x, y and circumscribed radius of those neighbors that come within `reach` meters of the laser."""
     near = neighbours_reaching(neighbours, laser.x - reach, laser.y - reach, laser.x + reach, laser.y + reach)
     return np.array([(other.base_in_map.x, other.base_in_map.y, radius) for other, radius in near]).reshape(-1, 3)

@@ -24,7 +24,7 @@ class Navigation:
         times: (m,) times of these poses, broadcast with them; empty with a plan that is only wanted.
         local_plan: (k, 3) map poses the command would lead through.
         result: that of a goal that ended in this very tick.
-        remaining: metres of the plan left.
+        remaining: meters of the plan left.
         claim: with a plan that is only wanted: the priority of the robot that wants it.
         global_costmap: the costs that plans are made with, in the ticks when they are published.
         local_costmap: the same for commands.

@@ -10,7 +10,7 @@ PROGRESS_TIMEOUT = 120.0
 """Seconds, beside those that its longest path takes, in which the remaining path must become shorter than ever before,
 or the goal is given up: so every goal ends."""
 PROGRESS_DISTANCE = 0.5
-"""Metres by which it must become shorter."""
+"""Meters by which it must become shorter."""
 STAY_TIMEOUT = 20.0
 """Seconds of driving within STAY_DISTANCE of one place after which a recovery behavior is due, even if
 `oscillation_timeout` is 0: the slowest robots of other labs drive 0.1 m/s."""
@@ -44,7 +44,7 @@ class GoalProgress:
         self.last_valid = tick
 
     def restart_patience(self, tick: int) -> None:
-        """Take note that there is a plan, or that a recovery behaviour may make one possible."""
+        """Take note that there is a plan, or that a recovery behavior may make one possible."""
         self._planning_since, self._retries = tick, 0
 
     def note_others_arriving(self, tick: int) -> None:
@@ -65,11 +65,11 @@ class GoalProgress:
         self._shortest, self._shortest_tick = math.inf, tick
 
     def note_path(self, length: float) -> None:
-        """Take note of a path of so many metres."""
+        """Take note of a path of so many meters."""
         self._longest = max(self._longest, length)
 
     def watch(self, tick: int, remaining: float) -> bool:
-        """Take note of the metres of path that are left; return True when the robot has come nearer than ever."""
+        """Take note of the meters of path that are left; return True when the robot has come nearer than ever."""
         if remaining >= self._shortest - PROGRESS_DISTANCE:
             return False
         self._shortest, self._shortest_tick = remaining, tick

@@ -1,4 +1,4 @@
-"""Recovery behaviours: what a navigator tries, one after the other, before it gives a goal up.
+"""Recovery behaviors: what a navigator tries, one after the other, before it gives a goal up.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (loadDefaultRecoveryBehaviors, executeCycle),
 clear_costmap_recovery, rotate_recovery.
@@ -32,7 +32,7 @@ class RecoverySituation:
         scan: the last one that the local costmap has not taken in yet; None without one.
         costs: (rows, cols) the local costmap.
         frame: its place in the map.
-        footprint: (n, 2) padded corners of the body, base frame, metres.
+        footprint: (n, 2) padded corners of the body, base frame, meters.
     """
 
     seconds: float
@@ -69,8 +69,8 @@ class RecoveryProgress:
     """State of a goal's recovery.
 
     Attributes:
-        tried: number of behaviours that have been tried since something went well.
-        names: all behaviours, in order.
+        tried: number of behaviors that have been tried since something went well.
+        names: all behaviors, in order.
     """
 
     tried: int
@@ -78,11 +78,11 @@ class RecoveryProgress:
 
 
 class RecoveryBehaviours:
-    """The list of recovery behaviours, and the next one to try.
+    """The list of recovery behaviors, and the next one to try.
 
     Args:
         parameters: move_base's.
-        circumscribed: radius of the robot, metres; four times that is the side of the aggressive reset's square.
+        circumscribed: radius of the robot, meters; four times that is the side of the aggressive reset's square.
     """
 
     def __init__(self, parameters: MoveBaseParameters, circumscribed: float) -> None:
@@ -90,7 +90,7 @@ class RecoveryBehaviours:
         self.configure(parameters, circumscribed)
 
     def configure(self, parameters: MoveBaseParameters, circumscribed: float) -> None:
-        """Go on with these parameters, with the behaviours that are left."""
+        """Go on with these parameters, with the behaviors that are left."""
         names = [behaviour.name for behaviour in parameters.recovery_behaviors]
         if not parameters.clearing_rotation_allowed:
             names = [name for name in names if name != "rotate_recovery"]
@@ -106,18 +106,18 @@ class RecoveryBehaviours:
 
     @property
     def progress(self) -> RecoveryProgress:
-        """The behaviours, and how many of them have been tried."""
+        """The behaviors, and how many of them have been tried."""
         return RecoveryProgress(self._next, tuple(self._names))
 
     def next(self) -> str | None:
-        """Return the behaviour to try now; None when all have been tried."""
+        """Return the behavior to try now; None when all have been tried."""
         if self._next >= len(self._names):
             return None
         self._next += 1
         return self._names[self._next - 1]
 
     def reset_side(self, behaviour: str) -> float:
-        """Side, metres, of the square around the robot outside of which a reset forgets marks; 0 for a rotation."""
+        """Side, meters, of the square around the robot outside of which a reset forgets marks; 0 for a rotation."""
         return self._squares.get(behaviour, 0.0)
 
 
@@ -126,7 +126,7 @@ class OscillationDetector:
 
     Args:
         timeout: seconds after which it counts as oscillating; 0: never.
-        distance: metres that count as having moved.
+        distance: meters that count as having moved.
     """
 
     def __init__(self, timeout: float, distance: float) -> None:

@@ -12,7 +12,7 @@ from sim.robot.costmap.costs import CostFrame
 from sim.robot.local_planning.braking import WALL_MARGIN, Surroundings
 
 _REACH = 1.2
-"""Metres from the base that are looked at: turning in place and a slow step forward need no more."""
+"""Meters from the base that are looked at: turning in place and a slow step forward need no more."""
 _RESOLUTION = 0.025
 _NO_BODIES = np.empty((0, 0, 2))
 
@@ -55,7 +55,7 @@ def may_turn(scan: Scan, radius: float) -> bool:
 
     Args:
         scan: the latest.
-        radius: that of the robot's circumscribed circle, metres.
+        radius: that of the robot's circumscribed circle, meters.
     """
     points = _end_points(scan)
     first, last = points[0], points[-1]
@@ -66,7 +66,7 @@ def may_turn(scan: Scan, radius: float) -> bool:
 
 
 def room_ahead(scan: Scan, footprint: FloatArray) -> float:
-    """Metres straight on from the robot to the first obstacle that a scan shows; inf where it shows none.
+    """Meters straight on from the robot to the first obstacle that a scan shows; inf where it shows none.
 
     Args:
         scan: the latest.

@@ -1,4 +1,4 @@
-"""Stale neighbours: team mates that broadcast no more, at the poses they told last.
+"""Stale neighbors: team mates that broadcast no more, at the poses they told last.
 
 A robot that dies in a doorway stays there. The others keep it at its last known pose: for plans until STALE_TIMEOUT,
 then only if the laser sees it (it may have been carried away); for braking until the laser looks through the place
@@ -23,7 +23,7 @@ from sim.numerics.kernels import njit
 STALE_TIMEOUT = 20.0
 """Seconds for which plans keep clear of a robot that broadcasts no more."""
 CORE_RADIUS = 0.15
-"""Metres around a robot's centre through which no laser looks while it stands there."""
+"""Meters around a robot's center through which no laser looks while it stands there."""
 
 
 _ROBOT = attrgetter("robot")
@@ -31,7 +31,7 @@ _ROBOT = attrgetter("robot")
 
 @njit(cache=True)
 def _looks_through(angles: FloatArray, ranges: NDArray[np.float32], bearing: float, away: float) -> bool:
-    """Return True when any of (m,) beams, radians, reaches beyond the core of a body so many metres away."""
+    """Return True when any of (m,) beams, radians, reaches beyond the core of a body so many meters away."""
     beyond = np.float32(away + CORE_RADIUS)
     for i in range(angles.shape[0]):
         off = abs((angles[i] - bearing + math.pi) % math.tau - math.pi)

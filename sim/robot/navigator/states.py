@@ -121,7 +121,7 @@ TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
     (Planning, "plan made", Controlling),  # Follow it.
     (Planning, "deferred", Planning),  # The goal lies on the path of a robot with an older one: let that one go first.
     (Planning, "blocked by robots", Planning),  # Ask them to clear the path; give up after CLEARING_TIMEOUT.
-    (Planning, "plan refused", Planning),  # Try again; after planner_patience try a recovery behaviour, then give up.
+    (Planning, "plan refused", Planning),  # Try again; after planner_patience try a recovery behavior, then give up.
     (Planning, "asked to clear", Controlling),
     (Planning, "asked to clear", Planning),
     (Planning, "recovery", Clearing),  # rotate_recovery: turn once around. Resets of costmaps change no state.

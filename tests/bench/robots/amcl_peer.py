@@ -21,7 +21,7 @@ NONE: FloatArray = np.empty(0)
 
 @dataclass(frozen=True, slots=True)
 class Tracked:
-    """What a filter made of a run: metres off at each update, and CPU seconds of each.
+    """What a filter made of a run: meters off at each update, and CPU seconds of each.
 
     Of ours also whether the reported 95 % ellipse held the truth, and whether it said it was lost.
     """

@@ -1,4 +1,4 @@
-"""A robot's tour of a map, as its filter would see it, with the truth beside: what localisers are compared on."""
+"""A robot's tour of a map, as its filter would see it, with the truth beside: what localizers are compared on."""
 
 import struct
 from collections.abc import Sequence
@@ -96,7 +96,7 @@ def part(run: Run, begin: int, scans: int) -> Run:
 def kidnapped(run: Run, seed: int, before: int = 150, after: int = 600, least: float = 4.0) -> Run:
     """Two parts of a run, `before` scans and `after`: between them the robot is carried, and its wheels do not notice.
 
-    Where from and where to the seed draws; at least so many metres lie between.
+    Where from and where to the seed draws; at least so many meters lie between.
     """
     for first, second in NoiseStream.named(seed, "kidnapping").uniforms(0, 2000).reshape(-1, 2):
         lifted = before + int(first * (len(run.truth) - before))

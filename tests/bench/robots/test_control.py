@@ -36,7 +36,7 @@ pytestmark = pytest.mark.bench
 
 OFFICE = read_map(Path(__file__).parents[3] / "maps" / "office")
 REACH = 3.0
-"""Metres of path given to the planner."""
+"""Meters of path given to the planner."""
 ROUNDS = 5
 
 

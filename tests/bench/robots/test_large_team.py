@@ -30,7 +30,7 @@ RUNS = 2
 
 
 def free_places(grid: OccupancyGrid, spacing: float) -> list[Pose2]:
-    """Places on a lattice, metres, at which robots may stand and turn, in an order that mixes them."""
+    """Places on a lattice, meters, at which robots may stand and turn, in an order that mixes them."""
     room = distance_field(grid, 2.0)
     places = [
         Pose2(float(x), float(y), 0.0)

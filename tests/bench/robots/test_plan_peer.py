@@ -67,7 +67,7 @@ def longest(costs: Costs) -> NDArray[np.int32]:
 
 
 def theirs(peer: Path, costs: Costs, queries: NDArray[np.int32], mode: str, folder: Path) -> tuple[float, float]:
-    """Milliseconds a query, the best of several runs, and metres of all paths."""
+    """Milliseconds a query, the best of several runs, and meters of all paths."""
     file = folder / "queries"
     file.write_bytes(struct.pack("<iii", *costs.shape, len(queries)) + costs.tobytes() + queries.tobytes())
     tables = []

@@ -49,7 +49,7 @@ def test_tour(planner, seed, office, budgets: Budgets, capsys):
 
 @dataclass(frozen=True, slots=True)
 class Tour:
-    """What came of a tour: goals reached, metres driven, simulated seconds, collisions, CPU seconds."""
+    """What came of a tour: goals reached, meters driven, simulated seconds, collisions, CPU seconds."""
 
     reached: int
     driven: float

@@ -28,11 +28,11 @@ pytestmark = [pytest.mark.bench, pytest.mark.timeout(1800)]
 
 SEEDS = range(1, 21)
 JUMP = 1.0
-"""Metres by which a pose is wrong, or is suddenly as much better or worse."""
+"""Meters by which a pose is wrong, or is suddenly as much better or worse."""
 
 
 def tracked(run: Run, believed: OccupancyGrid, seed: int) -> FloatArray:
-    """(n, 3) of each update: metres off, metres by which that changed at once, 1 where it said to be lost.
+    """(n, 3) of each update: meters off, meters by which that changed at once, 1 where it said to be lost.
 
     Odometry is judged as `thbridge localize` does.
     """

@@ -65,7 +65,7 @@ def octagon(radius: float) -> tuple[tuple[float, float], ...]:
 
 
 def clearance(grid: OccupancyGrid) -> FloatArray:
-    """(rows, cols) metres to the nearest cell that is not free."""
+    """(rows, cols) meters to the nearest cell that is not free."""
     return np.asarray(distance_transform_edt(grid.cells == FREE) * grid.resolution)
 
 
@@ -160,7 +160,7 @@ def scaled(run: Run, place: Map, factor: float) -> TroubledRun:
 
 
 def warped(place: Map, amplitude: float, wave: float) -> Map:
-    """Return a map whose walls lie up to `amplitude` metres off, along x and y, in waves of `wave` metres."""
+    """Return a map whose walls lie up to `amplitude` meters off, along x and y, in waves of `wave` meters."""
     grid = place.grid
     row, col = np.indices(grid.cells.shape)
     shift = amplitude / grid.resolution

@@ -25,13 +25,13 @@ RATE = 40
 MOUNT = LaserMount(Pose2(0.15, 0.0, 0.0), -0.75 * math.pi, 1.5 * math.pi / 1080, 1081, 0.05, 30.0)
 RANGE_NOISE = 0.02
 WIDTH, HEIGHT, CORRIDOR, MARGIN = 34.0, 18.0, 2.4, 1.5
-"""Metres: a corridor of this width runs around a block, with doors and niches in its walls."""
+"""Meters: a corridor of this width runs around a block, with doors and niches in its walls."""
 CORNER = 1.2
-"""Metres: radius of the corridor's middle line at its corners."""
+"""Meters: radius of the corridor's middle line at its corners."""
 LENGTH = 60.0
-"""Metres driven."""
+"""Meters driven."""
 GAINS, LEADS, SPEEDS = (1.0, 1.4, 1.7), (0.0, 0.1, 0.2), (1.0, 2.0)
-"""Reported turns per real turn; seconds by which odometry leads the scans; metres a second."""
+"""Reported turns per real turn; seconds by which odometry leads the scans; meters a second."""
 _FINE = 400
 """Poses a second between which the car's path is interpolated."""
 
@@ -61,7 +61,7 @@ class Drive:
 
 
 def corridors() -> OccupancyGrid:
-    """The map: free corridors around a block, in walls with doors and niches every few metres."""
+    """The map: free corridors around a block, in walls with doors and niches every few meters."""
     resolution = 0.05
     rows, cols = int((HEIGHT + 2 * MARGIN) / resolution), int((WIDTH + 2 * MARGIN) / resolution)
     y, x = (np.indices((rows, cols)) + 0.5) * resolution - MARGIN
@@ -170,7 +170,7 @@ def run_of(driven: Drive, odometry: FloatArray) -> Run:
 
 
 def with_spikes(driven: Drive, size: float, seed: int) -> Run:
-    """The drive with faultless odometry but for one message every two seconds, which is off by so many metres."""
+    """The drive with faultless odometry but for one message every two seconds, which is off by so many meters."""
     odometry = _faultless(driven)
     seconds = np.arange(2, len(odometry) // RATE - 1, 2)
     after, bearing = NoiseStream.named(seed, "spikes").uniforms(0, 2 * len(seconds)).reshape(2, -1)

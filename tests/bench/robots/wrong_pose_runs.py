@@ -25,7 +25,7 @@ EDGES = (0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0)
 """Probabilities between which updates are put together for the table of calibration."""
 FIRST_COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12) ** 2])
 MISLED = 2.0
-"""Least metres by which a start pose is wrong where it is."""
+"""Least meters by which a start pose is wrong where it is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ def started_runs(seed: int, office: Map, arena: Map) -> Iterator[StartedRun]:
 
 
 def wrong_start(run: Run, place: Map, seed: int) -> Pose2:
-    """Return a random free pose at least `MISLED` metres from the start of a run."""
+    """Return a random free pose at least `MISLED` meters from the start of a run."""
     noise = NoiseStream.named(seed, "misled")
     points = free_points(place.grid, 0.3, noise, 50)
     x, y = next(point for point in points if math.dist(point, run.truth[0, :2]) > MISLED)

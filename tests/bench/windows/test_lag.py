@@ -20,9 +20,9 @@ SECONDS = 45.0
 BEFORE, AFTER = 0.6, 0.1
 """What is drawn now is looked for among what robots believed from so long ago until so soon."""
 DRIVES = 0.25
-"""Only of robots that drive can be told how late they are drawn; metres a second."""
+"""Only of robots that drive can be told how late they are drawn; meters a second."""
 NEAR = 0.03
-"""Who is drawn farther from where it ever was corrects its place; metres."""
+"""Who is drawn farther from where it ever was corrects its place; meters."""
 
 
 def started(opened: ExitStack, folder: Path, environment: dict[str, str], *arguments: str) -> subprocess.Popen[str]:

@@ -24,7 +24,7 @@ mav = mavutil.mavlink
 
 PATIENCE = 60.0
 STILL = 0.02
-"""Metres per second."""
+"""Meters per second."""
 
 Told = dict[str, Any]
 Place = Sequence[float]

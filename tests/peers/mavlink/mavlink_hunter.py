@@ -30,7 +30,7 @@ class Hunter:
 
     Args:
         port: UDP on this machine, to which robots speak.
-        goals: of the rooms by number, metres east and north.
+        goals: of the rooms by number, meters east and north.
         names: of all treasures, in the order in which MAVLink numbers them.
     """
 

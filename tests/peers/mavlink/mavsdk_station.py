@@ -29,7 +29,7 @@ from mavsdk.plugins.param import ParamError
 PATIENCE = 60.0
 NEAR = 0.35
 METRES_OF_A_DEGREE = 111_319.5
-"""Along the equator; near enough over a few metres, to say where to go and whether it is there."""
+"""Along the equator; near enough over a few meters, to say where to go and whether it is there."""
 
 T = TypeVar("T")
 Told = dict[str, Any]
@@ -63,7 +63,7 @@ async def in_time(what: str, awaited: Awaitable[T]) -> T:
 
 
 class Earth:
-    """Metres east and north of the map's origin as degrees."""
+    """Meters east and north of the map's origin as degrees."""
 
     def __init__(self, latitude: float, longitude: float) -> None:
         self.latitude, self.longitude = latitude, longitude
@@ -124,7 +124,7 @@ class Rover:
         self.direct = MavlinkDirectAsync(system)
 
     async def where(self) -> tuple[float, float]:
-        """East and north, metres, as it tells in the local frame."""
+        """East and north, meters, as it tells in the local frame."""
         place = await first("a local position", self.telemetry.subscribe_position_velocity_ned())
         return place.position.east_m, place.position.north_m
 
@@ -145,7 +145,7 @@ class Rover:
             await asyncio.sleep(0.05)
 
     async def home(self) -> tuple[float, float]:
-        """East and north, metres, as it was told last."""
+        """East and north, meters, as it was told last."""
         home = await self.telemetry.home()
         return self.earth.metres(home.latitude_deg, home.longitude_deg)
 

@@ -196,7 +196,7 @@ def test_a_plan_with_home_before_it_is_written_and_read_back_and_driven() -> Non
     station, _ = connected(AutopilotIdentity.ARDUPILOT)
     position = station.wait(3.0, "GLOBAL_POSITION_INT")
     assert position is not None
-    north = 100  # of 1e-7 degrees: a metre and a bit
+    north = 100  # of 1e-7 degrees: a meter and a bit
     places = [(position.lat, position.lon), (position.lat + north, position.lon), (position.lat, position.lon + north)]
     items = [waypoint(seq, *place) for seq, place in enumerate(places)]
     assert station.writes_plan(items) == str(mav.MAV_MISSION_ACCEPTED)

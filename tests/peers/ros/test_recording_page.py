@@ -13,6 +13,7 @@ from tests.support.programs.peer_programs import skip_if_crashed
 from tests.support.project import ROOT
 
 EVO = ROOT / ".peers" / "evo" / "bin"
+PAGE = ROOT / "docs" / "how-to" / "your-own-recording.md"
 _SCRIPT = re.compile(r"^```(sh|bash)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -22,7 +23,7 @@ _SCRIPT = re.compile(r"^```(sh|bash)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 def test_the_tools_of_others_read_what_the_page_says(tmp_path: Path) -> None:
     ours = Path(sys.executable).parent
     said = []
-    for kind, script in _SCRIPT.findall((ROOT / "docs" / "how-to" / "your-own-recording.md").read_text(encoding="utf-8")):
+    for kind, script in _SCRIPT.findall(PAGE.read_text(encoding="utf-8")):
         surroundings = {name: value for name, value in os.environ.items() if name not in {"DISPLAY", "PYTHONPATH"}}
         surroundings["PATH"] = os.pathsep.join([str(ours if kind == "sh" else EVO), os.environ["PATH"]])
         surroundings["HOME"] = str(tmp_path)

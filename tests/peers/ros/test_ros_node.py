@@ -43,12 +43,12 @@ TRIGGER = (
 
 
 def string(text: str) -> bytes:
-    """A serialised std_msgs/String."""
+    """A serialized std_msgs/String."""
     return struct.pack("<I", len(text)) + text.encode()
 
 
 def triggered(message: str) -> bytes:
-    """A serialised std_srvs/TriggerResponse."""
+    """A serialized std_srvs/TriggerResponse."""
     return b"\x01" + string(message)
 
 

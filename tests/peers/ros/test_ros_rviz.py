@@ -31,7 +31,7 @@ pytestmark = [
 
 ROBOTS = 2
 NEAR = 12
-"""How far a colour on the screen may be from the one in the file, of 255."""
+"""How far a color on the screen may be from the one in the file, of 255."""
 HARMLESS = ("media_export", "indexed_8bit_image")
 """What rviz complains of with no data at all: of Debian's packages, and of a screen without a graphics card."""
 
@@ -55,7 +55,7 @@ class Sight:
         return bool((dark.sum(axis=0) > 500).sum() >= 4 and (dark.sum(axis=1) > 600).sum() >= 4)
 
     def count(self, colour: str) -> int:
-        """How many pixels have a colour, given as rviz writes it."""
+        """How many pixels have a color, given as rviz writes it."""
         wanted = np.array([float(part) for part in colour.split(";")])
         return int((np.abs(self.pixels - wanted).max(axis=2) <= NEAR).sum())
 

@@ -1,6 +1,6 @@
 """The participant's process holds nothing that the game has not told: memory, traffic and files are searched.
 
-The treasures of this hunt have names, colours, footprints and pictures whose words occur nowhere else in the world.
+The treasures of this hunt have names, colors, footprints and pictures whose words occur nowhere else in the world.
 """
 
 import json
@@ -25,7 +25,7 @@ KINDS = {
     "Quixzorvel": ("Vrembluth", "Plonktwixt", "zzwarbix.jpg"),
     "Jaxmuthrow": ("Oxfribbleq", "Gwendrazzy", "qqhutmelp.jpg"),
 }
-"""Name: colour, footprint, file."""
+"""Name: color, footprint, file."""
 SECRETS = [word for name, words in KINDS.items() for word in (name, *words)]
 
 

@@ -223,6 +223,6 @@ def test_a_recording_is_looked_through_by_mouse_and_keys(screen: Desktop, tmp_pa
 
 
 def costs_drawn(watch: Watch) -> int:
-    """Pixels of the map in the colour in which rviz draws costs next to walls."""
+    """Pixels of the map in the color in which rviz draws costs next to walls."""
     red, green, blue = np.moveaxis(watch.map_pixels(), 2, 0)
     return int(((red < 120) & (green > 220) & (blue > 220)).sum())

@@ -77,7 +77,7 @@ class TestOccupancyGrid:
 
 
 def read_by_ros(value: float, negate: bool, occ_th: float, free_th: float, mode: MapMode) -> int:
-    """One grey pixel, worked through by hand in the order map_server has it."""
+    """One gray pixel, worked through by hand in the order map_server has it."""
     if negate:
         value = 255 - value
     if mode == "raw":

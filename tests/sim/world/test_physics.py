@@ -115,7 +115,7 @@ def test_pressing_on_is_one_collision_and_coming_back_is_another() -> None:
 
 def test_a_body_does_not_turn_into_a_wall() -> None:
     world = World(grid_of(4, 4), CALM, 0, 100.0)
-    beside = Pose2(2, 0.1 + 0.26, 0)  # the side clears the wall by a centimetre, the tip would not
+    beside = Pose2(2, 0.1 + 0.26, 0)  # the side clears the wall by a centimeter, the tip would not
     state = driven(world, begun(world, beside), 100, (0.0, -1.0))
     assert state.contact[0]
     assert -0.5 < state.poses[0, 2] < 0.0

@@ -58,7 +58,7 @@ class Robot:
     """The robot of a bag, and the way it is recorded.
 
     Attributes:
-        spikes: metres along x by which single odometry messages are wrong, by their numbers.
+        spikes: meters along x by which single odometry messages are wrong, by their numbers.
         reset_at: number of the odometry message from which on odometry counts from 0 again.
         weave: radians a scan by which it turns to and fro at most.
         odom_early_ns: nanoseconds by which odometry is stamped too early: it leads the scans by as much.

@@ -8,7 +8,7 @@ WALL, DOOR, LEAF = 10, 36, 30
 """Pixels: thickness of walls, width of doors, width of a leaf of a double door."""
 SIZE = (1300, 900)
 SCALE = 0.025
-"""Metres a pixel."""
+"""Meters a pixel."""
 
 
 def plan(*, hatched: bool = False, furnished: bool = True, entrance: bool = False) -> Image.Image:

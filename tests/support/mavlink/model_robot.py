@@ -37,7 +37,7 @@ class ModelRobot:
         refusal: what the next calls are answered with; None: they are granted.
         values: its parameters.
         readings: what it tells.
-        barred: denials of places to which it cannot get, by metres east and north.
+        barred: denials of places to which it cannot get, by meters east and north.
     """
 
     asked: list[tuple] = field(default_factory=list)

@@ -54,7 +54,7 @@ class Game(ModelRobot):
         self.readings = replace(self.readings, under_way=False)
 
     def come(self, remaining):
-        """The leg under way has this many metres to go."""
+        """The leg under way has this many meters to go."""
         self.readings = replace(self.readings, leg=replace(self.readings.leg, remaining=remaining))
 
     def calls(self, name):

@@ -54,9 +54,9 @@ SOURCES = (
 )  # fmt: skip
 
 FINE = 0.025
-"""Side of a cell of the true map, metres."""
+"""Side of a cell of the true map, meters."""
 SITE = 0.15
-"""Metres from one possible place of a cylinder to the next; a cylinder is as wide."""
+"""Meters from one possible place of a cylinder to the next; a cylinder is as wide."""
 WIDTH, LENGTH = 30, 74
 """Sites across the field, and along it."""
 OPEN_ENDS = 12
@@ -64,7 +64,7 @@ OPEN_ENDS = 12
 MARGIN = 14
 """Sites around the field in the map."""
 PASSAGE = (0.6, 1.0)
-"""Metres of the narrowest passage on the widest path through a field, at least and at most."""
+"""Meters of the narrowest passage on the widest path through a field, at least and at most."""
 START = Pose2(MARGIN * SITE + 2.25, MARGIN * SITE + 0.8, 0.5 * math.pi)
 GOAL = Pose2(START.x, START.y + 10.0, 0.5 * math.pi)
 GOAL_RADIUS = 1.0

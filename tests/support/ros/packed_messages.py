@@ -8,7 +8,7 @@ STORE = typestore()
 
 
 def packed(msgtype: str, **fields: object) -> bytes:
-    """Bytes by rosbags' serialiser: not by the code that is under test."""
+    """Bytes by rosbags' serializer: not by the code that is under test."""
     kind = STORE.types[msgtype]
     return bytes(STORE.serialize_ros1(kind(**fields), msgtype))
 

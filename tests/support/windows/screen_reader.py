@@ -54,7 +54,7 @@ def words_in(inside: QWidget) -> list[str]:
 
 
 def against_the_eye(stops: list[QWidget], inside: QWidget) -> list[tuple[str, str]]:
-    """Return neighbours in an order whose later one ends above the other, or left of it in the same row."""
+    """Return neighbors in an order whose later one ends above the other, or left of it in the same row."""
     return list(_wrong(stops, inside))
 
 

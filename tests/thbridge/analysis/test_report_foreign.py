@@ -29,7 +29,7 @@ class Message:
 
 
 def odometry(topic: str, frame: str, child: str, ahead: float = 0.0) -> list[Message]:
-    """A robot that drives along x, a metre a second."""
+    """A robot that drives along x, a meter a second."""
     return [
         Message(t, topic, types.ODOMETRY, pack.odometry(0, frame, child, Pose2(ahead + t, 0.0, 0.0), Twist(1.0, 0.0)))
         for t in TIMES

@@ -26,7 +26,7 @@ def entry(topic: str, recorded_ns: int, stamp_ns: int, x: float) -> Entry:
 
 
 def two(stamp_of_truth: Callable[[int], int], late: int = LATE) -> Planted:
-    """A robot that drives half a metre a second and knows it; its truth is recorded late."""
+    """A robot that drives half a meter a second and knows it; its truth is recorded late."""
     entries = []
     for number in range(60):
         ns, x = BEGIN + number * TENTH, 0.05 * number
@@ -43,7 +43,7 @@ def track_of(tmp_path: Path, planted: Planted) -> Track:
 
 
 def driven(samples: list[tuple[int, int, float]], tmp_path: Path) -> Track:
-    """A report of odometry in tf: numbers of tenths when it was recorded and which it is of, metres."""
+    """A report of odometry in tf: numbers of tenths when it was recorded and which it is of, meters."""
     entries = [
         Entry(TF, BEGIN + at * TENTH, tf(transform(BEGIN + of * TENTH, "odom", "base_link", Pose2(x, 0.0, 0.0))))
         for at, of, x in samples
@@ -95,7 +95,7 @@ def test_stamps_of_another_clock_are_not_used_and_it_says_so(
     stamp_of_truth: Callable[[int], int], reason: str, tmp_path: Path
 ) -> None:
     track = track_of(tmp_path, two(stamp_of_truth))
-    # Half a second at half a metre a second.
+    # Half a second at half a meter a second.
     assert track.errors[:, 1] == pytest.approx(0.25, abs=1e-6)
     told = f"compared by the time of recording, for the headers of /vicon/pose {reason}"
     assert any(told in sentence for sentence in track.sources)

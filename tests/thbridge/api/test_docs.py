@@ -10,7 +10,11 @@ from tests.support.project import ROOT
 
 @pytest.mark.parametrize(
     ("page", "examples"),
-    [("README.md", 1), ("docs/reference/api.md", 6), pytest.param("docs/how-to/learning.md", 3, marks=pytest.mark.slow)],
+    [
+        ("README.md", 1),
+        ("docs/reference/api.md", 6),
+        pytest.param("docs/how-to/learning.md", 3, marks=pytest.mark.slow),
+    ],
 )
 def test_the_examples_of_a_page_run_one_after_the_other(
     page: str, examples: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -157,7 +157,7 @@ class TestImages:
         deep = grey.astype(np.uint16) * 257
         picture = Image.fromarray(deep) if mode == "I;16" else Image.fromarray(grey).convert(mode)
         picture.save(tmp_path / "a.png")
-        # An opaque alpha channel counts as one more colour, and makes the shade of unknown bright enough to be free.
+        # An opaque alpha channel counts as one more color, and makes the shade of unknown bright enough to be free.
         opaque = [[FREE, FREE, FREE], [OCCUPIED, FREE, FREE]]
         expected = opaque if mode in {"RGBA", "LA"} else EXPECTED
         assert grid_of_image(tmp_path, "a.png") == expected

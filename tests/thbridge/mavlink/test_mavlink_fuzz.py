@@ -98,7 +98,7 @@ class Sailor:
         return [ParameterDescription(name, "a number", "", "robot", "tests") for name in self._values]
 
     def misplaced(self, x, y):
-        assert max(abs(x), abs(y)) < 1e8  # metres: cells can be counted, and there are none farther away on earth
+        assert max(abs(x), abs(y)) < 1e8  # meters: cells can be counted, and there are none farther away on earth
         if self._chance.random() < 0.2:
             return Denied("there is a wall")
         return None

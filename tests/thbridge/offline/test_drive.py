@@ -43,7 +43,7 @@ def test_a_door_of_a_metre_and_a_tenth_is_passed() -> None:
     outcome = driven(two_rooms(), THROUGH)
     assert (outcome.reached, outcome.collided, outcome.reason) == (True, False, None)
     assert math.hypot(4.0, 2.0) - 0.1 < outcome.distance < 1.3 * math.hypot(4.0, 2.0)
-    # The door leaves 0.3 m on each side of the body, the localisation errs by some centimetres.
+    # The door leaves 0.3 m on each side of the body, the localization errs by some centimeters.
     assert 0.05 < outcome.min_clearance <= 0.301
     assert outcome.seconds < 15.0
 

@@ -81,7 +81,7 @@ def test_two_robots_visit_all_eight_rooms_on_the_robots_advice():
     played = HuntWithoutSimulator(robots=2)
     played.finish()
     assert sum(room.visited for room in played.session.game.rooms) == 8
-    # Every colour of the original set is unique, so a participant who knows the list is never wrong.
+    # Every color of the original set is unique, so a participant who knows the list is never wrong.
     assert played.session.game.score == sum(kind.points for kind in played.session.game.treasures)
 
 

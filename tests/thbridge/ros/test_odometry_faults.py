@@ -13,7 +13,7 @@ from thbridge.ros.odometry_faults import FaultKind, OdometrySample, fault_senten
 
 
 def drive(count: int = 60, offset: float = 0.0) -> list[OdometrySample]:
-    """One metre a second, 50 messages a second, from 1 s."""
+    """One meter a second, 50 messages a second, from 1 s."""
     return straight(SECOND, count, offset, SECOND // 50)
 
 

@@ -1,4 +1,4 @@
-"""Messages of dynamic_reconfigure's servers, against rosbags' serialiser, and their reading of clients' requests."""
+"""Messages of dynamic_reconfigure's servers, against rosbags' serializer, and their reading of clients' requests."""
 
 import json
 import math
@@ -29,7 +29,7 @@ def message(msgtype: str, *fields: object) -> object:
 
 
 def packed(groups: Sequence[object] = (), **lists: Mapping[str, Value]) -> bytes:
-    """A Config by rosbags' serialiser: not by the code that is under test."""
+    """A Config by rosbags' serializer: not by the code that is under test."""
     rows = [
         [message(f"{kind}Parameter", name, value) for name, value in lists.get(key, {}).items()]
         for key, kind in LISTS.items()

@@ -21,7 +21,7 @@ TF_CACHE = 10.0
 """Seconds for which tf2 keeps transforms (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
 LATE, LEAST_LATE = 0.25, 5
 """Seconds between stamp and recording that are much, and messages of a topic that say so. Drivers and filters take
-less; at half a metre a second they are 12 cm."""
+less; at half a meter a second they are 12 cm."""
 
 
 class StampZero:

@@ -1,4 +1,4 @@
-"""The figures of a recording: paths, localisation error, covariance, energy, velocity, timeline."""
+"""The figures of a recording: paths, localization error, covariance, energy, velocity, timeline."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -36,7 +36,7 @@ def draw(what: FigureKind, report: Report, style: FigureStyle) -> Figure | Reque
 
 
 def error(report: Report, style: FigureStyle) -> Figure | None:
-    """Error of the estimated pose, over the standard deviation that the localiser reports; one row for each robot."""
+    """Error of the estimated pose, over the standard deviation that the localizer reports; one row for each robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.errors)]
     if not shown:
         return None
@@ -62,7 +62,7 @@ def error(report: Report, style: FigureStyle) -> Figure | None:
 
 
 def covariance(report: Report, style: FigureStyle) -> Figure | None:
-    """Standard deviations that the localiser reports."""
+    """Standard deviations that the localizer reports."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.deviations)]
     if not shown:
         return None
@@ -72,7 +72,7 @@ def covariance(report: Report, style: FigureStyle) -> Figure | None:
         for axes, column, scale in zip(rows[0], (1, 2), (100.0, 180.0 / np.pi), strict=True):
             axes.step(admitted[:, 0], scale * admitted[:, column], where="post", color=robot_color(index))
     for axes in rows[0]:
-        # During global localisation they are metres, during tracking centimetres.
+        # During global localization they are meters, during tracking centimeters.
         axes.set_yscale("log", nonpositive="mask")
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -223,7 +223,7 @@ def _until(series: FloatArray, end: float) -> FloatArray:
 
 
 def _draw_ways_made(axes: Axes, row: int, track: Track, tracks: Sequence[Track]) -> None:
-    """Draw a thin bar below a robot's drives for each time in which it makes way, in the colour of the other robot."""
+    """Draw a thin bar below a robot's drives for each time in which it makes way, in the color of the other robot."""
     colours = {other.name: robot_color(index) for index, other in enumerate(tracks)}
     for made in track.ways_made:
         seconds = made.end - made.start

@@ -104,7 +104,7 @@ def _corners(grid: OccupancyGrid) -> FloatArray:
 
 
 def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
-    """Draw walls dark, free space white, unknown space grey; rotated by the map's origin."""
+    """Draw walls dark, free space white, unknown space gray; rotated by the map's origin."""
     kinds = np.full(grid.cells.shape, 1, dtype=np.uint8)
     kinds[grid.cells == 0] = 0
     kinds[grid.cells == OCCUPIED] = 2

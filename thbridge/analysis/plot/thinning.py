@@ -9,7 +9,7 @@ POINTS = 700
 
 
 def simplified(line: FloatArray) -> FloatArray:
-    """A path with at most one point every few centimetres."""
+    """A path with at most one point every few centimeters."""
     if len(line) < 3:
         return line
     along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))

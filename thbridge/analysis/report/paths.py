@@ -11,7 +11,7 @@ from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 
 RELOCATED = 0.5
-"""Metres by which a localiser moves a robot at once when it has found it elsewhere, not merely corrected it: as no
+"""Meters by which a localizer moves a robot at once when it has found it elsewhere, not merely corrected it: as no
 message tells of that, the step itself does."""
 
 
@@ -82,6 +82,6 @@ def pieces(path: FloatArray, cuts: FloatArray) -> list[FloatArray]:
 
 
 def distance(path: FloatArray, cuts: FloatArray) -> float:
-    """Metres along the pieces of a path of rows time, x, y, ..."""
+    """Meters along the pieces of a path of rows time, x, y, ..."""
     steps = (elementary_arrays.hypot(np.diff(piece[:, 1]), np.diff(piece[:, 2])) for piece in pieces(path, cuts))
     return math.fsum(float(each.sum()) for each in steps)

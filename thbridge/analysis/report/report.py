@@ -72,14 +72,14 @@ class Track:
         errors: (m, 3) time, distance (m) and absolute angle (rad) between the two; empty when either is missing.
         energy: (k, 2) time, energy left, in the game's units, or in percent where the bag has only that.
         attempts: its drives to goals, in order.
-        distance: metres driven; from the truth if there is one, else from the estimate, else from odometry.
+        distance: meters driven; from the truth if there is one, else from the estimate, else from odometry.
         odometry: (o, 4) time, x, y, theta in the frame of odometry.
         speeds: (o, 3) time, m/s, rad/s of odometry messages; empty when odometry is only in tf.
         commands: (c, 3) time, m/s, rad/s that were commanded.
-        deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localiser reports.
+        deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localizer reports.
         sources: sentences on the topics that were used, for people.
         carried: (p,) times at which it was picked up and set elsewhere.
-        relocated: (q,) times at which its localiser found it elsewhere, or its odometry was reset.
+        relocated: (q,) times at which its localizer found it elsewhere, or its odometry was reset.
         ways_made: the times in which it made way for others, in order.
         reset: (r,) times at which its odometry was reset.
         faults: sentences on poses that are no motion of a robot.
@@ -115,8 +115,8 @@ class ObstacleTrack:
 
     Attributes:
         name: its name.
-        outline: (v, 2) corners of its first outline, closed; map frame, metres.
-        path: (n, 2) centres of its outlines in order of time; one point if it stood.
+        outline: (v, 2) corners of its first outline, closed; map frame, meters.
+        path: (n, 2) centers of its outlines in order of time; one point if it stood.
     """
 
     name: str

@@ -324,7 +324,7 @@ class _Sources:
         return self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ())), None
 
     def _admitted(self, by_stamp: bool) -> FloatArray:
-        """(d, 3) table of time and the standard deviations that its localiser reports."""
+        """(d, 3) table of time and the standard deviations that its localizer reports."""
         names = usual_first(_estimates(self._poses), ESTIMATES)
         if not names:
             return np.empty((0, 3))
@@ -390,7 +390,7 @@ def _chosen(by_topic: Mapping[str, PoseSeries], wanted: Callable[[str, PoseSerie
 
 
 def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
-    """Poses on the map that may come from a localiser."""
+    """Poses on the map that may come from a localizer."""
     return _chosen(
         poses,
         lambda topic, series: (

@@ -24,7 +24,8 @@ class AbstractHuntEnv(TeamEnvironment):
 
     The same study and seed hide the same treasures, and energy, rooms and points follow the same rules. No robot is
     simulated: every move takes the seconds of the map's `mapTimes` and succeeds, decisions about treasures take no
-    time, and in observations a robot knows its pose and drives straight ahead. docs/how-to/learning.md has the differences.
+    time, and in observations a robot knows its pose and drives straight ahead. docs/how-to/learning.md lists the
+    differences.
 
     Args:
         study: as for `HuntEnv`, like all that follow.

@@ -43,7 +43,7 @@ class HuntEnv(TeamEnvironment):
         room_reward: reward of a room reached, in addition to the points of treasures.
         energy_cost: cost of a unit of energy.
         time_cost: cost of a simulated second.
-        reach: metres, see above.
+        reach: meters, see above.
         render_mode: "rgb_array" for pictures by `render`.
 
     Raises:

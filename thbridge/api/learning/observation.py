@@ -30,14 +30,14 @@ class ObservationScale:
     """Magnitudes that become 1.
 
     Attributes:
-        left: least x of the map, metres.
+        left: least x of the map, meters.
         low: least y.
-        width: of the map along x, metres.
+        width: of the map along x, meters.
         height: along y.
         energy: at the start.
-        speed: metres per second.
+        speed: meters per second.
         turn: radians per second.
-        range: greatest of the laser, metres.
+        range: greatest of the laser, meters.
         seconds: of an episode.
     """
 
@@ -156,7 +156,7 @@ class ObservationEncoder:
         return self._body(pose, spread, twist, output.lost, output.navigation.remaining, seen)
 
     def of_pose(self, pose: Pose2, twist: Twist, remaining: float) -> BodyNumbers:
-        """Return the numbers of a robot that knows its pose; `remaining` are the metres that it has still to drive."""
+        """Return the numbers of a robot that knows its pose; `remaining` are the meters that it has still to drive."""
         return self._body(pose, [0.0, 0.0, 0.0], twist, False, remaining, [])
 
     def poses(self, bodies: Sequence[BodyNumbers]) -> Floats:

@@ -19,7 +19,7 @@ _SHADES = {"free": 255, "occupied": 31, "unknown": 213}
 _VISITED, _OPEN = "#009E73", "#D55E00"
 _BODY, _BELIEF = "#0072B2", "#7A5195"
 _RADIUS = 0.25
-"""Of a robot's body, metres."""
+"""Of a robot's body, meters."""
 
 
 def picture_of(setting: StudySetting, visited: Sequence[bool], believed: Floats, true: Floats) -> NDArray[np.uint8]:

@@ -27,7 +27,7 @@ class TreasureRule:
 
     @classmethod
     def of(cls, kinds: Sequence[TreasureKind]) -> "TreasureRule":
-        """Return the rule of somebody who knows these treasures, and recognises their pictures."""
+        """Return the rule of somebody who knows these treasures, and recognizes their pictures."""
         return cls(tuple(kinds), {kind.image: kind.name for kind in kinds if kind.image is not None})
 
     def request(self, game: GameState, robot: int) -> TreasureRequest | None:

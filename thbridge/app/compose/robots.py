@@ -27,7 +27,7 @@ from thbridge.roles.simr.travel_times import TravelTimes
 from thbridge.study.things import schedule_of
 
 REHEARSAL = 5 * TICKS_PER_SECOND
-"""Ticks of a rehearsal: enough for robots to localise, plan around each other, turn and drive."""
+"""Ticks of a rehearsal: enough for robots to localize, plan around each other, turn and drive."""
 REHEARSERS = 10
 """Robots of a rehearsal: enough for all of that to happen."""
 

@@ -44,7 +44,7 @@ from thbridge.study.external_nodes import ExternalNodes
 _log = logging.getLogger(__name__)
 
 OF_AMCL = frozenset({"amcl_pose", "particlecloud", "initialpose", *OF_ERRORS})
-"""Last words of the topics that amcl publishes, and of those that tell how far our own localiser is off."""
+"""Last words of the topics that amcl publishes, and of those that tell how far our own localizer is off."""
 NO_POSES: FloatArray = np.empty((0, 3))
 
 
@@ -56,7 +56,7 @@ class TeamDescription:
         topics: to advertise.
         grid: the map.
         rest: parameters of the study beside the robots'.
-        body: corners of a robot's body, metres in its base frame.
+        body: corners of a robot's body, meters in its base frame.
         external: nodes that others run for these robots.
     """
 
@@ -192,7 +192,7 @@ class LiveGraph:
         )
 
     def _tell_of_recoveries(self) -> None:
-        """Publish each recovery behaviour that a robot has begun in the last tick."""
+        """Publish each recovery behavior that a robot has begun in the last tick."""
         if self._external.move_base:
             return
         for robot, progress in enumerate(self._team.recoveries):

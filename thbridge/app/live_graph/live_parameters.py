@@ -41,7 +41,7 @@ class LiveParameters:
     Args:
         node: of the session.
         software: parameters of each robot at the start.
-        body: corners of a robot's body, metres in its base frame.
+        body: corners of a robot's body, meters in its base frame.
         limiter: limits the rate of changes.
         ask: takes requests, with the name of the parameters or of the service.
         external: nodes that others run: they change their own parameters, which are here to start from.

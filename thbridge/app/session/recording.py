@@ -39,7 +39,7 @@ from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.router import Forwarded
 
 JUMP = 0.2
-"""Metres in one tick beyond what a robot can drive: it was carried."""
+"""Meters in one tick beyond what a robot can drive: it was carried."""
 
 STATE_PERIOD = TICKS_PER_SECOND
 """Ticks after which the state of a vehicle is recorded again when it has not changed."""

@@ -42,7 +42,7 @@ class Grammar:
         negations: words that deny what a sentence says; `*n't` stands for all words that end so.
         bound: words whose place between values gives these their meaning, such as `less`, and numbers in words; `*teen`
             as above.
-        names: values such as colours, as the language says them.
+        names: values such as colors, as the language says them.
         capital_nouns: True where nouns have a capital within sentences.
     """
 

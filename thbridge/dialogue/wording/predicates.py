@@ -59,7 +59,7 @@ class ValueKind(StrEnum):
     NUMBER = "number"
     PICTURE = "picture"
     NAME = "name"
-    """Of a treasure, a thing or a colour."""
+    """Of a treasure, a thing or a color."""
     NAMES = "names"
     """Names of which one is right."""
     CLAUSE = "clause"

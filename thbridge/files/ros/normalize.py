@@ -1,4 +1,4 @@
-"""YAML trees normalised as by ROS's own loader: words for true and false, angles, merged anchors, duplicate keys."""
+"""YAML trees normalized as by ROS's own loader: words for true and false, angles, merged anchors, duplicate keys."""
 
 import dataclasses
 import math
@@ -27,7 +27,7 @@ _PLAIN_TAGS = {*(f"tag:yaml.org,2002:{kind}" for kind in ("float", "int", "bool"
 
 @dataclass(slots=True)
 class RosYamlNormalizer:
-    """Normalises a tree: plain words, each key once, no merge keys, no slashes.
+    """Normalizes a tree: plain words, each key once, no merge keys, no slashes.
 
     Attributes:
         path: the file, for faults.
@@ -38,7 +38,7 @@ class RosYamlNormalizer:
     notices: list[str]
 
     def section(self, node: Node) -> Section:
-        """The normalised tree of a file. Raises BadFile: it is no section of names and values, or a word is wrong."""
+        """The normalized tree of a file. Raises BadFile: it is no section of names and values, or a word is wrong."""
         if not isinstance(node, Section):
             problem = "no section of 'name: value' lines"
             raise BadFile(self.path, problem, "name a YAML file of ROS parameters", line=node.line)
@@ -46,7 +46,7 @@ class RosYamlNormalizer:
         return cleaned if isinstance(cleaned, Section) else Section(node.line, [])
 
     def node(self, node: Node) -> Node:
-        """The normalised tree of a node."""
+        """The normalized tree of a node."""
         match node:
             case Scalar():
                 return self.scalar(node)
@@ -89,7 +89,7 @@ class RosYamlNormalizer:
         return Scalar(first, plain=key.plain, line=key.line), child
 
     def scalar(self, node: Scalar) -> Scalar:
-        """A normalised word: `yes` is true, `5.0` also 5, `!degrees 90` and `deg(90)` become radians."""
+        """A normalized word: `yes` is true, `5.0` also 5, `!degrees 90` and `deg(90)` become radians."""
         called = _ANGLE.fullmatch(node.text) if node.plain else None
         if node.tag in {"!degrees", "!radians"} or called:
             text = called[2] if called else node.text

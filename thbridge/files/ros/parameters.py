@@ -60,7 +60,7 @@ LAYERS = {
     "obstacle_layer": ("obstacle", "voxel", "laser", "scan"),
     "inflation_layer": ("inflat",),
 }
-"""Layers of a costmap, with the words in a plugin's type or name by which they are recognised."""
+"""Layers of a costmap, with the words in a plugin's type or name by which they are recognized."""
 
 _PERIOD = "the time between commands: here it is always as move_base's controller_frequency says"
 _UNREAD = "ROS does not read it there; probably meant is "

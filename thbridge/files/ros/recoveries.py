@@ -1,4 +1,4 @@
-"""Recovery behaviours in files of ROS: each with any name, the type of a plugin, and a section of settings."""
+"""Recovery behaviors in files of ROS: each with any name, the type of a plugin, and a section of settings."""
 
 from thbridge.files.plugins import RECOVERIES
 from thbridge.files.ros.normalize import Entry
@@ -6,17 +6,17 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
 
 CONSERVATIVE, AGGRESSIVE, ROTATE = "conservative_reset", "aggressive_reset", "rotate_recovery"
 USUAL = {CONSERVATIVE, AGGRESSIVE, ROTATE, "move_slow_and_clear"}
-"""Names of sections with settings of behaviours, in files without a list of behaviours."""
+"""Names of sections with settings of behaviors, in files without a list of behaviors."""
 
 
 def behaviour_names(entries: list[Entry]) -> set[str]:
-    """Names of the sections in which a file may have settings of recovery behaviours."""
+    """Names of the sections in which a file may have settings of recovery behaviors."""
     lists = [child for key, child in entries if key.text == "recovery_behaviors"]
     return USUAL | {name for child in lists for name, _ in _behaviours(child)}
 
 
 def with_our_behaviours(entries: list[Entry], where: str, notices: list[str]) -> list[Entry]:
-    """move_base's parameters, with our names of the recovery behaviours.
+    """move_base's parameters, with our names of the recovery behaviors.
 
     Args:
         entries: the entries of the section.
@@ -59,7 +59,7 @@ def _behaviours(node: Node) -> list[tuple[str, str]]:
 
 
 def _named_here(node: Node) -> dict[str, str]:
-    """Our name for each behaviour of a list; empty for a type that we do not have."""
+    """Our name for each behavior of a list; empty for a type that we do not have."""
     names: dict[str, str] = {}
     for name, kind in _behaviours(node):
         if name in {CONSERVATIVE, AGGRESSIVE, ROTATE}:
@@ -67,7 +67,7 @@ def _named_here(node: Node) -> dict[str, str]:
         elif kind.endswith("RotateRecovery"):
             names[name] = ROTATE
         elif kind.endswith("ClearCostmapRecovery"):
-            # The first behaviour that clears costmaps keeps what is near, the next ones clear more.
+            # The first behavior that clears costmaps keeps what is near, the next ones clear more.
             names[name] = AGGRESSIVE if CONSERVATIVE in names.values() else CONSERVATIVE
         elif kind or name not in USUAL:
             installed = RECOVERIES.names()

@@ -83,8 +83,8 @@ class KnownRobot:
         first_heartbeat: time of its first heartbeat.
         last_heartbeat: time of its last heartbeat.
         last_frame: time of its last frame.
-        x: metres east of the map's origin; NaN while unknown.
-        y: metres north of it.
+        x: meters east of the map's origin; NaN while unknown.
+        y: meters north of it.
         latitude: degrees; NaN while unknown.
         longitude: degrees.
         speed: m/s.

@@ -25,7 +25,7 @@ from thbridge.mavlink.wire.coordinates import PER_METRE, yaw_of
 from thbridge.mavlink.wire.dialect import mav
 
 ARRIVAL_RADIUS = 0.3
-"""Metres: a robot that stands within this distance of its goal has arrived, whether it reports so or not."""
+"""Meters: a robot that stands within this distance of its goal has arrived, whether it reports so or not."""
 
 DISCOVERY_TIMEOUT = 5.0
 HEARTBEAT_TIMEOUT = 5.0
@@ -33,7 +33,7 @@ _TEXT_TIMEOUT = 0.5
 """Seconds to wait for the text with a robot's reason for its refusal."""
 _STANDING_SECONDS = 3.0
 _STANDING = 0.02
-"""Metres per second."""
+"""Meters per second."""
 
 _ARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
 _DISARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
@@ -94,7 +94,7 @@ class StationTrip:
 
     @property
     def remaining(self) -> float:
-        """Straight distance to the goal, metres; NaN while unknown."""
+        """Straight distance to the goal, meters; NaN while unknown."""
         robot = self._station.robots.get(self._system)
         return math.nan if robot is None else _distance(self._destination, robot)
 
@@ -194,7 +194,7 @@ def _command_to(target: Target) -> StationCommand:
 
 
 def _distance(target: Target, robot: KnownRobot) -> float:
-    """Return the metres from a robot's own position estimate; NaN while that is unknown."""
+    """Return the meters from a robot's own position estimate; NaN while that is unknown."""
     return elementary.hypot(target.x - robot.x, target.y - robot.y)
 
 

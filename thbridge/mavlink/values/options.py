@@ -31,7 +31,7 @@ class VisitedRooms(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class GeoOrigin:
-    """Position of the map's origin, WGS84: degrees north and east, metres above sea level; north is map y."""
+    """Position of the map's origin, WGS84: degrees north and east, meters above sea level; north is map y."""
 
     latitude: float
     longitude: float

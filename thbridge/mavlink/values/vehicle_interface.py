@@ -63,8 +63,8 @@ class Target:
     """Goal of a robot.
 
     Attributes:
-        x: metres east, map.
-        y: metres north, map.
+        x: meters east, map.
+        y: meters north, map.
         heading: radians from east, anticlockwise; None: any.
     """
 
@@ -80,7 +80,7 @@ class HelmLeg:
     Attributes:
         number: number that `go_to` returned.
         state: "under way", "arrived" or "failed"; the last two stay until the next leg.
-        remaining: metres still to drive; 0 when it is over.
+        remaining: meters still to drive; 0 when it is over.
         reason: reason of a failure, for people.
     """
 
@@ -103,7 +103,7 @@ class RobotReadings:
     """State of a robot by its own estimates, after one tick.
 
     Attributes:
-        base_in_map: estimated pose; x east, y north, metres; theta from east, anticlockwise.
+        base_in_map: estimated pose; x east, y north, meters; theta from east, anticlockwise.
         twist: velocity by its own odometry, m/s and rad/s.
         goal_in_map: its current goal, from any source; None at rest.
         energy: remaining energy in the game's units.
@@ -250,16 +250,16 @@ class VehicleInterface(Protocol):
         """Return a denial when the robot can never stand at a point of the map; obstacles that move are ignored.
 
         Args:
-            x: metres east.
-            y: metres north.
+            x: meters east.
+            y: meters north.
         """
 
     def unreachable(self, x: float, y: float) -> Denied | None:
         """Return a denial when `go_to` can never lead to a point of the map; points in rooms are for the game to judge.
 
         Args:
-            x: metres east.
-            y: metres north.
+            x: meters east.
+            y: meters north.
         """
 
     def photograph(self) -> Denied | None:

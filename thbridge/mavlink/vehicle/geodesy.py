@@ -1,7 +1,7 @@
 """Map projection: a plane that touches the WGS84 ellipsoid in the map's origin, its y axis north.
 
 Source: WGS 84 (NGA.STND.0036), semi-axes; the radii of curvature of an ellipsoid.
-Differs: the plane is not bent, so two points 1 km from the origin are off by some centimetres; maps are smaller.
+Differs: the plane is not bent, so two points 1 km from the origin are off by some centimeters; maps are smaller.
 """
 
 import math
@@ -43,7 +43,7 @@ class GeoPoint:
 
 
 class MapProjection:
-    """Conversion between metres of the map and degrees.
+    """Conversion between meters of the map and degrees.
 
     Args:
         origin: position of the map's origin; not at a pole.
@@ -63,13 +63,13 @@ class MapProjection:
         self._east = math.degrees(1.0 / parallel) * PER_DEGREE
 
     def geo_point(self, x: float, y: float) -> GeoPoint:
-        """Convert a point of the map, metres east and north, to one on earth; beyond a pole, the pole."""
+        """Convert a point of the map, meters east and north, to one on earth; beyond a pole, the pole."""
         latitude = round(self._latitude + y * self._north)
         longitude = round(self._longitude + x * self._east)
         return GeoPoint(min(max(latitude, -_POLE), _POLE), _half_turn(longitude))
 
     def map_point(self, place: GeoPoint) -> tuple[float, float]:
-        """Convert a point on earth to one of the map, metres east and north."""
+        """Convert a point on earth to one of the map, meters east and north."""
         east = _half_turn(place.longitude - self._longitude)
         return east / self._east, (place.latitude - self._latitude) / self._north
 

@@ -27,10 +27,10 @@ GLOBAL = frozenset(
 _BODY = frozenset({mav.MAV_FRAME_BODY_NED, mav.MAV_FRAME_BODY_OFFSET_NED, mav.MAV_FRAME_BODY_FRD})
 
 LOCAL = _BODY | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_LOCAL_OFFSET_NED}
-"""Frames in metres: from the map's origin or from the robot, along the map's axes or along the robot's."""
+"""Frames in meters: from the map's origin or from the robot, along the map's axes or along the robot's."""
 
 PER_METRE = 10_000
-"""COMMAND_INT and MISSION_ITEM_INT count metres of `LOCAL` in ten-thousandths."""
+"""COMMAND_INT and MISSION_ITEM_INT count meters of `LOCAL` in ten-thousandths."""
 
 _TURN_RATE = 2.0
 """Radians per second for each radian that a robot points away from where it is to drive."""

@@ -68,7 +68,7 @@ class Bot:
     picture and tells what only people can tell, as far as the energy suffices, and else gives the treasure up.
     For a robot that somebody else commands it only decides about the treasures found, and waits. A room that a robot
     did not reach is left for last, whatever the strategy, and after three attempts for good. A lost robot is sent once,
-    because it may localise itself while it drives. When nothing is left to request, the bot ends the game.
+    because it may localize itself while it drives. When nothing is left to request, the bot ends the game.
 
     Talks that end without an agreement are counted until the robot drives again: after two about one room the bot
     names another one, after some more it takes the robot's advice, and in the end it leaves that robot alone.

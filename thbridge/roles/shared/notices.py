@@ -176,7 +176,7 @@ class RobotMotion:
         doing: its activity.
         waits_for: the robot that it lets pass.
         progress: driven share of the path, 0 to 1; 0 at rest.
-        remaining: metres still to drive; 0 at rest.
+        remaining: meters still to drive; 0 at rest.
         makes_way_for: the robot that has the right of way while this one waits for it, or drives aside or round it.
     """
 
@@ -189,7 +189,7 @@ class RobotMotion:
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """Ellipse that holds 95 % of a robot's position belief: half axes in metres, the longer one turned by `angle`."""
+    """Ellipse that holds 95 % of a robot's position belief: half axes in meters, the longer one turned by `angle`."""
 
     major: float
     minor: float
@@ -233,7 +233,7 @@ class RoomOutline:
     Attributes:
         room: its number as people count, from 1.
         name: for people.
-        region: x, y of the corners of its floor, map frame, metres.
+        region: x, y of the corners of its floor, map frame, meters.
         goal: x, y, theta of the robots' goal pose in it.
     """
 
@@ -248,13 +248,13 @@ class FloorPlan(NoticeValue, frozen=True, tag="House"):
 
     Attributes:
         map: its name.
-        resolution: metres a cell.
+        resolution: meters a cell.
         origin: x, y, theta of the lower left corner of the cells, map frame.
         width: cells in a row.
         height: rows.
         cells: one byte a cell, 0 free, 1 wall, 2 unknown, row 0 at the origin; packed by zlib, in base 64.
         rooms: room 1 first.
-        footprint: x, y of the corners of a robot's body, its own frame, metres.
+        footprint: x, y of the corners of a robot's body, its own frame, meters.
     """
 
     map: str

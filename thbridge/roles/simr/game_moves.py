@@ -16,7 +16,7 @@ from thbridge.text_protocol.wire import legacy
 from thbridge.text_protocol.wire.lines import TextMessage
 
 PRICED_DISTANCE = 0.5
-"""Metres that a robot moves before its moves are priced anew: an estimate at rest wanders a little."""
+"""Meters that a robot moves before its moves are priced anew: an estimate at rest wanders a little."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class GameMap:
 
 @dataclass(frozen=True, slots=True)
 class _Move:
-    """A move in progress. `length` is its longest plan so far, metres; 0 until there is one."""
+    """A move in progress. `length` is its longest plan so far, meters; 0 until there is one."""
 
     order: MoveOrder
     length: float = 0.0

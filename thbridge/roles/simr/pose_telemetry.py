@@ -30,8 +30,8 @@ SUBSCRIPTION_TICKS = 60 * TICKS_PER_SECOND
 simulation runs many times as fast."""
 
 PATH_TOLERANCE = 0.01
-"""Metres by which removed points may be off a path. The error doubles at the robot, which is itself up to this far off
-its path; with the rounding to centimetres a path that is sent is off by less than 0.03 m."""
+"""Meters by which removed points may be off a path. The error doubles at the robot, which is itself up to this far off
+its path; with the rounding to centimeters a path that is sent is off by less than 0.03 m."""
 MOST_PATH_POINTS = 2000
 """Points of all paths in one message."""
 CHI_SQUARE_95 = 5.991
@@ -211,5 +211,5 @@ def _triple(pose: FloatArray) -> Triple:
 
 
 def _milli(number: float) -> float:
-    """Round to the millimetre, or thousandth of a radian: nobody sees more, and lines stay short."""
+    """Round to the millimeter, or thousandth of a radian: nobody sees more, and lines stay short."""
     return round(number, 3)

@@ -60,7 +60,7 @@ class SimR(RobotsRole):
     """The robots' role.
 
     Moves are the keeper's orders. Without a keeper (at a server of another make) a `%%goto` is obeyed as SimR did in
-    2016. In either case SimR answers `%%where`, takes `%%move`, and goes to points in metres.
+    2016. In either case SimR answers `%%where`, takes `%%move`, and goes to points in meters.
 
     Args:
         robots: the team.

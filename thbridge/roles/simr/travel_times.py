@@ -1,7 +1,7 @@
 """Travel times from any place of a map to its rooms: planned on the static map, in the seconds of the map's own times.
 
 A wave of navfn from each room's goal gives a way to it from every place. Its seconds are a part that every move has,
-one for its length, and one for the turns on the spot at its beginning and its end, which take a robot as long as metres
+one for its length, and one for the turns on the spot at its beginning and its end, which take a robot as long as meters
 do. The three weights are fitted to the times that are known between places (least squares, none negative), so that a
 room costs about the same from where a robot stands as from the place next to it that has a row in the matrix.
 """
@@ -27,16 +27,16 @@ from sim.robot.global_planning.wave import UNREACHED
 from thbridge.files.disk.mapped_arrays import mapped
 
 AT_GOAL = 1.0
-"""Metres from a room's goal within which the row of that room counts."""
+"""Meters from a room's goal within which the row of that room counts."""
 
 _NEAR = 0.5
-"""Metres to the nearest place with a way, for a robot that an estimate puts into a wall."""
+"""Meters to the nearest place with a way, for a robot that an estimate puts into a wall."""
 _FIRST_STRETCH = 0.5
-"""Metres of a way that give its direction at an end."""
+"""Meters of a way that give its direction at an end."""
 
 
 class _Way(NamedTuple):
-    """Weighed parts of a way: 1, metres, and radians turned on the spot at both ends."""
+    """Weighed parts of a way: 1, meters, and radians turned on the spot at both ends."""
 
     one: float
     length: float
@@ -123,7 +123,7 @@ class TravelTimes:
 
 
 def _direction(points: FloatArray, steps: FloatArray) -> float:
-    """Return the direction of the first stretch of (m, 2) points with (m - 1,) metres between them, radians."""
+    """Return the direction of the first stretch of (m, 2) points with (m - 1,) meters between them, radians."""
     end = min(int(np.searchsorted(steps.cumsum(), _FIRST_STRETCH)) + 1, len(points) - 1)
     along = points[end] - points[0]
     return elementary.atan2(along[1], along[0])

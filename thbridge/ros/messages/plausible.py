@@ -1,7 +1,7 @@
 """Bounds of numbers in messages that can be drawn and calculated with: drivers write NaN, inf and 1e308, too."""
 
 LARGEST = 1e9
-"""Largest number of metres, radians or m/s that is taken for one."""
+"""Largest number of meters, radians or m/s that is taken for one."""
 
 
 def is_plausible(*values: float) -> bool:

@@ -187,7 +187,7 @@ class MoveBaseClient:
 
         Args:
             now_ns: the time.
-            lost: True when the robot is not localised.
+            lost: True when the robot is not localized.
             stale: True when its odometry has not been received for a long time.
         """
         self._lost_ns = None if not lost else now_ns if self._lost_ns is None else self._lost_ns

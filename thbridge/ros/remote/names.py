@@ -13,10 +13,10 @@ class RemoteNames:
         base_frame: frame of its base in tf.
         odom: topic of its odometry.
         scan: topic of its laser.
-        amcl_pose: topic of its localisation.
+        amcl_pose: topic of its localization.
         battery: topic of its battery.
         cmd_vel: topic of the commands to its base.
-        initialpose: topic of pose estimates for its localisation.
+        initialpose: topic of pose estimates for its localization.
         move_base: name of its action server.
         plan: topic of its global plan.
         recorded: further topics, which are only recorded.

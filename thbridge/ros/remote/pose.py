@@ -1,4 +1,4 @@
-"""The pose of a real robot, from its own localisation and odometry.
+"""The pose of a real robot, from its own localization and odometry.
 
 amcl corrects odometry from time to time: map -> odom on tf, and the pose of the base at the stamp of the scan on
 amcl_pose. Between corrections the pose follows odometry, as for every tf listener.
@@ -26,14 +26,14 @@ SET_BACK_NS = 5_000_000_000
 """A message older than the last one by more than this is not late: the robot's clock was set back, or its program was
 restarted."""
 UNLOCALIZED_DISTANCE = 3.0
-"""Metres of odometry without a correction after which a robot is lost, where there is only amcl_pose: amcl publishes it
+"""Meters of odometry without a correction after which a robot is lost, where there is only amcl_pose: amcl publishes it
 every 0.2 m (update_min_d)."""
 
 _REMEMBERED = 500
 _APART_NS = 1_000_000_000
 """Odometry farther from a pose in time than this is not combined with it."""
 _JUMP, _FASTEST = 1.0, 5.0
-"""Metres, and m/s times the time between two odometry messages, beyond which no robot has driven: the message is an
+"""Meters, and m/s times the time between two odometry messages, beyond which no robot has driven: the message is an
 outlier, or the driver was restarted and counts from zero again. The next message shows which."""
 _NO_PARTICLES: FloatArray = np.empty((0, 3))
 _UNKNOWN: FloatArray = np.full((3, 3), np.nan)
@@ -102,7 +102,7 @@ class RemotePose:
         return self._moved(message.stamp_ns, message.pose, message.twist, now_ns)
 
     def receive_pose(self, message: PoseInFrame) -> InvalidMessage | None:
-        """Take in a pose of the localisation (amcl_pose); returns a reason when it cannot be used."""
+        """Take in a pose of the localization (amcl_pose); returns a reason when it cannot be used."""
         if frame_name(message.frame) != self._names.map_frame:
             return InvalidMessage(
                 f"its frame is {message.frame!r}, not {self._names.map_frame!r}: see map_frame in the study"

@@ -47,7 +47,7 @@ class RemoteRobot:
         robot: its index in the team.
         named: names of its topics and frames.
         caller: name of our node, with which the ids of our goals begin.
-        footprint: (n, 2) corners of its body in the base frame, metres.
+        footprint: (n, 2) corners of its body in the base frame, meters.
         stale_ns: a part of it without messages for so long counts as dead.
 
     Attributes:

@@ -23,7 +23,7 @@ COMMAND_NS = 100_000_000
 COMMAND_LASTS_NS = 500_000_000
 """Time after which a command to the base no longer holds: drivers stop without new commands."""
 NEAR_GOAL = 1.0
-"""A plan that ends farther than this from the goal belongs to another goal, metres."""
+"""A plan that ends farther than this from the goal belongs to another goal, meters."""
 
 NO_POSES: FloatArray = np.empty((0, 3))
 

@@ -45,7 +45,7 @@ CALLER = "/thbridge_fleet"
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
 """Recorded topics that belong to no single robot."""
 PLACEMENT_TOLERANCE = 0.5
-"""Metres from its start pose within which a robot need not be moved."""
+"""Meters from its start pose within which a robot need not be moved."""
 
 _log = logging.getLogger(__name__)
 

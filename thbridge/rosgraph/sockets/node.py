@@ -3,7 +3,7 @@
 Everything runs on the thread of one event loop; callbacks are called there, at once, and must not raise. No peer can
 make a node raise or wait.
 
-Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; rospy for further behaviour that
+Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; rospy for further behavior that
 ROS's tools rely on.
 
 Differs: a node registers again with a master that was restarted, which rospy and roscpp do not; UDPROS is not spoken;
@@ -230,7 +230,7 @@ class RosNode:
             topic: global name.
             kind: its type, ``*`` for any.
             md5: the type's md5 sum, ``*`` for any.
-            on_message: called with each message, serialised, and the name of its publisher.
+            on_message: called with each message, serialized, and the name of its publisher.
             tcp_nodelay: True to ask publishers to send small messages at once.
             on_publisher: called with each publisher that has accepted, and its header of the topic.
 
@@ -260,7 +260,7 @@ class RosNode:
             md5: the service type's md5 sum.
             request_type: ``nav_msgs/GetMapRequest``.
             response_type: ``nav_msgs/GetMapResponse``.
-            handler: answers a serialised request with a serialised response or a failure, at once or later.
+            handler: answers a serialized request with a serialized response or a failure, at once or later.
 
         Raises:
             ValueError: this node serves it already.

@@ -116,7 +116,7 @@ class Publication:
         return sum(outlet.address == address for outlet in self._outlets)
 
     def publish(self, data: bytes) -> None:
-        """Send a serialised message to every subscriber; it never waits or fails."""
+        """Send a serialized message to every subscriber; it never waits or fails."""
         if not self._outlets and not self.topic.latched:
             return
         message = frame(data)

@@ -37,7 +37,7 @@ _FIRST_PAUSE = 0.25
 _LAST_PAUSE = 8.0
 
 MessageCallback: TypeAlias = Callable[[bytes, str], None]
-"""Callback with a serialised message and the name of the node that published it."""
+"""Callback with a serialized message and the name of the node that published it."""
 
 PublisherCallback: TypeAlias = Callable[[str, TopicHeader], None]
 """Callback with the name of a publisher and its header of the topic, before its first message."""

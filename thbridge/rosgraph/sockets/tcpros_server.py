@@ -54,7 +54,7 @@ _FAREWELL_SECONDS = 1.0
 
 ServiceAnswer: TypeAlias = bytes | ServiceFailed
 ServiceHandler: TypeAlias = Callable[[bytes], ServiceAnswer | Awaitable[ServiceAnswer]]
-"""Function that answers a serialised request, at once or later."""
+"""Function that answers a serialized request, at once or later."""
 
 _log = logging.getLogger(__name__)
 

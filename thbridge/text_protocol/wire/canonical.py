@@ -1,6 +1,6 @@
 """Canonical content of the commands to SimR and of its answer, as HRTeam defined them in 2015.
 
-Positions are metres in the map frame. Headings are radians here, degrees on the wire (0 is East, anti-clockwise);
+Positions are meters in the map frame. Headings are radians here, degrees on the wire (0 is East, anti-clockwise);
 numbers travel with three decimals.
 """
 

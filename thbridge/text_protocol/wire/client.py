@@ -87,7 +87,7 @@ class ClientSession:
         return events
 
     def _handle(self, parts: list[str]) -> list[ClientSessionEvent]:
-        # The server's own lines are recognised whole: a routed line that begins like one always names its parties.
+        # The server's own lines are recognized whole: a routed line that begins like one always names its parties.
         match parts:
             case [TextCommand.PING]:
                 return [SendToServer(_PONG_LINE)]

@@ -4,7 +4,7 @@ Robots and rooms are numbered from 0 on the wire: robot 0 is the first robot, ro
 number here). Every value is encoded by its method `message`. `decode` relies on the command and the shape of the
 content only, whoever the sender is.
 
-The programs of 2016 recognise a line by looking for ``ping``, ``error``, ``found``, ``score``, ``image`` and ``snap``,
+The programs of 2016 recognize a line by looking for ``ping``, ``error``, ``found``, ``score``, ``image`` and ``snap``,
 in about that order, anywhere in it. Treasures and pictures should not have these words in their names.
 """
 
@@ -77,7 +77,7 @@ class FoundTreasure:
     senses: tuple[tuple[str, str], ...]
 
     def message(self) -> TextMessage:
-        """``%%found Hider TabUI ROOM ROOM "(Colour: C) (Footprint: F)"``."""
+        """``%%found Hider TabUI ROOM ROOM "(Color: C) (Footprint: F)"``."""
         senses = " ".join(f"({label}: {value})" for label, value in self.senses)
         return TextMessage.of(TextCommand.FOUND, HIDER, TABUI, f'{self.room} {self.room} "{senses}"')
 

@@ -47,17 +47,17 @@ MOST_INK = 0.5
 MOST_PLACES = 4
 """Blocked paths that are named."""
 LEAST_CELL, LARGEST_CELL = 0.001, 0.5
-"""Sizes of cells, metres: larger ones cannot show a door."""
+"""Sizes of cells, meters: larger ones cannot show a door."""
 MOST_STRETCH = 10.0
 """Ratio of the scales of an image's two sides beyond which one of them is a slip."""
 FINE, FINE_ENOUGH = 0.01, 0.02
-"""Metres: pixels smaller than the first are joined up to the second."""
+"""Meters: pixels smaller than the first are joined up to the second."""
 MOST_CELLS, COARSE_ENOUGH = 4_000_000, 0.05
-"""Pixels of an image from which on they are joined up to this size, metres."""
+"""Pixels of an image from which on they are joined up to this size, meters."""
 MANY = 15
 """Least number of rooms for which the command prints that its measurement can be stopped."""
 WIDEST = 300.0
-"""Metres beyond which a map's size is in doubt."""
+"""Meters beyond which a map's size is in doubt."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +65,9 @@ class PaperSize:
     """The size of a bare image, as options say.
 
     Attributes:
-        resolution: metres a pixel; None: by `width`.
-        width: metres across the whole image; None: by `resolution`.
-        height: metres from its top to its bottom; None: its pixels are square.
+        resolution: meters a pixel; None: by `width`.
+        width: meters across the whole image; None: by `resolution`.
+        height: meters from its top to its bottom; None: its pixels are square.
         turn: degrees by which it is turned counterclockwise.
     """
 

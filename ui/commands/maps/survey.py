@@ -42,7 +42,7 @@ def _beyond(door: Doorway, room: Room) -> Room:
 
 
 def survey_as_json(seen: MapSurvey) -> dict[str, object]:
-    """The figures as the JSON object has them: metres, square metres, shares."""
+    """The figures as the JSON object has them: meters, square meters, shares."""
     place, grid = seen.place, seen.place.grid
     return {
         "name": place.name,

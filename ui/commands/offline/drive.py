@@ -64,7 +64,7 @@ def drive(
     seed: Annotated[int, typer.Option(help="Same seed, same drive.", min=0, max=2**31 - 1)] = 1,
     as_json: AsJson = False,
 ) -> None:
-    """Drive one simulated robot over a map: noisy sensors, localisation, planning and all."""
+    """Drive one simulated robot over a map: noisy sensors, localization, planning and all."""
     from sim.common.geometry import Pose2
     from sim.world.physics import Misplaced
     from thbridge.app.compose.installed_parts import installed_parts

@@ -77,7 +77,7 @@ def localize(
     progress: ProgressOption = ProgressKind.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Localise a robot after the fact: where was it in a map, by the scans and the odometry of a bag."""
+    """Localize a robot after the fact: where was it in a map, by the scans and the odometry of a bag."""
     from thbridge.files.ros.defaults import sentences_of
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.offline.localization_updates import UpdatesFormat, updates_text

@@ -12,9 +12,9 @@ from ui.command_line.options import AsJson
 from ui.command_line.terminal import BAD_INPUT, bad_input, fail, out, print_json
 
 INFLATION = 0.5
-"""Inflation radius of our robot's global costmap, metres."""
+"""Inflation radius of our robot's global costmap, meters."""
 RADIUS = 0.26
-"""Inscribed radius of our robot, metres."""
+"""Inscribed radius of our robot, meters."""
 COLUMNS = ("start_x", "start_y", "goal_x", "goal_y")
 
 
@@ -49,7 +49,7 @@ def plan(
     """Find paths for a round robot over any map, as ROS's navfn does; unknown space may be crossed.
 
     Prints a table, or one JSON object {"queries": [{"found", "length", "milliseconds", "reason", "code"}, ...]} in the
-    order asked: metres, the time that planning took, and why there is no path.
+    order asked: meters, the time that planning took, and why there is no path.
     """
     from thbridge.offline.plan import plan as planned
     from ui.command_line.grids import grid_at

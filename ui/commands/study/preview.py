@@ -28,7 +28,7 @@ def preview_step(folder: Path, step: str, condition: str, group: str, look: str)
         step: name or number of the step; empty: all steps.
         condition: within people.
         group: between people.
-        look: colours of the window.
+        look: colors of the window.
     """
     with bad_input():
         design = ExperimentFolder(folder).read(with_files=True)

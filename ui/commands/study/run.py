@@ -37,7 +37,7 @@ def run_study(folder: Path, look: str, *, windowed: bool, desk: bool, program: t
 
     Args:
         folder: of the study.
-        look: colours of the windows.
+        look: colors of the windows.
         windowed: True for a window that leaves the rest of the screen free.
         desk: True to open the researcher's desk, too.
         program: command of another window that speaks the messages of `ui.model.kiosk`; empty: ours.

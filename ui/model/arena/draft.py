@@ -20,7 +20,7 @@ from thbridge.offline.arena import Arena, cells_inside
 from ui.model.arena.floor import ArenaFloor, ArenaHandle, ArenaRefusalReason, Outcome, with_room
 
 BRIDGE = 0.5
-"""Metres between two rooms that are merged over a door or a thin wall."""
+"""Meters between two rooms that are merged over a door or a thin wall."""
 
 
 class ArenaTool(StrEnum):
@@ -149,7 +149,7 @@ class ArenaDraft:
         return self._take(_numbered(self.arena, [*with_room(self.arena, first).rooms, second]))
 
     def merge_rooms(self, one: int, other: int) -> RequestRefused | None:
-        """Make one room of two neighbours; it has the lower number and its name."""
+        """Make one room of two neighbors; it has the lower number and its name."""
         keep, gone = sorted((one, other))
         if keep == gone:
             return RequestRefused(ArenaRefusalReason.MERGE, "Choose two rooms to merge.")
@@ -236,7 +236,7 @@ class ArenaPointer:
         self._at: Point | None = None
 
     def press(self, x: float, y: float, reach: float) -> None:
-        """Begin; `reach` is how far from a handle it is still hit, metres."""
+        """Begin; `reach` is how far from a handle it is still hit, meters."""
         self.refusal, self._at = "", None
         match self.tool:
             case ArenaTool.MOVE:
@@ -275,7 +275,7 @@ class ArenaPointer:
         self.shown = self.draft.arena
 
     def _handle_at(self, x: float, y: float, reach: float) -> ArenaHandle | None:
-        """The nearest handle within some metres of a point; corners are those of the chosen room alone."""
+        """The nearest handle within some meters of a point; corners are those of the chosen room alone."""
         arena = self.draft.arena
         near = [
             (math.hypot(start.x - x, start.y - y), ArenaHandle(0, index)) for index, start in enumerate(arena.starts)

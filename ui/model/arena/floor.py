@@ -57,7 +57,7 @@ class ArenaFloor:
 
     Args:
         grid: the map.
-        footprint: corners of a robot in its own frame, metres.
+        footprint: corners of a robot in its own frame, meters.
 
     Attributes:
         map: the map for the footprint.

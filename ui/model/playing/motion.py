@@ -26,7 +26,7 @@ KEPT_SAMPLES = 64
 """Samples kept: 2.5 s of them at 25 Hz."""
 
 JUMP = 0.5
-"""A robot that is found this far, in metres, from where it should be was carried: it moves at once."""
+"""A robot that is found this far, in meters, from where it should be was carried: it moves at once."""
 
 MAX_SPEED = 1.5
 """Greatest speed of robots, m/s: samples that are far apart in time may be so much farther apart in space."""
@@ -47,7 +47,7 @@ BLEND = 0.07
 """Time constant of blending, seconds: 95 % in 0.2 s."""
 
 MAX_HELD_CORRECTION = 0.2
-"""A correction by less than this, in metres, does not move a driving robot backwards."""
+"""A correction by less than this, in meters, does not move a driving robot backwards."""
 
 MOVING_SPEED = 0.03
 """A robot counts as driving when it is faster than this, m/s."""
@@ -55,7 +55,7 @@ MOVING_SPEED = 0.03
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DisplayedRobot:
-    """One robot at the moment shown; map frame, metres and radians.
+    """One robot at the moment shown; map frame, meters and radians.
 
     Attributes:
         pose: its estimated pose.

@@ -23,7 +23,7 @@ MAX_DELAY = 0.06
 
 EXTRAPOLATED_SHARE = 0.5
 """Share of the time between two samples for which robots are extrapolated without the next: at 25 a second that puts
-them off by millimetres, and draws them 20 ms earlier."""
+them off by millimeters, and draws them 20 ms earlier."""
 
 STANDSTILL = 0.25
 """Seconds without a sample: simulated time, or the network, stood still. Such a gap says nothing of a rate."""

@@ -8,13 +8,13 @@ import numpy as np
 from sim.numerics.float_array import FloatArray
 
 TRAIL_STEP = 0.12
-"""Metres between two points of a trail."""
+"""Meters between two points of a trail."""
 
 TRAIL_POINTS = 44
 """Points of a trail: 5 m."""
 
 PATH_SEARCH = 1.5
-"""Metres along its path in which a robot is looked for, ahead of its last place on it."""
+"""Meters along its path in which a robot is looked for, ahead of its last place on it."""
 
 
 class Trail:
@@ -68,7 +68,7 @@ class PathAhead:
         return np.concatenate((np.array([[x, y]]), rest))
 
     def _nearest(self, x: float, y: float) -> float:
-        """Metres along the path of its point nearest to a place.
+        """Meters along the path of its point nearest to a place.
 
         The first search takes the whole path. Later ones look only a little ahead of the last result: where a path
         passes one place twice, the nearest point of all would jump.

@@ -26,8 +26,8 @@ class RoomMark:
     Attributes:
         room: its number as people count, from 1.
         name: name for people.
-        region: (n, 2) corners of its floor, map frame, metres.
-        state: told apart by a sign and a pattern, not by colour alone.
+        region: (n, 2) corners of its floor, map frame, meters.
+        state: told apart by a sign and a pattern, not by color alone.
         choosable: True when a click on it would be a choice just now.
         considered: True when the participant looks at it, by mouse or keyboard.
         found: its treasure as far as it is known, in a word or two; empty when nothing is known.
@@ -52,15 +52,15 @@ class RoomMark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotMark:
-    """Robot as it is drawn in one frame. All in the map frame, metres and radians.
+    """Robot as it is drawn in one frame. All in the map frame, meters and radians.
 
     Attributes:
-        robot: index in the team; its colour follows from it.
+        robot: index in the team; its color follows from it.
         label: its name on the map, short.
         pose: its estimated pose.
         footprint: (n, 2) corners of its body in its own frame.
         selected: True for the robot that the participant commands.
-        trouble: True when it is lost, silent or has no energy left; drawn so that it shows without colour.
+        trouble: True when it is lost, silent or has no energy left; drawn so that it shows without color.
         trail: (k, 2) past places, oldest first.
         path: (m, 2) planned path, its own place first.
         ellipse: uncertainty of its place, where that is shown.

@@ -1,4 +1,4 @@
-"""The colours of all windows, light and dark, and the figures by which they are judged."""
+"""The colors of all windows, light and dark, and the figures by which they are judged."""
 
 from dataclasses import dataclass
 from math import dist
@@ -10,7 +10,7 @@ from ui.model.shared.scene import RoomState
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """Colours as "#rrggbb".
+    """Colors as "#rrggbb".
 
     Attributes:
         window: background of windows.
@@ -55,11 +55,11 @@ class Palette:
     robots: tuple[str, ...]
 
     def robot(self, number: int) -> str:
-        """The colour of the robot of this index."""
+        """The color of the robot of this index."""
         return self.robots[number % len(self.robots)]
 
     def room(self, state: RoomState) -> str:
-        """The colour of a room's floor."""
+        """The color of a room's floor."""
         return {
             "unvisited": self.unvisited,
             "reserved": self.reserved,
@@ -90,7 +90,7 @@ LIGHT = Palette(
     lost="#ffdac3",
     robots=ROBOT_COLORS,
 )
-"""Colours by day."""
+"""Colors by day."""
 
 DARK = Palette(
     window="#14181e",
@@ -124,7 +124,7 @@ DARK = Palette(
         "#a0f0e0",
     ),
 )
-"""Colours by night."""
+"""Colors by night."""
 
 
 Rgb = tuple[float, float, float]
@@ -138,13 +138,13 @@ def luminance(colour: str) -> float:
 
 
 def contrast(one: str, other: str) -> float:
-    """Contrast ratio of two colours, 1 to 21 (WCAG 2.2); text wants 4.5, edges and signs 3."""
+    """Contrast ratio of two colors, 1 to 21 (WCAG 2.2); text wants 4.5, edges and signs 3."""
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)
 
 
 Vision = Literal["normal", "protan", "deutan", "tritan"]
-"""Colour vision: with all three kinds of cones, or without those for red, green, or blue."""
+"""Color vision: with all three kinds of cones, or without those for red, green, or blue."""
 
 SIMULATED: dict[Vision, tuple[Rgb, Rgb, Rgb]] = {
     "normal": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
@@ -152,7 +152,7 @@ SIMULATED: dict[Vision, tuple[Rgb, Rgb, Rgb]] = {
     "deutan": ((0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413), (-0.011820, 0.042940, 0.968881)),
     "tritan": ((1.255528, -0.076749, -0.178779), (-0.078411, 0.930809, 0.147602), (0.004733, 0.691367, 0.303900)),
 }
-"""Rows of the matrices that turn linear colours into what a dichromat sees.
+"""Rows of the matrices that turn linear colors into what a dichromat sees.
 
 Source: Machado, Oliveira, Fernandes, A Physiologically-based Model for Simulation of Color Vision Deficiency (2009),
 severity 1.0.
@@ -160,12 +160,12 @@ severity 1.0.
 
 
 def difference(one: str, other: str, vision: Vision = "normal") -> float:
-    """Perceived distance of two colours in CIE L*a*b*, where 2.3 is just noticed (CIE76, white D65)."""
+    """Perceived distance of two colors in CIE L*a*b*, where 2.3 is just noticed (CIE76, white D65)."""
     return dist(_lab(_seen(one, vision)), _lab(_seen(other, vision)))
 
 
 def _linear(colour: str) -> Rgb:
-    """Linear channels of an sRGB colour "#rrggbb"."""
+    """Linear channels of an sRGB color "#rrggbb"."""
     red, green, blue = (int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5))
     return _undone(red), _undone(green), _undone(blue)
 
@@ -176,7 +176,7 @@ def _undone(channel: float) -> float:
 
 
 def _seen(colour: str, vision: Vision) -> Rgb:
-    """The linear colour as it looks to somebody with this vision, kept inside what a screen can show."""
+    """The linear color as it looks to somebody with this vision, kept inside what a screen can show."""
     cones = _linear(colour)
     red, green, blue = (
         min(1.0, max(0.0, sum(weight * value for weight, value in zip(row, cones, strict=True))))
@@ -186,7 +186,7 @@ def _seen(colour: str, vision: Vision) -> Rgb:
 
 
 def _lab(colour: Rgb) -> tuple[float, float, float]:
-    """CIE L*a*b* of a linear colour."""
+    """CIE L*a*b* of a linear color."""
     red, green, blue = colour
     x = _lightness((0.4124 * red + 0.3576 * green + 0.1805 * blue) / 0.9505)
     y = _lightness(0.2126 * red + 0.7152 * green + 0.0722 * blue)

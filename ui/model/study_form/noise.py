@@ -17,7 +17,7 @@ from thbridge.study.study_file import Study
 from ui.model.study_form.form import FieldKind, FormField, editable_text
 
 _ALMOST_NONE = 1e-3
-"""Metres below which an ellipse is a point."""
+"""Meters below which an ellipse is a point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,11 +18,11 @@ MAX_LINE_POINTS = 1000
 class Curve:
     """Samples in order of time; those that come out of order are left out.
 
-    When it is full, each two neighbours of the older half become one.
+    When it is full, each two neighbors of the older half become one.
 
     Args:
         columns: numbers of a sample, beside its time.
-        peaks: of two neighbours the one with the greater first number stays; else the later one.
+        peaks: of two neighbors the one with the greater first number stays; else the later one.
         most: samples that are kept; at least 4.
 
     Attributes:

@@ -25,7 +25,7 @@ class PoseErrors:
     """Compares estimates with the truth at the same stamps, or, where these are of no use, the same times of recording.
 
     Args:
-        errors: takes time, metres, radians (not negative).
+        errors: takes time, meters, radians (not negative).
     """
 
     def __init__(self, errors: Curve) -> None:

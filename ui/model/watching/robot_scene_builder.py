@@ -162,7 +162,7 @@ class RobotSceneBuilder:
         return None if framed_pose is None else framed_pose.pose
 
     def _estimate(self) -> Pose2 | None:
-        """Its odometry under the last correction of its localiser; else the localiser's pose; else the odometry's."""
+        """Its odometry under the last correction of its localizer; else the localizer's pose; else the odometry's."""
         robot, odometry, belief = self._robot, self._odometry, self._belief
         if odometry is not None:
             corrected = self._on_map(odometry.frame, odometry.pose)

@@ -38,7 +38,7 @@ class WatchedRobot:
         base: frame of its base.
         truth: poses of a simulator or of motion capture.
         odom: its wheel odometry.
-        estimate: poses of its localiser, with covariance.
+        estimate: poses of its localizer, with covariance.
         cloud: particles.
         scan: of its laser.
         battery: its energy.

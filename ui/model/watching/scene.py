@@ -1,6 +1,6 @@
 """A session at one moment, as a researcher sees it: the truth beside what robots believe, and all that moves them.
 
-Everything is in the map frame, metres and radians, unless it says otherwise.
+Everything is in the map frame, meters and radians, unless it says otherwise.
 """
 
 from dataclasses import dataclass, field
@@ -49,13 +49,13 @@ class RobotScene:
         robot: its index; in sessions of ours, of the team.
         name: for people: "robot 1", or the namespace of a robot in a bag that is not ours.
         truth: its true pose; None where it is not published.
-        estimate: its estimated pose: odometry under the localiser's last correction.
-        error: metres between the two; None where one is missing.
-        ellipse: 95 % of its belief, by the last message of its localiser.
-        deviation: standard deviation of the position, metres.
+        estimate: its estimated pose: odometry under the localizer's last correction.
+        error: meters between the two; None where one is missing.
+        ellipse: 95 % of its belief, by the last message of its localizer.
+        deviation: standard deviation of the position, meters.
         odometry_path: (k, 2) its path by wheel odometry so far, placed so that it ends at the estimate.
         truth_path: (k, 2) its true path so far; a row of NaN where it was carried away.
-        estimate_path: (k, 2) its estimated path so far; a row of NaN where its localiser found it elsewhere.
+        estimate_path: (k, 2) its estimated path so far; a row of NaN where its localizer found it elsewhere.
         cloud: (n, 3) particles, x, y, theta; a selection of them where the robot is not selected.
         scan: (m, 2) end points of the beams that met something, as seen from the estimate at that time.
         global_costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, others between.

@@ -34,11 +34,11 @@ class RobotSeries:
         truth: time, x, y, theta.
         estimate: likewise.
         odometry: likewise, in the frame of its odometry.
-        errors: time, metres, radians (not negative) between estimate and truth.
-        deviations: time, standard deviations of position (m) and heading (rad) by its localiser.
+        errors: time, meters, radians (not negative) between estimate and truth.
+        deviations: time, standard deviations of position (m) and heading (rad) by its localizer.
         energy: time, energy left.
         speeds: time, m/s, rad/s by its odometry.
-        relocations: times at which its localiser found it elsewhere, in order.
+        relocations: times at which its localizer found it elsewhere, in order.
     """
 
     truth: Curve = field(default_factory=lambda: Curve(3))
@@ -179,7 +179,7 @@ class _SeriesBuilder:
             self._believe(message, time, estimate)
 
     def frames(self, time: float) -> None:
-        """Take the estimated pose from tf alone, where neither odometry nor a localiser has a topic."""
+        """Take the estimated pose from tf alone, where neither odometry nor a localizer has a topic."""
         robot = self.robot
         if robot is None or robot.odom is not None or robot.estimate is not None or not robot.base:
             return
@@ -190,7 +190,7 @@ class _SeriesBuilder:
                 self._believe(None, time, base_in_map)
 
     def belief(self, message: WatchedMessage, time: float) -> None:
-        """Take the pose of the localiser, and its covariance."""
+        """Take the pose of the localizer, and its covariance."""
         localised = unpack.pose_with_covariance(message.data)
         admitted = deviations(time, localised.covariance)
         if admitted is not None:

@@ -21,12 +21,12 @@ from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 SENDER = "watch"
 """Name of the sender in records of these requests."""
 COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])
-"""Covariance of a pose that is set by hand on the map: rviz's, half a metre and 15 degrees.
+"""Covariance of a pose that is set by hand on the map: rviz's, half a meter and 15 degrees.
 
 Source: rviz, src/rviz/default_plugin/tools/initial_pose_tool.cpp.
 """
 LEAST_SIZE, MOST_SIZE = 0.1, 10.0
-"""Metres across an obstacle."""
+"""Meters across an obstacle."""
 CORNERS = 16
 """Corners of a round obstacle."""
 
@@ -147,7 +147,7 @@ def obstacle(name: str, shape: Shape, place: Pose2, size: float) -> Thing:
         name: what people call it.
         shape: round, or square along its heading.
         place: its middle.
-        size: metres across; what is too small or too large becomes the least or the most.
+        size: meters across; what is too small or too large becomes the least or the most.
     """
     half = 0.5 * min(max(size, LEAST_SIZE), MOST_SIZE)
     if shape == "box":

@@ -38,7 +38,7 @@ from ui.windows.words_of_others import title_text
 REACH = 12.0
 """Pixels from a goal, corner or start pose within which a press holds it."""
 STEP = 0.1
-"""Metres that a key moves what is chosen."""
+"""Meters that a key moves what is chosen."""
 TURN = np.pi / 12
 """Radians that a key turns what is chosen."""
 ARROWS = {
@@ -151,13 +151,13 @@ class ArenaWindow(QMainWindow):
 
     @Slot()
     def repaint_all(self) -> None:
-        """Use other colours."""
+        """Use other colors."""
         self.map.set_palette(colours())
         self._show_left_out()
         self.show_all()
 
     def _show_left_out(self) -> None:
-        """Show the lines that are not in the map, in the colour of findings, so that nobody misses a wall."""
+        """Show the lines that are not in the map, in the color of findings, so that nobody misses a wall."""
         grid = self.draft.floor.map.grid
         if self._left_out is not None:
             table = np.zeros((256, 4), dtype=np.uint8)

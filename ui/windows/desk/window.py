@@ -485,7 +485,7 @@ def _allow(button: QPushButton, why_not: str, hint: str) -> None:
 
 
 def _mark(words: QWidget, *, bad: bool) -> None:
-    """Set words in the colour of trouble, or in the usual one."""
+    """Set words in the color of trouble, or in the usual one."""
     words.setProperty("bad", bad)
     words.style().unpolish(words)
     words.style().polish(words)

@@ -496,7 +496,7 @@ class KioskProgram:
 
     Args:
         app: the application.
-        choice: of colours.
+        choice: of colors.
         send: sends to the host.
         windowed: True for a window that does not fill the screen.
         title: of the window; empty: the usual one.

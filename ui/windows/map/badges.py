@@ -109,7 +109,7 @@ class BadgeText:
 
     Attributes:
         label: the robot's name.
-        colour: the robot's.
+        color: the robot's.
         selected: the robot is selected; the label is filled then.
         trouble: something is wrong with the robot; the label has a warning sign then.
         commander: somebody else who commands the robot, in words; the label has a mast before them then.
@@ -200,7 +200,7 @@ def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:
 
 
 def _paint_warning(painter: QPainter, palette: Palette, font: QFont, *, on_colour: bool) -> None:
-    """Paint a triangle with an exclamation mark at the left of a label; red would not show on a robot's colour."""
+    """Paint a triangle with an exclamation mark at the left of a label; red would not show on a robot's color."""
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(palette.panel if on_colour else palette.bad))
     painter.drawPolygon(QPolygonF([QPointF(13.0, 2.5), QPointF(20.5, 16.0), QPointF(5.5, 16.0)]))

@@ -11,7 +11,7 @@ from ui.model.shared.theme import Palette
 from ui.windows.map.export import repair_export
 
 MAX_SCALE = 400.0
-"""Largest scale, pixels per metre."""
+"""Largest scale, pixels per meter."""
 
 FIT_MARGIN = 30.0
 """Pixels around the floor plan when all of it is shown."""
@@ -21,7 +21,7 @@ LEAST_FIT = 0.5
 
 
 class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
-    """View straight down with north (+y) up, in metres of the map frame.
+    """View straight down with north (+y) up, in meters of the map frame.
 
     The middle of the view never leaves the map, so that the map cannot be lost.
 
@@ -34,7 +34,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         colors: the palette that items are drawn in.
         letters: the font that items are drawn in.
         fitted: True while the whole map is shown, since nobody has moved it.
-        bounds: box around the map, metres.
+        bounds: box around the map, meters.
         exposed: the part to be painted, logical pixels of this box; None while all of it is exported to a file.
     """
 
@@ -59,7 +59,7 @@ class MapBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         self._show_scale(self.fit_scale(), middle.x(), middle.y())
 
     def fit_scale(self) -> float:
-        """Return the scale of the whole map, pixels per metre."""
+        """Return the scale of the whole map, pixels per meter."""
         across: float = max(self.rect().width() - 2.0 * FIT_MARGIN, 1.0) / self.bounds.width()
         down: float = max(self.rect().height() - 2.0 * FIT_MARGIN, 1.0) / self.bounds.height()
         return min(across, down, MAX_SCALE)

@@ -17,7 +17,7 @@ from thbridge.roles.shared.notices import FloorPlan
 FREE, WALL, UNKNOWN = 0, 1, 2
 
 Box = tuple[float, float, float, float]
-"""Least x, least y, most x, most y; metres."""
+"""Least x, least y, most x, most y; meters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,7 +26,7 @@ class MapGeometry:
 
     Attributes:
         origin: of the cells, map frame.
-        resolution: metres a cell.
+        resolution: meters a cell.
         cells: (rows, cols) FREE, WALL, UNKNOWN or another value without a meaning; row 0 lies at the origin.
         bounds: box around all that is known, map frame.
         walls_below: (rows + 1, cols + 1) number of wall cells below and left of each corner of cells: a summed-area

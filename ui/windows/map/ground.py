@@ -26,7 +26,7 @@ class _Picture:
 
     Attributes:
         pixmap: the picture.
-        to_pixels: transform from map metres to its logical pixels.
+        to_pixels: transform from map meters to its logical pixels.
         words: (m, 4) boxes of text in it: left, top, right and bottom, logical pixels.
     """
 

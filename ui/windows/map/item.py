@@ -13,7 +13,7 @@ from sim.common.geometry import Pose2
 from ui.windows.map.box import MapBox
 
 Z_GROUND, Z_FLAT, Z_ROBOTS, Z_ABOVE, Z_SCALE_BAR = -1, 10, 20, 30, 40
-"""Order of painting. Items in metres, such as costmaps, lie at 0."""
+"""Order of painting. Items in meters, such as costmaps, lie at 0."""
 
 
 class MapItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no types
@@ -45,7 +45,7 @@ class MapItem(pg.GraphicsObject):  # type: ignore[misc]  # pyqtgraph has no type
             sys.excepthook(*sys.exc_info())
 
     def draw(self, painter: QPainter, to_pixels: QTransform) -> None:
-        """Draw in logical pixels of the box, to which a transform leads from map metres."""
+        """Draw in logical pixels of the box, to which a transform leads from map meters."""
         raise NotImplementedError
 
 

@@ -54,7 +54,7 @@ _NOSE = np.array([[0.72, 0.0], [0.12, 0.42], [0.26, 0.0], [0.12, -0.42]])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Body:
-    """A footprint as it is drawn, in the robot's own frame, metres.
+    """A footprint as it is drawn, in the robot's own frame, meters.
 
     Attributes:
         outline: its corners.
@@ -74,7 +74,7 @@ class _Body:
         return cls(polygon(footprint), polygon(_NOSE * reach), reach, inside)
 
     def scale(self, to_pixels: QTransform) -> float:
-        """Scale at which it is drawn, pixels a metre: never too small to be seen."""
+        """Scale at which it is drawn, pixels a meter: never too small to be seen."""
         return max(to_pixels.m11(), MIN_RADIUS / self.reach)
 
     def transform(self, to_pixels: QTransform, pose: Pose2) -> QTransform:

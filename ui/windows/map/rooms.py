@@ -1,4 +1,4 @@
-"""Rooms on the map: sign, pattern and colour show a room's state; a frame shows that it can be chosen."""
+"""Rooms on the map: sign, pattern and color show a room's state; a frame shows that it can be chosen."""
 
 from collections.abc import Sequence
 
@@ -47,7 +47,7 @@ FRAME_INSET = 4.0
 """Distance between a wall and the frame of a room that can be chosen, pixels."""
 
 HALF_WALL = 0.06
-"""Half of a wall's usual thickness, metres."""
+"""Half of a wall's usual thickness, meters."""
 
 NAME_HEIGHT = 13.0
 """Height of a room's name, pixels at the usual size of text."""
@@ -278,7 +278,7 @@ _STROKES: dict[RoomState, list[list[tuple[float, float]]]] = {
 
 def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette, scale: float) -> None:
     """Paint the state: an open circle: not visited; arrows: a robot is coming; on a disc a dot: visited, tick: won,
-    cross: lost. Arrows and discs have the robot's colour.
+    cross: lost. Arrows and discs have the robot's color.
     """
     painter.save()
     painter.translate(centre)
@@ -324,7 +324,7 @@ def _pattern(state: str, palette: Palette, ratio: float) -> QBrush:
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     if state == "reserved":
         painter.setPen(QPen(_faint(palette.text), 1.4 * ratio))
-        # Beside the stripe itself the corners that its neighbours reach into the tile.
+        # Beside the stripe itself the corners that its neighbors reach into the tile.
         for shift in (-size, 0.0, size):
             painter.drawLine(QLineF(shift - size, 2.0 * size, shift + 2.0 * size, -size))
     else:

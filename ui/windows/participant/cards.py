@@ -324,7 +324,7 @@ def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, w
 
 
 def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
-    """Draw the energy left in the robot's colour; the part that the considered move would cost is hatched."""
+    """Draw the energy left in the robot's color; the part that the considered move would cost is hatched."""
     palette = colours()
     colour = palette.robot(card.robot)
     full = max(card.energy_at_start, card.energy, 1e-9)

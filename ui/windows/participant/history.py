@@ -54,7 +54,7 @@ class HistoryView(QPlainTextEdit):
             self._write(line)
 
     def repaint_words(self) -> None:
-        """Write it anew in the colours in force."""
+        """Write it anew in the colors in force."""
         shown, self._shown = self._shown, ()
         self.show_history(shown)
 

@@ -276,7 +276,7 @@ class ParticipantWindow(QWidget):
             self.do(ConsiderRoom(room))
 
     def set_palette(self, palette: Palette) -> None:
-        """Use other colours for the map and the history; all else follows from the application's palette."""
+        """Use other colors for the map and the history; all else follows from the application's palette."""
         self.map.set_palette(palette)
         self.history.repaint_words()
 

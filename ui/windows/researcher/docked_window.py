@@ -80,7 +80,7 @@ class DockedWindow(QMainWindow):
 
     Args:
         title: name of the session or recording.
-        palette: the colours.
+        palette: the colors.
         live: a running session, or else a recording.
         canvas: the map.
 

@@ -20,7 +20,7 @@ from ui.windows.researcher.map.preview import ToolPreview
 from ui.windows.researcher.map.tools import TOOLS, Gesture, MapTool
 
 GRAB_RADIUS, GRAB_PIXELS = 0.4, 24.0
-"""Distance from a robot's middle within which it is grabbed: metres, or pixels where those are more."""
+"""Distance from a robot's middle within which it is grabbed: meters, or pixels where those are more."""
 _CONFIRMATIONS = {
     MapTool.GOAL: "{robot} is sent there.",
     MapTool.POSE: "{robot} is told that it is there.",
@@ -95,7 +95,7 @@ class ToolController:
         box.setInformativeText("Its software stops and its motors brake, until it is revived. The record tells of it.")
         kill = box.addButton("Kill it", QMessageBox.ButtonRole.DestructiveRole)
         box.setDefaultButton(box.addButton("Leave it alive", QMessageBox.ButtonRole.RejectRole))
-        kill.setAutoDefault(False)  # else it is Enter's once other colours are put on
+        kill.setAutoDefault(False)  # else it is Enter's once other colors are put on
         kill.clicked.connect(lambda: self._ask(Tools.kill, "{robot} is to die."))
         box.open()
 

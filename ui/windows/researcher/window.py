@@ -44,7 +44,7 @@ MARGIN = 3.0
 DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(
     [[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
 )
-"""Footprint of a robot that has not published its own, metres."""
+"""Footprint of a robot that has not published its own, meters."""
 
 
 class ResearcherWindow(DockedWindow):
@@ -53,7 +53,7 @@ class ResearcherWindow(DockedWindow):
     Args:
         feed: source of all that is shown.
         title: name of the session or recording.
-        palette: the colours.
+        palette: the colors.
         clock: seconds that never go back.
 
     Attributes:
@@ -424,10 +424,10 @@ class ResearcherWindow(DockedWindow):
         nearest = min(range(len(SPEEDS)), key=lambda number: abs(SPEEDS[number] - self._transport.speed))
         self._transport.set_speed(SPEEDS[min(max(nearest + step, 0), len(SPEEDS) - 1)])
 
-    # Colours and closing
+    # Colors and closing
 
     def set_palette(self, palette: Palette) -> None:
-        """Use other colours for the map and the plots; all else follows from the application's palette."""
+        """Use other colors for the map and the plots; all else follows from the application's palette."""
         self._map.set_palette(palette)
         self.plots.set_palette(palette)
 
@@ -477,5 +477,5 @@ def _figures(series: RobotSeries, panel: str, gaps: Sequence[float]) -> dict[str
 
 
 def _admitted(series: RobotSeries, gaps: Sequence[float]) -> FloatArray:
-    """Return the standard deviations as steps: while its robot stands a localiser publishes none, and the last hold."""
+    """Return the standard deviations as steps: while its robot stands a localizer publishes none, and the last hold."""
     return as_steps(broken(series.deviations.rows(), gaps), series.estimate.time)

@@ -69,7 +69,7 @@ class NoiseView(QScrollArea):
         self._work.ask(lambda: _drawn(preview_of(study, noise_from_form(fields, typed)), jobs))
 
     def redraw(self) -> None:
-        """Draw the same in another size or in other colours."""
+        """Draw the same in another size or in other colors."""
         if self._requested is not None:
             self.draw(*self._requested)
 

@@ -18,12 +18,12 @@ from ui.windows.look import GAP, follow_text, px
 
 _EDGE = 1.5 * GAP
 _RULER = 1.0
-"""Length of the ruler, metres."""
+"""Length of the ruler, meters."""
 
 
 @dataclass(frozen=True, slots=True)
 class Canvas:
-    """Target of a drawing: logical size, pixels per logical pixel, colours, height of letters in logical pixels."""
+    """Target of a drawing: logical size, pixels per logical pixel, colors, height of letters in logical pixels."""
 
     size: QSize
     ratio: float
@@ -74,7 +74,7 @@ class NoisePicture(QWidget):
 
 
 class _Sheet:
-    """An image with metres on it: x to the right, y up, the same scale for both."""
+    """An image with meters on it: x to the right, y up, the same scale for both."""
 
     def __init__(self, canvas: Canvas, points: FloatArray) -> None:
         self.palette = canvas.palette
@@ -94,7 +94,7 @@ class _Sheet:
         self.painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
     def polygon(self, points: FloatArray) -> QPolygonF:
-        """Convert points in metres to a Qt polygon."""
+        """Convert points in meters to a Qt polygon."""
         xs, ys = self._x + self._scale * points[:, 0], self._y - self._scale * points[:, 1]
         return cast(QPolygonF, arrayToQPolygonF(xs, ys))
 
@@ -124,7 +124,7 @@ class _Sheet:
         self.painter.drawPoints(self.polygon(points))
 
     def crosses(self, points: FloatArray, colour: str, size: float) -> None:
-        """Draw small crosses, which differ from dots without colour."""
+        """Draw small crosses, which differ from dots without color."""
         self.painter.setPen(QPen(QColor(colour), 1.4))
         for point in self.polygon(points).toList():
             x, y = point.x(), point.y()

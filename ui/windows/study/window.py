@@ -123,7 +123,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def repaint_all(self) -> None:
-        """Use other colours."""
+        """Use other colors."""
         self.noise.redraw()
         self._show()
 

@@ -35,7 +35,7 @@ def test_outline_has_the_corners_and_no_gap():
 
 
 def distance_to_outline(x: float, y: float, theta: float, row: int, col: int) -> float:
-    """Metres from a cell's centre to the outline of a footprint at a pose."""
+    """Meters from a cell's center to the outline of a footprint at a pose."""
     c, s = math.cos(theta), math.sin(theta)
     points = outline(STUDY, 0.005) @ np.array([[c, s], [-s, c]]) + [x, y]
     return float(np.hypot(*(points - [(col + 0.5) * 0.05, (row + 0.5) * 0.05]).T).min())

@@ -140,7 +140,7 @@ class TestRobots:
         costmap = LayeredCostmap(grid, [StaticLayer(STATIC, grid), layer])
         costmap.update()
         assert costmap.costs[grid.cell_of(0.5, 0.5)] == LETHAL
-        # The body without its nose is half a metre square, the nose adds 0.1 x 0.5 / 2.
+        # The body without its nose is half a meter square, the nose adds 0.1 x 0.5 / 2.
         assert (costmap.costs == LETHAL).sum() * 0.05**2 == pytest.approx(0.275, abs=0.02)
 
     def test_the_first_part_of_its_path_costs_more_than_free_space_and_bars_nothing(self):

@@ -65,7 +65,7 @@ def test_a_free_way_is_nearly_straight_and_ends_with_the_goals_heading():
 
 
 def cheapest(costs, start, goal):
-    """Length in cells of a cheapest way from centre to centre of cells, eight neighbours each, none across a corner."""
+    """Length in cells of a cheapest way from center to center of cells, eight neighbors each, none across a corner."""
     rows, cols = costs.shape
     price = passage_costs(allow_unknown=True)[costs].astype(np.float64)
     price[price == BLOCKED] = np.inf
@@ -154,7 +154,7 @@ def test_a_wave_that_spreads_a_portion_at_a_time_becomes_the_same(astar, portion
 def test_the_potential_in_the_open_is_the_distance():
     field = field_of(open_room(), (30, 60))
     assert field[30, 30] == pytest.approx(50 * 30, rel=0.02)
-    # Along diagonals the plane wave of two neighbours takes a little long.
+    # Along diagonals the plane wave of two neighbors takes a little long.
     assert field[40, 50] == pytest.approx(50 * math.hypot(10, 10), rel=0.07)
 
 

@@ -17,7 +17,7 @@ NEAR = 0.9
 
 
 def chart_of(picture):
-    """A map drawn with one letter a square metre, the last line at y = 0."""
+    """A map drawn with one letter a square meter, the last line at y = 0."""
     cells = np.array([[100 if letter == "#" else 0 for letter in row] for row in picture[::-1]], np.int8)
     grid = OccupancyGrid(np.kron(cells, np.ones((20, 20), np.int8)), 0.05, Pose2(0.0, 0.0, 0.0))
     return make_roadmap(grid, distance_transform_edt(grid.cells == 0) * 0.05, 0.4)

@@ -40,7 +40,7 @@ def follow(planner, pose=HERE, twist=FAST, path=AHEAD, costs=OPEN, slow_down=0.1
 
 
 def walls(*boxes):
-    """Costs that are lethal in boxes (x0, y0, x1, y1), metres, and nothing around them."""
+    """Costs that are lethal in boxes (x0, y0, x1, y1), meters, and nothing around them."""
     costs = OPEN.copy()
     for x0, y0, x1, y1 in boxes:
         rows = slice(round((y0 - FRAME.y) / 0.05), round((y1 - FRAME.y) / 0.05))
@@ -139,7 +139,7 @@ def test_comfort_is_kept_where_there_is_room(make) -> None:
 def test_a_bias_in_metres_is_the_same_on_every_grid() -> None:
     for parameters in (TrajectoryPlannerParameters(meter_scoring=True), TrajectoryPlannerParameters()):
         planner = TrajectoryPlanner(parameters, STUDY, BARE, OPEN.shape, PERIOD)
-        # A cost of 100 against 0.9 m of way: in metres the cost wins, in cells the way.
+        # A cost of 100 against 0.9 m of way: in meters the cost wins, in cells the way.
         costs = OPEN.copy()
         costs[:, 56:] = 100
         command = follow(planner, twist=STANDSTILL, costs=costs).command

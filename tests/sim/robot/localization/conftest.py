@@ -31,9 +31,9 @@ LASER = LaserMount(Pose2(0.1, 0.0, 0.0), -2.35619449, 4.71238898 / 180, 181, 0.0
 
 
 def draw_arena(furnished: bool = False, walls_off: float = 0.0, seed: int = 0) -> OccupancyGrid:
-    """Sixteen metres by twelve, eight rooms of four metres with open doors, two corridors and a hall.
+    """Sixteen meters by twelve, eight rooms of four meters with open doors, two corridors and a hall.
 
-    Turned by half a circle it is much the same; only furniture tells where one is. Each wall may be some metres off.
+    Turned by half a circle it is much the same; only furniture tells where one is. Each wall may be some meters off.
     """
     off = np.random.default_rng(seed)
     resolution, thickness = 0.05, 0.12

@@ -61,7 +61,7 @@ def degraded(tour, linear, angular):
 
 
 def squared_errors(localizer, tour):
-    """Normalised estimation errors squared (Bar-Shalom), one for each update: 3 on the mean for an honest filter."""
+    """Normalized estimation errors squared (Bar-Shalom), one for each update: 3 on the mean for an honest filter."""
     found = []
     for moment in tour:
         estimate = localizer.update(moment.odometry, moment.imu, moment.scan)

@@ -39,7 +39,7 @@ def test_a_beam_through_a_thin_wall_ends_off_the_map_though_near_a_wall():
     grid = OccupancyGrid(cells, 0.05, Pose2(0, 0, 0))
     mount = LaserMount(Pose2(0, 0, 0), 0.0, 0.1, 2, 0.05, 5.0)
     field = LikelihoodField.of(grid, Beams.of(mount, 2, -1.0), 0.9, 0.1, 0.1, 1.0)
-    # A metre from the near side of the wall, and 5 cm behind its far side.
+    # A meter from the near side of the wall, and 5 cm behind its far side.
     before, behind = (field.log_likelihood(np.array([[0.5, 1.5, 0.0]]), np.array([[x, 0.0]]))[0] for x in (1.0, 1.15))
     assert before > behind + 1.0
 

@@ -33,7 +33,7 @@ def test_without_noise_a_particle_moves_as_the_odometry_does(before, after, part
     moved = diff_move(particle.array()[None, :], diff_increment(before, after), DiffSpread(0, 0, 0), np.zeros(3))[0]
     expected = particle.compose(before.between(after))
     if before.distance(after) < 0.01:
-        # A centimetre without a bearing may go any way.
+        # A centimeter without a bearing may go any way.
         assert math.hypot(moved[0] - expected.x, moved[1] - expected.y) < 0.021
     else:
         assert moved[:2] == pytest.approx((expected.x, expected.y), abs=1e-9)

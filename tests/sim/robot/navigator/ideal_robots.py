@@ -37,7 +37,7 @@ WALLS_ACROSS_Y = [
 
 
 def arena8():
-    """The arena of 2016: sixteen metres by twelve, walls 0.12 m thick."""
+    """The arena of 2016: sixteen meters by twelve, walls 0.12 m thick."""
     x = -5 + (np.arange(320) + 0.5) * 0.05
     y = -5 + (np.arange(240) + 0.5) * 0.05
     cells = np.zeros((240, 320), np.int8)

@@ -1,4 +1,4 @@
-"""The map on earth: metres as degrees and back."""
+"""The map on earth: meters as degrees and back."""
 
 import math
 

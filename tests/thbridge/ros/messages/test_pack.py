@@ -1,4 +1,4 @@
-"""Every packer against rosbags' serialiser: the same bytes, and the values come back."""
+"""Every packer against rosbags' serializer: the same bytes, and the values come back."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A recording whose odometry is a kilometre off once: report, figure and table are of the way that was driven."""
+"""A recording whose odometry is a kilometer off once: report, figure and table are of the way that was driven."""
 
 from pathlib import Path
 

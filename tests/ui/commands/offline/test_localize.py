@@ -171,7 +171,7 @@ def test_bad_input_is_told_and_ends_with_2(folder: Path, options: list[str], mes
 
 
 def test_parameters_of_a_real_robot(folder: Path, tmp_path: Path) -> None:
-    """The filter does as they say: with update_min_d at half a metre it is updated half as often."""
+    """The filter does as they say: with update_min_d at half a meter it is updated half as often."""
     sparse = tmp_path / "amcl.yaml"
     sparse.write_text("update_min_d: 0.5\nmin_particles: 200\n")
     often = json.loads(run(folder, *start(), "--json").stdout)["updates"]

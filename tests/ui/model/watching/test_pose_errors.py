@@ -31,7 +31,7 @@ def heard(topic: str, recorded_ns: int, stamp_ns: int, x: float) -> Heard:
 
 
 def drive(stamp_of_truth: Callable[[int], int], truth_late: int, estimate_late: int) -> list[Heard]:
-    """A robot that drives half a metre a second and knows it."""
+    """A robot that drives half a meter a second and knows it."""
     messages = []
     for number in range(60):
         ns, x = BEGIN + number * TENTH, 0.05 * number

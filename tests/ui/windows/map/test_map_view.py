@@ -1,4 +1,4 @@
-"""The map view: it reports what is pointed at, moves as it is asked to, and shows the colours."""
+"""The map view: it reports what is pointed at, moves as it is asked to, and shows the colors."""
 
 from dataclasses import replace
 from typing import get_args

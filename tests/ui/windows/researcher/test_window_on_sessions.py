@@ -68,7 +68,7 @@ def truth(window: ResearcherWindow, number: int) -> Pose2:
 
 
 def stroke(window: ResearcherWindow, start: tuple[float, float], end: tuple[float, float]) -> None:
-    """Press, drag and let go, in map metres."""
+    """Press, drag and let go, in map meters."""
     pixels = [window.canvas.pixel(*point).toPoint() for point in (start, end)]
     QTest.mousePress(window.canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixels[0])
     QTest.mouseMove(window.canvas.viewport(), pixels[1])

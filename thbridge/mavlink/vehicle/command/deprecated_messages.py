@@ -81,7 +81,7 @@ class DeprecatedMessages(Microservice):
         """Drive to the place of a mission item."""
         denied = self._control.objection(sender)
         if denied is None:
-            # MISSION_ITEM has degrees or metres; MISSION_ITEM_INT has degrees times ten million.
+            # MISSION_ITEM has degrees or meters; MISSION_ITEM_INT has degrees times ten million.
             scale = 1 if isinstance(item, mav.MAVLink_mission_item_int_message) else PER_DEGREE
             if item.frame not in GLOBAL or not (math.isfinite(item.x) and math.isfinite(item.y)):
                 denied = Denied("Only a latitude and a longitude can be gone to this way.")

@@ -34,7 +34,7 @@ from thbridge.mavlink.wire.extra_messages import CommandCancel
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 _REMEMBERED = 5 * TICKS_PER_SECOND
-"""Ticks for which an answered command is kept to recognise its repetition."""
+"""Ticks for which an answered command is kept to recognize its repetition."""
 
 _MOST_REMEMBERED = 64
 
@@ -66,7 +66,7 @@ class _Running:
     Attributes:
         request: command as received.
         leg: number of the drive.
-        length: metres from its start; None while unknown.
+        length: meters from its start; None while unknown.
         progress: per cent of it that are done.
         reported: tick of the last acknowledgement.
     """

@@ -162,9 +162,9 @@ def decimal_of(value: float) -> float:
 def destination(
     request: ReceivedCommand, base_in_map: Pose2, earth: MapProjection
 ) -> tuple[float, float] | Denied | None:
-    """Return the point of the map that a command names, metres east and north.
+    """Return the point of the map that a command names, meters east and north.
 
-    A COMMAND_INT is in one of our frames; COMMAND_LONG has degrees, as 32-bit floats accurate to some decimetres.
+    A COMMAND_INT is in one of our frames; COMMAND_LONG has degrees, as 32-bit floats accurate to some decimeters.
 
     Returns:
         `Denied` when there is no such latitude or longitude; None when the command names no place, by leaving it out

@@ -194,7 +194,7 @@ class ItemExecution:
         return Target(*self._point(item), None if looks_anywhere else theta_of(math.radians(yaw)))
 
     def _point(self, item: MissionItem) -> tuple[float, float]:
-        """Return the place of an item, metres east and north in the map."""
+        """Return the place of an item, meters east and north in the map."""
         if item.frame == mav.MAV_FRAME_LOCAL_NED:
             return item.y / PER_METRE, item.x / PER_METRE
         return self._earth.map_point(GeoPoint(item.x, item.y))

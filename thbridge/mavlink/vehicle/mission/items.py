@@ -27,7 +27,7 @@ class MissionItem:
         command: a code of MAV_CMD.
         frame: a code of MAV_FRAME.
         params: the first four parameters; NaN for an unused one.
-        x: the fifth, as in MISSION_ITEM_INT: 1e-7 degrees of latitude, 1e-4 metres, or a plain number.
+        x: the fifth, as in MISSION_ITEM_INT: 1e-7 degrees of latitude, 1e-4 meters, or a plain number.
         y: the sixth, likewise.
         z: the seventh.
         autocontinue: True when the mission continues by itself after it.
@@ -92,7 +92,7 @@ def message_of(item: MissionItem, seq: int, current: bool, station: Station) -> 
 
 
 def old_message_of(item: MissionItem, seq: int, current: bool, station: Station) -> mav.MAVLink_mission_item_message:
-    """Return the item as MISSION_ITEM, whose coordinates are 32-bit floats: degrees to some decimetres."""
+    """Return the item as MISSION_ITEM, whose coordinates are 32-bit floats: degrees to some decimeters."""
     scale = _scale(item.command, item.frame)
     places = (item.x / scale, item.y / scale, item.z)
     head = (station.system, station.component, seq, item.frame, item.command, int(current), int(item.autocontinue))

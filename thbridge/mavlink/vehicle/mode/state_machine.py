@@ -1,4 +1,4 @@
-"""Mode state machine: the mode of a robot and its behaviour in it.
+"""Mode state machine: the mode of a robot and its behavior in it.
 
 Callers check first, by `OperatorControl`, whether a station may move the robot.
 """

@@ -49,7 +49,7 @@ _KNOWS_ITS_PLACE = (
 
 _SATELLITES = 12
 _ACCURACY = 50
-"""Accuracy of position and velocity, millimetres and millimetres per second: typical for the estimate indoors."""
+"""Accuracy of position and velocity, millimeters and millimeters per second: typical for the estimate indoors."""
 
 
 @dataclass(frozen=True, slots=True)

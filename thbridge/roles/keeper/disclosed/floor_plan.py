@@ -26,7 +26,7 @@ def floor_plan_of(
         name: of the map.
         grid: its cells.
         rooms: room 1 first.
-        footprint: corners of a robot's body, its own frame, metres.
+        footprint: corners of a robot's body, its own frame, meters.
     """
     codes: NDArray[np.uint8] = np.full(grid.cells.shape, 2, dtype=np.uint8)
     codes[grid.cells == FREE] = 0

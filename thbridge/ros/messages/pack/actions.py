@@ -29,7 +29,7 @@ def move_base_goal(tick: int, goal: GoalId, frame: str, pose: Pose2) -> bytes:
 
 
 def recovery_status(tick: int, frame: str, base: Pose2, number: int, total: int, behaviour: str) -> bytes:
-    """move_base_msgs/RecoveryStatus: which of so many recovery behaviours, counted from 0, begins at a pose."""
+    """move_base_msgs/RecoveryStatus: which of so many recovery behaviors, counted from 0, begins at a pose."""
     return pose_stamped(tick, frame, base) + _TWO_UINT16.pack(number, total) + string(behaviour)
 
 

@@ -23,7 +23,7 @@ _TEXT = 9
 """Codes of visualization_msgs/Marker."""
 _LINE_WIDTH, _TEXT_HEIGHT = 0.05, 0.5
 _LINE_COLOUR, _TEXT_COLOUR = (0.9, 0.4, 0.0, 1.0), (0.2, 0.2, 0.2, 1.0)
-"""Metres; red, green, blue, opacity."""
+"""Meters; red, green, blue, opacity."""
 
 
 class RoomLabel(NamedTuple):
@@ -32,7 +32,7 @@ class RoomLabel(NamedTuple):
     Attributes:
         room: its number, as people count.
         name: for people.
-        x: where it stands, metres; so y.
+        x: where it stands, meters; so y.
     """
 
     room: int
@@ -96,7 +96,7 @@ def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) ->
     Args:
         tick: time stamp of the bodies.
         frame: the frame of their corners.
-        bodies: name, and (v, 2) corners in turn, metres.
+        bodies: name, and (v, 2) corners in turn, meters.
     """
     parts = [_line(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
     for number, (name, corners) in enumerate(bodies):
@@ -140,9 +140,9 @@ def _marker(
         frame: the frame of its place.
         namespace: of its id.
         kind: its id, and codes of its type and of what is done with it.
-        place: x and y, metres.
-        look: its scale, and its colour.
-        line: (n, 2) points relative to its place, metres.
+        place: x and y, meters.
+        look: its scale, and its color.
+        line: (n, 2) points relative to its place, meters.
         text: of the marker.
     """
     points = np.zeros((len(line), 3))
@@ -155,7 +155,7 @@ def _marker(
             _MARKER.pack(*kind, *place, 0.0, 0.0, 0.0, 0.0, 1.0, *look, *for_ever, unlocked),
             UINT32.pack(len(points)),
             points.astype("<f8", copy=False).tobytes(),
-            none,  # colours of single points
+            none,  # colors of single points
             string(text),
             none,  # mesh
             bytes((0,)),

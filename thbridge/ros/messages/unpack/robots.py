@@ -69,7 +69,7 @@ class SpatialTransform:
     """geometry_msgs/TransformStamped: the pose of frame `child` in frame `parent`, in three dimensions.
 
     Attributes:
-        position: x, y, z; metres.
+        position: x, y, z; meters.
         orientation: a quaternion x, y, z, w.
     """
 
@@ -86,7 +86,7 @@ class LaserScan:
 
     Attributes:
         frame: the laser's frame; beam i points along `angle_min + i * angle_increment` in its x-y plane.
-        ranges: (n,) metres, as the driver wrote them.
+        ranges: (n,) meters, as the driver wrote them.
     """
 
     stamp_ns: int

@@ -183,7 +183,7 @@ class PicturePanel(TitledPanel):
 
 
 class TreasureFacts(QWidget):
-    """Lines on what is known of a treasure: a patch of a colour or a drawing of a shape beside it, or its label."""
+    """Lines on what is known of a treasure: a patch of a color or a drawing of a shape beside it, or its label."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)

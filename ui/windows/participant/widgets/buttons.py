@@ -122,7 +122,7 @@ class ParticipantButton(QPushButton):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Press by Enter as by Space; go to a neighbour by arrows."""
+        """Press by Enter as by Space; go to a neighbor by arrows."""
         if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
         elif event.key() in _ENTER:

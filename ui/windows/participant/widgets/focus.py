@@ -47,7 +47,7 @@ def reachable(inside: QWidget) -> list[QWidget]:
 
 
 def move_focus(widget: QWidget, key: int) -> None:
-    """Give the focus to a neighbour inside the widget's region: left and right in reading order, so that nothing is
+    """Give the focus to a neighbor inside the widget's region: left and right in reading order, so that nothing is
     left out; up and down to the nearest one there, where a shift to the side counts three times.
     """
     home: QWidget | None = widget

@@ -62,7 +62,7 @@ def chip_size() -> float:
 
 
 def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
-    """Draw a robot's chip: its colour and number."""
+    """Draw a robot's chip: its color and number."""
     colour = colours().robot(robot)
     size = chip_size()
     around = QRectF(centre.x() - size / 2.0, centre.y() - size / 2.0, size, size)
@@ -92,7 +92,7 @@ def key_cap(painter: QPainter, rect: QRectF, key: str, ink: str) -> None:
 
 
 def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
-    """Draw a sign that shows a state without colour."""
+    """Draw a sign that shows a state without color."""
     side = min(rect.width(), rect.height())
     area = QRectF(0.0, 0.0, side, side)
     area.moveCenter(rect.center())

@@ -26,11 +26,11 @@ PROMINENT = 2
 """Newest sentences of a dialogue that are not dimmed: what was said last, and the reply."""
 
 OVERLAY_COLOUR = "#0b0f14"
-"""Colour of the overlay that dims the window, in light and dark."""
+"""Color of the overlay that dims the window, in light and dark."""
 
 
 class RobotChip(QWidget):
-    """A robot's colour and number, beside a title."""
+    """A robot's color and number, beside a title."""
 
     def __init__(self, texts: Texts, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -194,7 +194,7 @@ class OpaqueBackground(QWidget):
 
 
 class SpeechBubble(QWidget):
-    """A sentence in a bubble: a robot's at the left with its colour, the participant's at the right with the accent."""
+    """A sentence in a bubble: a robot's at the left with its color, the participant's at the right with the accent."""
 
     def __init__(self, texts: Texts, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
         super().__init__()

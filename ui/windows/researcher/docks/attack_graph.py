@@ -105,7 +105,7 @@ def _draw_arrow(painter: QPainter, colour: QColor, start: QRectF, end: QRectF) -
 
 
 def edge_point(box: QRectF, line: QLineF) -> QPointF:
-    """Return the point in which a line towards the centre of a box meets its edge."""
+    """Return the point in which a line towards the center of a box meets its edge."""
     along = line.p1() - box.center()
     reach = [half / abs(part) for half, part in ((box.width() / 2, along.x()), (box.height() / 2, along.y())) if part]
     return box.center() + along * min([*reach, 1.0])

@@ -25,7 +25,7 @@ class LogRow:
     Attributes:
         time: seconds since the beginning.
         cells: texts of the columns after the time.
-        robot: index of the robot whose colour it has; None for no colour.
+        robot: index of the robot whose color it has; None for no color.
     """
 
     time: float
@@ -119,7 +119,7 @@ class LogModel(TableModel):
         return all(word in text for word in self._words)
 
     def data(self, index: ModelIndex, role: int = 0) -> object:
-        """Return a cell's text, its colour, or its tool tip."""
+        """Return a cell's text, its color, or its tool tip."""
         row = self._shown[index.row()]
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
             return f"{row.time:.2f}" if index.column() == 0 else shown(row.cells[index.column() - 1])

@@ -26,7 +26,7 @@ LEAST_HEIGHT = 112
 """Least height of a plot, `px`; more of them are scrolled."""
 NOTHING = "Nothing is plotted. Open a topic under Topics, and tick numbers."
 MOST_POINTS = 4000
-"""Most points of a curve, more than a screen has columns; beyond, runs of neighbours are drawn by their extremes."""
+"""Most points of a curve, more than a screen has columns; beyond, runs of neighbors are drawn by their extremes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class RobotCurves:
     Attributes:
         robot: index in the team.
         name: of the robot, for the legend.
-        figures: by the name of a panel (or "band": two standard deviations of position, metres): (n,) seconds since
+        figures: by the name of a panel (or "band": two standard deviations of position, meters): (n,) seconds since
             the beginning, ascending, and (n,) values; NaN leaves a gap.
     """
 
@@ -96,7 +96,7 @@ class Plots(QWidget):
     A click seeks that time; dragging and the wheel move along the time, a double click shows all of it again.
 
     Args:
-        palette: the colours.
+        palette: the colors.
         live: a running session, whose end moves.
 
     Signals:
@@ -216,7 +216,7 @@ class Plots(QWidget):
         self._draw_band()
 
     def set_palette(self, palette: Palette) -> None:
-        """Use other colours."""
+        """Use other colors."""
         self._palette, self._letters = palette, self._fitting_letters()
         self.canvas.setBackground(palette.panel)
         self._dress()
@@ -257,7 +257,7 @@ class Plots(QWidget):
         self._dress()
 
     def _dress(self) -> None:
-        """Give the plots in sight fonts, colours, legends and lines."""
+        """Give the plots in sight fonts, colors, legends and lines."""
         palette, letters = self._palette, self._letters
         size = f"{letters.pointSizeF():.1f}pt"
         self.canvas.setMinimumHeight(len(self._shown) * px(LEAST_HEIGHT))
@@ -425,7 +425,7 @@ class _TimePlot:
 def thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return a curve of at most `MOST_POINTS` points that looks the same.
 
-    Each run of neighbours keeps its least and its greatest value, so that no peak disappears. NaN within a run is
+    Each run of neighbors keeps its least and its greatest value, so that no peak disappears. NaN within a run is
     dropped."""
     run = -(-2 * len(times) // MOST_POINTS)
     if run <= 2:

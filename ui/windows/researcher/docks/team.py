@@ -18,8 +18,8 @@ class RobotRow:
     Attributes:
         name: for people.
         state: its activity, in words.
-        error: metres between its true and its estimated position.
-        sigma: standard deviation of its estimated position, metres.
+        error: meters between its true and its estimated position.
+        sigma: standard deviation of its estimated position, meters.
         energy: left.
         speed: m/s.
         trouble: its state is one to worry about.
@@ -69,7 +69,7 @@ class TeamModel(TableModel):
                 self._changed(number, number)
 
     def data(self, index: ModelIndex, role: int = 0) -> object:
-        """Return a cell's text, icon, colour or tool tip."""
+        """Return a cell's text, icon, color or tool tip."""
         row = self._shown[index.row()]
         if role == Qt.ItemDataRole.DisplayRole:
             return _cell(row, index.column())
@@ -84,7 +84,7 @@ class TeamModel(TableModel):
         return None
 
     def _chip(self, robot: int) -> QIcon:
-        """Return an icon in its colour, the same in a selected row; an edge keeps icon and selection apart."""
+        """Return an icon in its color, the same in a selected row; an edge keeps icon and selection apart."""
         chip = QPixmap(px(18), px(18))
         chip.fill(QColor(colours().panel))
         painter = QPainter(chip)

@@ -18,14 +18,14 @@ class MapTool(StrEnum):
 
 
 CLICK_DISTANCE = 0.1
-"""Metres of dragging below which a press is a click."""
+"""Meters of dragging below which a press is a click."""
 DEFAULT_SIZE = 0.5
-"""Metres across an obstacle that is added by a click."""
+"""Meters across an obstacle that is added by a click."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gesture:
-    """A stroke from where the button was pressed to where the pointer is; map frame, metres."""
+    """A stroke from where the button was pressed to where the pointer is; map frame, meters."""
 
     tool: MapTool
     x: float
@@ -35,7 +35,7 @@ class Gesture:
 
     @property
     def length(self) -> float:
-        """Distance of the drag, metres."""
+        """Distance of the drag, meters."""
         return math.hypot(self.to_x - self.x, self.to_y - self.y)
 
     @property
@@ -50,7 +50,7 @@ class Gesture:
 
     @property
     def size(self) -> float:
-        """Metres across an obstacle that is dragged out from its middle."""
+        """Meters across an obstacle that is dragged out from its middle."""
         return DEFAULT_SIZE if self.is_click else max(2.0 * self.length, LEAST_SIZE)
 
 

@@ -459,7 +459,7 @@ class TestTwoStations:
 def test_a_place_to_which_the_robot_cannot_get_is_refused_at_once_with_the_item(field, axis, result):
     assert field.upload(places(2)) == ACCEPTED
     before = field.plan
-    # 100 units of 1e-7 degrees are a metre north, and less than one west.
+    # 100 units of 1e-7 degrees are a meter north, and less than one west.
     far = waypoint(LATITUDE + 900, LONGITUDE)
     field.robot.barred[0, 10] = Denied("There is no floor.", axis=axis)
     assert field.upload([*places(2), far, *places(1)]) == result

@@ -25,7 +25,7 @@ SKIP = VisitedRooms.SKIP
 
 
 def go(x, y, hold=0.0, yaw=NAN, **fields):
-    """A waypoint, metres east and north."""
+    """A waypoint, meters east and north."""
     place = {"x": round(y * 10000), "y": round(x * 10000)}
     return MissionItem(mav.MAV_CMD_NAV_WAYPOINT, NED, (hold, 0.0, 0.0, yaw), **place, **fields)
 
