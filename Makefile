@@ -1,6 +1,6 @@
 # `make play` and `make test` are all that most people need; both set up what is missing first.
 .NOTPARALLEL:
-.PHONY: help play test check test-slow bench setup peers maps pictures stress attack long-run fuzz lock audit lowest size
+.PHONY: help play test check docs test-slow bench setup peers maps pictures stress attack long-run fuzz lock audit lowest size
 
 BIN := .venv/bin
 # Where the environment forbids Python to keep what it compiles, each program that tests start would compile all of it.
@@ -45,6 +45,9 @@ long-run: setup ## Run a session for a simulated day with everybody connected, a
 
 fuzz: setup ## Read thousands of damaged files with every parser; more with ARGS="--help".
 	$(BIN)/python -m tests.fuzz $(ARGS)
+
+docs: setup ## Build the site of the documentation into site/; open the file that it names in a browser.
+	$(BIN)/python -m scripts.site.build $(ARGS)
 
 size: setup ## Print the product's modules and lines for each feature.
 	$(BIN)/python scripts/count_lines.py

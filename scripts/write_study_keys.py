@@ -1,6 +1,6 @@
-"""Write `docs/reference/study-keys.md`: every key of the files of a study with people, from where the program has them.
+"""Write the pages `study-file.md` and `study-keys.md` of `docs/reference`: every key of a study, from the code.
 
-python scripts/write_study_keys.py [FILE]
+python scripts/write_study_keys.py [FOLDER]
 """
 
 import argparse
@@ -10,17 +10,30 @@ from pathlib import Path
 from thbridge.experiment.design.experiment_file import ExperimentFile
 from thbridge.experiment.questionnaires.form import Form
 from thbridge.experiment.rehearsal.people import SimulatedPeople
-from thbridge.files.yaml.tree import parse
+from thbridge.files.yaml.tree import Section, parse
+from thbridge.study.study_file import Study, StudyFile
 from ui.model.study_form.form import FieldKind, FormField, FormGroup, form_of, hint_of
 
 ROOT = Path(__file__).parents[1]
 
+STUDY_HEAD = """\
+# Keys of a study file
+
+For researchers and admins: every key of the YAML file that `thbridge play` and all other commands read.
+
+`scripts/write_study_keys.py` writes this page from the code. `thbridge study init study.yaml` writes the same keys as
+a commented file, and `thbridge study edit` shows them as a form. The parameters of robots and their world (sections
+`robot` and `world`) have [a page of their own](parameters.md).
+
+## At the top
+"""
 HEAD = """\
 # Keys of a study with people
 
-Every key of the files in a study's folder. `scripts/write_study_keys.py` writes this page from the classes that the
-files are read into. [Studies with people](../how-to/studies-with-people.md) explains how they work together;
-`thbridge study edit FOLDER` shows them as a form.
+For researchers: every key of the files in a study's folder.
+
+`scripts/write_study_keys.py` writes this page from the code. [Studies with people](../how-to/studies-with-people.md)
+explains how the files work together; `thbridge study edit FOLDER` shows them as a form.
 
 A questionnaire in full:
 
@@ -48,8 +61,19 @@ FILES = (
 """Heading, a small file that has one of each section, what holds where it is silent, headings of sections in it."""
 
 
+def study_page() -> str:
+    """Return the page of a study file's keys."""
+    form = form_of("", Section(1, []), StudyFile.of(Study()))
+    parts = [STUDY_HEAD, *_table(_row(field, field.key) for field in form.fields)]
+    for section in form.groups:
+        if section.key not in {"robot", "world"}:
+            parts.append(f"\n## {section.key}\n\n{section.help[:1].upper()}{section.help[1:]}.\n")
+            parts += _table(_own_rows(section, {}))
+    return "\n".join(parts) + "\n"
+
+
 def document() -> str:
-    """Return the whole page."""
+    """Return the page of the keys of a study with people."""
     parts = [HEAD]
     for heading, text, start, sections in FILES:
         form = form_of(text, parse(Path("file"), text), start)
@@ -83,8 +107,7 @@ def _table(rows: Iterator[str]) -> list[str]:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    page = ROOT / "docs" / "reference" / "study-keys.md"
-    parser.add_argument(
-        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/reference/study-keys.md"
-    )
-    parser.parse_args().file.write_text(document(), encoding="utf-8")
+    parser.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", default=ROOT / "docs" / "reference")
+    folder = parser.parse_args().folder
+    (folder / "study-file.md").write_text(study_page(), encoding="utf-8")
+    (folder / "study-keys.md").write_text(document(), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The page of the keys of studies with people is what the program has, and its example is right."""
+"""The pages of study keys agree with the code, and their example is right."""
 
 import importlib.util
 import re
@@ -9,14 +9,18 @@ from thbridge.experiment.questionnaires.form import form_of_tree
 from thbridge.files.yaml.tree import parse
 
 SCRIPT = ROOT / "scripts" / "write_study_keys.py"
-PAGE = (ROOT / "docs" / "reference" / "study-keys.md").read_text(encoding="utf-8")
+FOLDER = ROOT / "docs" / "reference"
+PAGE = (FOLDER / "study-keys.md").read_text(encoding="utf-8")
 
 
-def test_the_page_is_up_to_date() -> None:
+def test_the_pages_are_up_to_date() -> None:
     spec = importlib.util.spec_from_file_location("write_study_keys", SCRIPT)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert module.document() == PAGE, "python scripts/write_study_keys.py"
+    assert module.study_page() == (FOLDER / "study-file.md").read_text(encoding="utf-8"), (
+        "python scripts/write_study_keys.py"
+    )
 
 
 def test_the_questionnaire_of_the_page_has_no_faults() -> None:

@@ -34,7 +34,8 @@ img{max-width:100%}"
 
 def pages() -> Mapping[str, Path]:
     """Return all pages by their names, such as `sweeps` and `0001-dependencies`."""
-    return {path.stem: path for path in sorted((shipped().root / "docs").rglob("*.md"))}
+    found = sorted((shipped().root / "docs").rglob("*.md"))
+    return {path.stem: path for path in found if path.stem != "index"}
 
 
 def list_pages() -> None:
