@@ -43,7 +43,7 @@ ALLOWED: dict[str, frozenset[str]] = {}
 SKIPPED = ("CONTRIBUTING.md", "templates/original-2016/", "tests/")
 """The style sheet, which quotes these words; texts of 2016, and tests."""
 WRITTEN = ("*.md", "*.py", "*.sh", "*.toml", "Makefile", "*/en/*.yaml", "templates/*.yaml", "maps/*.yaml")
-_CODE = re.compile(r"`[^`\n]*`|\{[^{}\n]*\}|https?://\S+")
+_CODE = re.compile(r"`[^`\n]*`|\]\([^)\s]*\)|\{[^{}\n]*\}|https?://\S+")
 
 
 def texts(path: Path) -> Iterator[tuple[int, str]]:
