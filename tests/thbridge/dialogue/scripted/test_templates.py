@@ -110,5 +110,5 @@ def test_a_room_is_called_by_its_own_name_or_else_by_its_number():
 
 
 def test_the_manual_lists_every_word_with_its_meaning():
-    manual = (Path(__file__).parents[4] / "docs" / "explanation" / "game.md").read_text(encoding="utf-8")
+    manual = (Path(__file__).parents[4] / "docs" / "reference" / "templates.md").read_text(encoding="utf-8")
     assert all(f"| `£{word.name}£` | {word.meaning} |" in manual for word in WORDS)
