@@ -1,4 +1,4 @@
-"""The interface for programs: the names here and in `thbridge.api.learning` are public; see docs/reference/api.md."""
+"""Interface for programs. Only the names here and in `thbridge.api.learning` are public; see docs/reference/api.md."""
 
 from thbridge.api.errors import HuntError as HuntError
 from thbridge.api.errors import HuntWarning as HuntWarning

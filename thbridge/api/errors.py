@@ -1,4 +1,4 @@
-"""The exception of this interface, and the conversion of the program's own ones to it."""
+"""Exception and warning of the public interface, and the conversion of internal exceptions to them."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,14 +8,14 @@ from thbridge.files.errors import BadFile, reason_of
 
 
 class HuntError(Exception):
-    """Something that a caller can mend: a study, a recording, an argument, a request.
+    """Error that the caller can correct: in a study, a recording, an argument or a request.
 
-    `str()` of it says where (file, line, key), what is wrong, and the remedy; one line for each fault.
+    `str()` of it gives the location (file, line, key), the problem and the remedy, one line for each problem.
 
     Attributes:
-        file: the file or folder at fault, or None.
-        line: its line, from 1, or None.
-        key: the key at fault, such as "robot.amcl.max_particles", or None.
+        file: the file or folder with the problem, or None.
+        line: line number in this file, from 1, or None.
+        key: the key with the problem, such as "robot.amcl.max_particles", or None.
     """
 
     def __init__(self, message: str, file: Path | None = None, line: int | None = None, key: str | None = None) -> None:
@@ -26,16 +26,16 @@ class HuntError(Exception):
 
 
 class HuntWarning(UserWarning):
-    """Something in a study that is allowed, but looks like a slip: where, what, and the remedy."""
+    """Warning about something in a study that is allowed but is probably a mistake: location, problem and remedy."""
 
 
 @contextmanager
-def told() -> Iterator[None]:
-    """Raise faults of files within as `HuntError`."""
+def as_hunt_errors() -> Iterator[None]:
+    """Raise `HuntError` for bad files and for errors of the operating system."""
     try:
         yield
     except BadFile as fault:
         raise HuntError(str(fault), fault.path, fault.line, fault.key) from None
     except OSError as error:
         where = "" if error.filename is None else f"{error.filename}: "
-        raise HuntError(f"{where}{reason_of(error)}. Choose another place, or make room.") from None
+        raise HuntError(f"{where}{reason_of(error)}. Choose another path, or free disk space.") from None

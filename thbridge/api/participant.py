@@ -1,4 +1,4 @@
-"""The participant's seat: requests of a person's window, made by a program."""
+"""The participant's requests, made by a program instead of a window."""
 
 import operator
 from collections.abc import Callable, Sequence
@@ -35,7 +35,7 @@ class QueuePlayer:
         self._waiting: list[ParticipantRequest] = []
 
     def put(self, request: ParticipantRequest) -> None:
-        """Make this request with the next step."""
+        """Queue a request for the next step."""
         self._waiting.append(request)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
@@ -45,12 +45,13 @@ class QueuePlayer:
 
 
 class HuntParticipant:
-    """Requests of the participant, as a person's window makes them; each acts a few ticks later, or is refused.
+    """Requests of the participant, as a person's window sends them; each takes effect a few ticks later or is refused.
 
-    What a person talks over with a robot has to be agreed upon first: `select` or `suggest`, answers until the view has
-    the agreement, then `send`; `discuss`, then `take_picture` or `name`. A refusal is an event, and in the view.
+    Decisions that are discussed with a robot need an agreement first. For a room: call `select` or `suggest`, call
+    `answer` until the view contains the agreement, then call `send`. For a treasure: call `discuss`, then
+    `take_picture` or `name`. A refusal is an event, and part of the view.
 
-    Robots and rooms are numbers from 1, here as everywhere that people read them.
+    Robots and rooms are numbers from 1.
     """
 
     def __init__(self, ask: Callable[[ParticipantRequest], None], view: Callable[[], View | None], robots: int) -> None:
@@ -59,19 +60,19 @@ class HuntParticipant:
         self._robots = robots
 
     def agree(self) -> None:
-        """Agree to take part, where the study asks for that."""
+        """Give consent to take part, if the study asks for it."""
         self._ask(GiveConsent())
 
     def select(self, robot: int, room: int) -> None:
-        """Ask a robot to go to a room: a dialogue begins."""
+        """Ask a robot to go to a room, which opens a dialogue."""
         self._ask(SelectRoom(self._index(robot), whole("room", room)))
 
     def suggest(self, robot: int) -> None:
-        """Ask a robot where it would go: a dialogue begins."""
+        """Ask a robot for a suggestion of a room, which opens a dialogue."""
         self._ask(RequestSuggestion(self._index(robot)))
 
     def answer(self, robot: int, choice: int = 0) -> None:
-        """Answer the robot that waits for one; the choice counts from 0, the most agreeable.
+        """Answer a robot that waits for an answer; `choice` counts from 0, the answer that agrees most.
 
         Raises:
             HuntError: there is no such answer.
@@ -80,7 +81,7 @@ class HuntParticipant:
         dialogues = () if view is None else view.dialogues
         talk = next((each for each in dialogues if each.robot == self._index(robot) and each.choices), None)
         if talk is None:
-            raise HuntError(f"robot {robot} waits for no answer. Look at view.dialogues first.")
+            raise HuntError(f"robot {robot} does not wait for an answer. Check view.dialogues first.")
         if not 0 <= choice < len(talk.choices):
             raise HuntError(f"there is no choice {choice}. Choose one of 0 to {len(talk.choices) - 1}: {talk.choices}.")
         self._ask(AnswerDialogue(talk.dialogue, talk.turn, whole("choice", choice)))
@@ -90,25 +91,25 @@ class HuntParticipant:
         self._ask(SendRobot(self._index(robot), whole("room", room)))
 
     def stop(self, robot: int) -> None:
-        """Stop a robot that drives to a room."""
+        """Stop a robot that is driving to a room."""
         self._ask(StopRobot(self._index(robot)))
 
     def sense(self, room: int) -> None:
-        """Sense the treasure in a room that a robot reached."""
+        """Sense the treasure in a room that a robot has reached."""
         self._ask(SenseTreasure(whole("room", room)))
 
     def measure(self, room: int, name: str) -> None:
-        """Let the robot sense one more property of the treasure in a room, for energy."""
+        """Let the robot measure one more property of the treasure in a room, which costs energy."""
         self._ask(MeasureProperty(whole("room", room), name))
 
     def tell(self, room: int, name: str, value: str) -> None:
-        """Tell a property of the treasure in a room that only people can tell."""
+        """Report a property of the treasure in a room that only people can see."""
         self._ask(TellProperty(whole("room", room), name, value))
 
     def discuss(
         self, robot: int, matter: Literal["take-picture", "take-treasure"], room: int, name: str | None = None
     ) -> None:
-        """Talk with a robot about taking a picture, or the treasure: a dialogue begins; `name` is the treasure's."""
+        """Open a dialogue with a robot about taking a picture or about the treasure's name, given as `name`."""
         self._ask(OpenDialogue(self._index(robot), matter, whole("room", room), name))
 
     def take_picture(self, room: int) -> None:
@@ -124,15 +125,15 @@ class HuntParticipant:
         self._ask(LeaveTreasure(whole("room", room)))
 
     def take_up(self, room: int) -> None:
-        """Take back that a treasure was left, while its robot still stands there."""
+        """Take up again a treasure that was left, while its robot still stands there."""
         self._ask(TakeUpTreasure(whole("room", room)))
 
     def end_game(self) -> None:
-        """End the game although robots could still do something."""
+        """End the game even if robots can still act."""
         self._ask(EndGame(self._game()))
 
     def play_again(self) -> None:
-        """Begin a new game once this one is over."""
+        """Start a new game after this one has ended."""
         self._ask(PlayAgain(self._game()))
 
     def _game(self) -> int:
@@ -149,13 +150,13 @@ class HuntParticipant:
 def checked_index(robot: int, robots: int) -> int:
     """Return the index of a robot's number. Raises HuntError: there is no such robot."""
     if not 1 <= robot <= robots:
-        raise HuntError(f"there is no robot {robot}. Name one of 1 to {robots}.")
+        raise HuntError(f"there is no robot {robot}. Give a number from 1 to {robots}.")
     return index_of(whole("robot", robot))
 
 
 def whole(name: str, value: SupportsIndex) -> int:
-    """Return a whole number, also one of numpy. Raises HuntError: the argument of this name is none."""
+    """Return a value as an int; accepts NumPy integers. Raises HuntError: the value is not a whole number."""
     try:
         return operator.index(value)
     except TypeError:
-        raise HuntError(f"{name}: {value!r} is no whole number. Give one.", key=name) from None
+        raise HuntError(f"{name}: {value!r} is not a whole number. Give a whole number.", key=name) from None

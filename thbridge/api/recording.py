@@ -1,4 +1,4 @@
-"""Recordings: looked at as tables and messages, run again, compared."""
+"""Recordings: read as tables and messages, replayed, compared."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
@@ -14,7 +14,7 @@ from thbridge.analysis.comparison import figures_of
 from thbridge.analysis.export.bag_rows import rows_of_bag
 from thbridge.analysis.export.exporting import ExportSummary, table_name
 from thbridge.analysis.report.builder import read_games
-from thbridge.api.errors import HuntError, told
+from thbridge.api.errors import HuntError, as_hunt_errors
 from thbridge.api.session import with_strategy
 from thbridge.api.study import HuntStudy, Simulated, StudyValue, setting_of
 from thbridge.app.replay.replay import Difference, RecordingReplay, ReplayOptions, recorded_study, session_of
@@ -30,11 +30,11 @@ class HuntReplay:
     """Result of a replay.
 
     Attributes:
-        equal: every message is the same, bit for bit.
-        ticks: number of ticks run.
-        messages: number of messages found equal.
-        difference: the first message that differs, in a sentence; None without one.
-        recording: the new recording, where one was asked for.
+        equal: True if every message is identical, bit for bit.
+            ticks: number of ticks run.
+            messages: number of messages found equal.
+            difference: a sentence about the first message that differs, or None if there is none.
+            recording: the new recording, if one was requested.
     """
 
     equal: bool
@@ -45,78 +45,78 @@ class HuntReplay:
 
 
 class HuntRecording:
-    """A recording of any ROS 1 robot or session: a bag, or the common name of a split one. It is read when it is asked.
+    """A recording of any ROS 1 robot or session: a bag, or the common name of a split bag. Data is read on demand.
 
     Args:
-        path: the bag.
-        beside: folder that paths in its study start from.
+        path: path of the bag.
+        beside: folder to which paths in the recorded study are relative.
 
     Raises:
-        HuntError: it cannot be read; also by what follows.
+        HuntError: the bag cannot be read. Methods and properties raise it too.
     """
 
     def __init__(self, path: str | Path, beside: str | Path = ".") -> None:
         self.path = Path(path)
         self._beside = Path(beside)
-        with told():
+        with as_hunt_errors():
             self._info = info(self.path)
 
     @property
     def seconds(self) -> float:
-        """Time from the first message to the last."""
+        """Seconds from the first message to the last."""
         return self._info.duration
 
     @property
     def topics(self) -> Mapping[str, int]:
-        """Number of messages of each topic, by name."""
+        """Number of messages of each topic, by topic name."""
         return {topic.name: topic.messages for topic in self._info.topics}
 
     @cached_property
     def study(self) -> HuntStudy:
-        """The study, of a recording of ours."""
-        with told():
+        """The recorded study; only in recordings made by thbridge."""
+        with as_hunt_errors():
             return HuntStudy._of(recorded_study(self.path, session_of(self.path)), self._beside)
 
     @property
     def participant(self) -> str:
-        """The participant, of a recording of ours: "person", a strategy, "program"; empty when from outside."""
-        with told():
+        """Participant in a recording by thbridge: "person", a strategy, "program"; empty if connected from outside."""
+        with as_hunt_errors():
             return session_of(self.path).participant
 
     def table(self, name: str) -> pa.Table:
-        """Return a table, as `thbridge bag export` writes it: a row a message, `t_s` the time from the beginning.
+        """Return a table as `thbridge bag export` writes it: one row per message; `t_s` is seconds from the beginning.
 
         Args:
-            name: a topic, such as "/robot1/odom"; or a table's, such as "poses" (truth beside estimate of all robots),
-                "dialogues", or `TOPIC.FIELD` for the lists in messages.
+            name: a topic, such as "/robot1/odom", or the name of a table, such as "poses" (true and estimated poses of
+                    all robots), "dialogues", or `TOPIC.FIELD` for lists in messages.
         """
         topics = self.topics
         if name.startswith("/") and name not in topics:
-            raise HuntError(f"{self.path}: no topic is called {name}. There are {', '.join(topics)}.", self.path)
+            raise HuntError(f"{self.path}: no topic is called {name}. Topics: {', '.join(topics)}.", self.path)
         wanted = table_name(name) if name.startswith("/") else name
-        with told():
+        with as_hunt_errors():
             only = {name} if name.startswith("/") else None
             rows = rows_of_bag(self.path, ExportSummary(), only, tables={wanted.partition(".")[0]})
             pieces = [arrow_table(each.table.columns, each.values) for each in rows if each.table.name == wanted]
         if not pieces:
             problem = f"{self.path}: no table is called {name}"
-            raise HuntError(f"{problem}. Name a topic ({', '.join(topics)}), or poses, or dialogues.", self.path)
+            raise HuntError(f"{problem}. Give a topic ({', '.join(topics)}), poses or dialogues.", self.path)
         return pa.concat_tables(pieces)
 
     def arrays(self, name: str) -> dict[str, Array]:
-        """Return the columns of a table as arrays, by their names; texts and lists are objects. See `table`."""
+        """Return the columns of a table as arrays by name; texts and lists are object arrays. See `table`."""
         table = self.table(name)
         return {column: table[column].to_numpy() for column in table.column_names}
 
     def messages(self, *topics: str) -> Iterator[tuple[float, str, Mapping[str, object]]]:
-        """Yield messages, oldest first: seconds from the beginning, topic, fields by their ROS names.
+        """Yield messages, oldest first: seconds from the beginning, topic, and the fields by their ROS names.
 
         Args:
-            topics: names of topics; none: all.
+            topics: names of topics. Without any, all topics are read.
         """
         stores: dict[tuple[str, str], Typestore] = {}
         start_ns = self._info.start_ns or 0
-        with told():
+        with as_hunt_errors():
             for publisher, stamp_ns, data in recorded(self.path, topics or None):
                 key = publisher.msgtype, publisher.md5
                 name = normalize_msgtype(publisher.msgtype)
@@ -132,23 +132,23 @@ class HuntRecording:
         participant: Simulated | None = None,
         to: str | Path | None = None,
     ) -> HuntReplay:
-        """Run a recording of ours again: the same inputs, which have to give the same messages.
+        """Replay a recording made by thbridge: the same inputs must give the same messages.
 
         Args:
-            changes: what if: other values in the study, by dotted key.
-            participant: a simulated participant plays anew, in place of the recorded one.
-            to: path of the new recording; None for none.
+            changes: other values in the study, by dotted key, for what-if runs.
+            participant: name of a simulated participant that replaces the recorded one.
+            to: path of the new recording. If None, nothing is recorded.
 
-        A replay without changes ends at the first difference, unless it is recorded.
+        A replay without changes stops at the first difference, unless it is recorded.
         """
         study, bag = self.study.changed(changes) if changes else self.study, None if to is None else Path(to)
         setting = setting_of(study) if participant is None else with_strategy(setting_of(study), participant)
         if bag is not None and (bag.suffix != ".bag" or bag.resolve() == self.path.resolve()):
-            raise HuntError(f"to: {bag} is no name for a new bag. Give another one that ends in .bag.", bag)
+            raise HuntError(f"to: {bag} cannot be the new bag. Give another name that ends in .bag.", bag)
         if participant is not None and not self.participant:
-            raise HuntError(f"participant: nobody played inside the program that recorded {self.path}. Leave it out.")
+            raise HuntError(f"participant: {self.path} has no participant to replace. Omit the argument.")
         options = ReplayOptions(0.0, 0.0, bag, bool(changes or participant or bag), participant)
-        with told():
+        with as_hunt_errors():
             if bag is not None:
                 make_room(bag)
                 try_place(bag)
@@ -161,8 +161,8 @@ class HuntRecording:
         return HuntReplay(done.difference is None, done.ticks, done.messages, difference, made)
 
     def figures(self) -> pa.Table:
-        """Return a row for each game and robot, to compare runs: score, errors of the estimate, meters, arrivals."""
-        with told():
+        """Return one row per game and robot, to compare runs: score, estimation errors, distance driven, arrivals."""
+        with as_hunt_errors():
             games = [figures_of(report) for report in read_games(messages(self.path))]
         rows = [
             {
@@ -192,7 +192,7 @@ def _store(definition: str, name: str, topic: str) -> Typestore:
         check_type_name(name)
         return store_of(types_in(name, definition) if definition.strip() else {name: ([], [])})
     except ValueError as error:
-        raise HuntError(f"{topic}: {error}. Leave the topic out.") from None
+        raise HuntError(f"{topic}: {error}. Omit this topic.") from None
 
 
 def _plain(value: object) -> object:

@@ -1,4 +1,4 @@
-"""Sessions: a hunt that the caller steps, looks at and has a hand in."""
+"""Sessions: a hunt that the caller steps, observes and controls."""
 
 import json
 import math
@@ -18,7 +18,7 @@ from sim.inputs import CancelGoal, GlobalLocalization, KidnapRobot, KillRobot, P
 from sim.robot.navigator.goals import GoalReached, GoalResult, NoPath
 from sim.robot.software import PropagatedOutput
 from sim.team import TeamSnapshot
-from thbridge.api.errors import HuntError, told
+from thbridge.api.errors import HuntError, as_hunt_errors
 from thbridge.api.participant import HuntParticipant, QueuePlayer, checked_index, whole
 from thbridge.api.snapshot import HuntSnapshot, Ranges, snapshot_of
 from thbridge.api.study import HuntStudy, Simulated, setting_of
@@ -62,24 +62,25 @@ SENDER = "api"
 """Name of the caller in recordings."""
 
 PROGRAM = "program"
-"""Description of the participant in recordings, where the caller plays."""
+"""Name of the participant in recordings when the caller plays."""
 
 AN_HOUR = 3600.0
 
 
 @dataclass(frozen=True, slots=True)
 class HuntEvent:
-    """Something that happened.
+    """Something that happened in a session.
 
     Attributes:
         seconds: simulated time of the session.
-        kind: of the game: "started", "hidden", "departed", "arrived", "failed", "sensed", "pictured", "identified",
-            "left", "ended" and the others of a recording's events; and "said" of a sentence in a dialogue, "refused" of
-            a request, "goal" of the end of a goal that a robot had.
-        robot: number of the robot, from 1; None where it is about none.
-        room: number of the room, from 1; None likewise.
-        text: sentence, or reason; "reached", "cancelled" or the reason of a goal; else empty.
-        data: all else that the game's event holds, as a recording has it.
+        kind: kind of an event of the game: "started", "hidden", "departed", "arrived", "failed", "sensed", "pictured",
+            "identified", "left", "ended" and other kinds in recordings. Also "said" for a sentence in a dialogue,
+            "refused" for a refused request, and "goal" for the end of a robot's goal.
+        robot: number of the robot, from 1; None if the event concerns no robot.
+        room: number of the room, from 1; None if the event concerns no room.
+        text: the sentence said, or the reason of a refusal. For a goal: "reached", "cancelled", or the reason of the
+            failure. Otherwise empty.
+        data: other fields of the game's event, as a recording holds them.
     """
 
     seconds: float
@@ -91,23 +92,23 @@ class HuntEvent:
 
 
 class HuntSession:
-    """A hunt, tick by tick: headless, without clocks or sockets, the same for the same study and inputs.
+    """A hunt, stepped tick by tick, without windows, clocks or sockets. Same study and inputs give the same hunt.
 
-    Whatever the caller asks for acts in the next tick; a recording holds it, and `thbridge replay` runs it again.
-    To be closed, by `with` or `close`.
+    Requests of the caller take effect in the next tick. A recording contains them, and `thbridge replay` replays it.
+    Close the session by `with` or `close`.
 
     Args:
         study: the study.
-        participant: name of a simulated participant who plays, built-in or installed; None: the caller does.
-        record: path of a recording, `NAME.bag`; an older one is kept under a new name. None: no recording.
+        participant: name of a simulated participant, built-in or installed. If None, the caller plays.
+        record: path of a recording, `NAME.bag`; an existing one is renamed first. If None, nothing is recorded.
 
     Raises:
-        HuntError: it cannot be recorded there.
+        HuntError: the recording cannot be written there.
 
     Attributes:
         study: the study.
-        events: all that happened so far, oldest first.
-        participant: requests of the participant, where the caller plays.
+        events: events so far, oldest first.
+            participant: requests of the participant, if the caller plays.
     """
 
     def __init__(
@@ -125,7 +126,7 @@ class HuntSession:
             self._tabui = TabUI(self._queue)
         else:
             attitude = setting.study.participant.attitude
-            with told():
+            with as_hunt_errors():
                 self._tabui = TabUI(build_bot(setting.templates, participant, setting.study.seed, attitude))
         self._plays = participant is None
         self.participant = HuntParticipant(self._say, lambda: self._tabui.view, study.robots)
@@ -146,10 +147,10 @@ class HuntSession:
         if bag.suffix != ".bag" or bag.is_dir():
             raise HuntError(f"record: {bag} is not the name of a bag. Give a file name that ends in .bag.", bag)
         setting = self._setting
-        with told():
+        with as_hunt_errors():
             make_room(bag)
             try_place(bag)
-            # What was begun is closed again if the rest cannot be.
+            # If a later step fails, the files opened so far are closed.
             with ExitStack() as opened:
                 log = opened.enter_context(closing(JournalStore(journal_of(bag))))
                 writer = opened.enter_context(build_writer(setting, bag))
@@ -163,34 +164,34 @@ class HuntSession:
     # Time
 
     def step(self, ticks: int = 1) -> HuntSnapshot:
-        """Run some ticks of 20 ms, and return how things stand then.
+        """Run a number of ticks of 20 ms, and return the state after them.
 
         Raises:
             HuntError: the session is closed, or the recording cannot be written.
         """
         if ticks < 1:
-            raise HuntError(f"ticks: {ticks} is below 1. A session does not go back.")
+            raise HuntError(f"ticks: {ticks} is below 1. Give at least 1.")
         for _ in range(ticks):
             self._step()
         return self.snapshot
 
     def run(self, seconds: float) -> HuntSnapshot:
-        """Run for some simulated time, and return how things stand then. Raises as `step`."""
+        """Run for some seconds of simulated time, and return the state then. Raises the same as `step`."""
         return self.step(max(round(seconds * TICKS_PER_SECOND), 1))
 
     def run_until(self, condition: "str | Callable[[HuntSession], bool]", at_most: float = AN_HOUR) -> bool:
-        """Run until something happens, and at least one tick.
+        """Run for at least one tick, until something happens.
 
         Args:
-            condition: "ready": a robot waits for a decision; the kind of an event, such as "arrived"; or a function of
-                the session.
-            at_most: simulated seconds.
+            condition: "ready" (a robot waits for a decision), the kind of an event, such as "arrived", or a function of
+                    the session.
+                at_most: limit in simulated seconds.
 
         Returns:
-            True when it happened, False when the game or the time was over before.
+            True if it happened, False if the game ended or the time ran out first.
 
         Raises:
-            HuntError: as `step`.
+            HuntError: the same as `step`.
         """
         last = self._session.tick + max(round(at_most * TICKS_PER_SECOND), 1)
         while True:
@@ -208,13 +209,13 @@ class HuntSession:
                 return False
 
     def play(self, at_most: float = AN_HOUR) -> bool:
-        """Run to the end of the game and half a second further, as `thbridge play` does; return True when it is over.
+        """Run to half a second after the end of the game, as `thbridge play` does; return True if the game is over.
 
         Args:
-            at_most: simulated seconds.
+            at_most: limit in simulated seconds.
 
         Raises:
-            HuntError: as `step`.
+            HuntError: the same as `step`.
         """
         last = self._session.tick + max(round(at_most * TICKS_PER_SECOND), 1)
         while not self._finished and self._session.tick < last:
@@ -224,14 +225,14 @@ class HuntSession:
     def _step(self) -> None:
         if self._closed:
             raise HuntError("the session is closed. Start another one.")
-        with told():
+        with as_hunt_errors():
             record = self._session.step()
         snapshot = record.snapshot
         assert snapshot is not None  # noqa: S101  # the robots are in this session
         self._last = snapshot
         self._finished = self._ending.reached(self._session)
         for robot, output in enumerate(snapshot.robots):
-            # One that was carried on has neither, and would be made by the look.
+            # Extrapolated output has neither scan nor result; reading them would compute them.
             if not isinstance(output, PropagatedOutput):
                 if (scan := output.observations.scan) is not None:
                     self._scans[robot] = scan.ranges
@@ -240,27 +241,27 @@ class HuntSession:
         if record.events or record.utterances or record.refusals:
             self.events += _events_in(record, self.seconds)
 
-    # How things stand
+    # State
 
     @property
     def tick(self) -> int:
-        """Ticks so far."""
+        """Number of ticks so far."""
         return self._session.tick
 
     @property
     def seconds(self) -> float:
-        """Simulated time so far."""
+        """Simulated seconds so far."""
         return self._session.tick / TICKS_PER_SECOND
 
     @property
     def over(self) -> bool:
-        """True when the game is over."""
+        """True if the game has ended."""
         game = self._session.game
         return game is not None and game.ended is not None
 
     @property
     def ready(self) -> tuple[int, ...]:
-        """Numbers of the robots that could drive somewhere for the game and do not."""
+        """Numbers of the robots that could drive to a room but stand still."""
         game = self._session.game
         if game is None or game.treasures is None or game.ended is not None:
             return ()
@@ -272,32 +273,32 @@ class HuntSession:
 
     @property
     def snapshot(self) -> HuntSnapshot:
-        """The state after the last tick. Raises HuntError: before the first."""
+        """State after the last tick. Raises HuntError: there was no tick yet."""
         if self._last is None:
             raise HuntError("nothing has happened yet. Step the session first.")
         return snapshot_of(self._last, self._session.game, tuple(self._scans))
 
     @property
     def view(self) -> HuntView | None:
-        """The part of it that the participant may know; None until they are told, in the first ticks."""
+        """The part of the state that the participant may know; None in the first ticks, before the game sends it."""
         return None if self._tabui.view is None else view_of(self._tabui.view)
 
-    # Requests to the game, by its rules and without a dialogue
+    # Requests to the game; its rules apply, without dialogues
 
     def send(self, robot: int, room: int) -> None:
-        """Send a robot to a room, as a ground station does: the caller takes command of the robot, and no one is asked.
+        """Send a robot to a room as a ground station does: the caller takes command of the robot, without a dialogue.
 
-        What the rules refuse (a room that is visited, too little energy) is not done, and not told.
+        A request that the rules refuse (room already visited, too little energy) has no effect and causes no event.
         """
         number = whole("room", room)
         self._commanded(robot, lambda index: StationSend(index, number))
 
     def stop(self, robot: int) -> None:
-        """Stop a robot that drives for the game."""
+        """Stop a robot that is driving to a room."""
         self._session.ask(SENDER, StationStop(self._index(robot)))
 
     def take_picture(self, robot: int) -> None:
-        """Take a picture where a robot stands."""
+        """Take a picture of the treasure where a robot stands."""
         self._commanded(robot, StationTakePicture)
 
     def name_treasure(self, robot: int, name: str) -> None:
@@ -321,10 +322,10 @@ class HuntSession:
     # Requests to robots
 
     def set_goal(self, robot: int, x: float, y: float, theta: float = 0.0) -> None:
-        """Give a robot's move_base a goal beside the game: meters and radians in the map; a "goal" event tells its end.
+        """Set a goal for a robot's move_base outside the game: meters and radians in the map. A "goal" event ends it.
 
         Raises:
-            HuntError: as all that follow: there is no such robot, or the request is refused.
+            HuntError: there is no such robot, or the request is refused. The methods below raise it in the same cases.
         """
         goal = SimpleGoal(self._index(robot), _pose(x, y, theta), next(self._goals), owner=GoalOwner.RESEARCHER)
         self._ask(goal)
@@ -334,53 +335,53 @@ class HuntSession:
         self._ask(CancelGoal(self._index(robot)))
 
     def drive(self, robot: int, linear: float, angular: float) -> None:
-        """Drive a robot by hand for half a second, or until the next such command: m/s, rad/s (ROS: cmd_vel)."""
+        """Drive a robot for half a second, or until the next such command: m/s and rad/s (ROS: cmd_vel)."""
         self._ask(VelocityCommand(self._index(robot), Twist(float(linear), float(angular))))
 
     def set_pose(
         self, robot: int, x: float, y: float, theta: float, covariance: Sequence[Sequence[float]] | None = None
     ) -> None:
-        """Tell a robot where it is (ROS: initialpose); `covariance` is (3, 3), by default that of rviz."""
+        """Send a robot its pose (ROS: initialpose); `covariance` is (3, 3), by default that of rviz."""
         rows = np.diag([0.25, 0.25, 0.06853891909122467]) if covariance is None else np.array(covariance, np.float64)
         self._ask(InitialPose(self._index(robot), _pose(x, y, theta), rows))
 
     def forget_pose(self, robot: int) -> None:
-        """Let a robot forget where it is (ROS: global_localization)."""
+        """Make a robot forget its pose, so that it localizes globally (ROS: global_localization)."""
         self._ask(GlobalLocalization(self._index(robot)))
 
     def carry(self, robot: int, x: float, y: float, theta: float) -> None:
-        """Carry a robot somewhere, untold."""
+        """Move a robot to another pose without informing its software."""
         self._ask(KidnapRobot(self._index(robot), _pose(x, y, theta)))
 
     def kill(self, robot: int) -> None:
-        """Let a robot die: it stops, and says and does nothing."""
+        """Kill a robot: it stops, sends nothing and does nothing."""
         self._ask(KillRobot(self._index(robot)))
 
     def revive(self, robot: int) -> None:
-        """Revive a robot."""
+        """Bring a dead robot back to life."""
         self._ask(ReviveRobot(self._index(robot)))
 
     def put_thing(self, name: str, shape: str, x: float, y: float, yaw: float = 0.0) -> None:
-        """Put a "crate", "door", "fire" or "person" in the way, once its place is free; one of this name vanishes."""
+        """Place a "crate", "door", "fire" or "person" once its place is free; replaces a thing of the same name."""
         if shape not in set(Shape) - {Shape.POLYGON}:
-            raise HuntError(f"shape: no thing is a {shape}. Write crate, door, fire or person.", key="shape")
+            raise HuntError(f"shape: unknown shape {shape}. Write crate, door, fire or person.", key="shape")
         self._ask(PutThing(ThingEntry(name, Shape(shape), (float(x), float(y), float(yaw))).thing()))
 
     def remove_thing(self, name: str) -> None:
-        """Take a thing away."""
+        """Remove a thing."""
         self._ask(RemoveThing(name))
 
     def set_parameters(self, robot: int, values: Mapping[str, ParameterValue]) -> None:
-        """Change a robot's parameters while it runs, all or none: `{"amcl.kld_err": 0.05}`, `world.` the true ones."""
+        """Change parameters of a running robot together: `{"amcl.kld_err": 0.05}`. Names in `world.` set the truth."""
         given = ((key, value.item() if isinstance(value, np.generic) else value) for key, value in values.items())
         self._ask(SetParameters(self._index(robot), tuple(given)))
 
     def _ask(self, request: WatchRequest) -> None:
         if not all(map(math.isfinite, _numbers(request))):
-            raise HuntError(f"{_numbers(request)}: these are not all finite. Give finite numbers.")
+            raise HuntError(f"{_numbers(request)}: not all of these are finite. Give finite numbers.")
         reason = objection(request, self._team)
         if reason is not None:
-            raise HuntError(f"{reason}. Nothing was changed: ask for something else.")
+            raise HuntError(f"{reason}. Nothing was changed.")
         self._session.ask(SENDER, request)
 
     def _say(self, request: ParticipantRequest) -> None:
@@ -396,13 +397,13 @@ class HuntSession:
     # The end
 
     def close(self) -> None:
-        """End the session; a recording is complete then.
+        """End the session, and complete its recording.
 
         Raises:
             HuntError: the recording cannot be written.
         """
         self._closed = True
-        with told():
+        with as_hunt_errors():
             self._open.close()
 
     def __enter__(self) -> Self:
@@ -417,7 +418,7 @@ class HuntSession:
 
 
 def noted(seconds: float, event: Event) -> HuntEvent:
-    """Return an event of the game as callers get it."""
+    """Return an event of the game in the form that callers get."""
     data: dict[str, object] = json.loads(to_json(event))
     for key in ("v", "event", "robot", "room"):
         data.pop(key, None)
@@ -433,7 +434,7 @@ def noted(seconds: float, event: Event) -> HuntEvent:
 
 
 def _events_in(record: TickRecord, seconds: float) -> Iterator[HuntEvent]:
-    """Yield what happened in a tick as callers get it: in the game, in dialogues, and requests that were refused."""
+    """Yield the events of a tick for callers: of the game, sentences of dialogues, and refused requests."""
     for event in record.events:
         yield noted(seconds, event)
     for said in record.utterances:
@@ -454,12 +455,12 @@ def _end_of_goal(result: GoalResult) -> str:
 
 
 def inside(session: HuntSession) -> Session:
-    """Return the session of programs that the caller's session steps."""
+    """Return the session of programs that a `HuntSession` steps."""
     return session._session
 
 
 def with_strategy(setting: StudySetting, strategy: str) -> StudySetting:
-    """Return a setting whose simulated participant has a strategy. Raises HuntError: there is none of this name."""
+    """Return a setting whose simulated participant uses a strategy. Raises HuntError: the strategy is unknown."""
     if strategy not in set(BotStrategy) and strategy not in PARTICIPANTS.names():
         problem = f"participant: no strategy is called {strategy!r}"
         known = ", ".join((*BotStrategy, *PARTICIPANTS.names()))
@@ -469,12 +470,12 @@ def with_strategy(setting: StudySetting, strategy: str) -> StudySetting:
 
 
 def _pose(x: float, y: float, theta: float) -> Pose2:
-    """Return a pose of any numbers, also those of numpy."""
+    """Return a pose of any numbers, also those of NumPy."""
     return Pose2(float(x), float(y), float(theta))
 
 
 def _numbers(request: WatchRequest) -> tuple[float, ...]:
-    """Return the numbers of a request that may not be infinite or NaN."""
+    """Return the numbers of a request that must be finite."""
     match request:
         case (
             SimpleGoal(_, Pose2(x, y, theta)) | InitialPose(_, Pose2(x, y, theta)) | KidnapRobot(_, Pose2(x, y, theta))

@@ -1,4 +1,4 @@
-"""Studies: from a file, from keys, checked with everything they name."""
+"""Studies: read from a file or from keys, and checked together with the files that they name."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
-from thbridge.api.errors import HuntError, HuntWarning, told
+from thbridge.api.errors import HuntError, HuntWarning, as_hunt_errors
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import quoted
@@ -17,27 +17,27 @@ from thbridge.study.study_file import Study
 from thbridge.study.text import as_yaml, resolved
 
 StudyValue: TypeAlias = bool | int | float | str | Path | Sequence["StudyValue"] | Mapping[str, "StudyValue"] | None
-"""Value of a key of a study: as YAML has it; a mapping is a section, of which the other keys stay."""
+"""Value of a key of a study, as in YAML. A mapping changes keys of a section and leaves its other keys as they are."""
 
 Simulated: TypeAlias = str
 """Name of a simulated participant: `suggestion`, `nearest`, `random`, or one that is installed."""
 
 CHANGES = Path("changes")
-"""Name of the source in faults of keys that are given as arguments."""
+"""Source shown in errors about keys that are given as arguments."""
 
 
 class HuntStudy:
-    """A study with all that it names, read and checked; immutable.
+    """A study with all files that it names, read and checked; immutable.
 
     Args:
-        file: a study file, or the name of a built-in study: `standard`, which `thbridge play` plays, or
-            `original-2016`. None: every key has its default, which is that of `original-2016`.
-        changes: other values by dotted key, such as `{"robot.amcl.max_particles": 500}`.
-        keys: the same for keys of the first level: `robots=4`, `map="office"`, `game={"energy": 50}`.
+        file: a study file, or the name of a built-in study: `standard` (the study of `thbridge play`) or
+                `original-2016`. If None, every key has its default value, as in `original-2016`.
+            changes: other values by dotted key, such as `{"robot.amcl.max_particles": 500}`.
+            keys: the same for top-level keys: `robots=4`, `map="office"`, `game={"energy": 50}`.
 
     Raises:
-        HuntError: the file cannot be read, a key is unknown, a value is out of its bounds, or what the study names is
-            missing or does not fit.
+        HuntError: the file cannot be read, a key is unknown, a value is out of bounds, or a file that the study
+                names is missing or does not fit.
     """
 
     def __init__(
@@ -47,43 +47,43 @@ class HuntStudy:
         **keys: StudyValue,
     ) -> None:
         path = None if file is None else Path(file)
-        with told():
+        with as_hunt_errors():
             study, written = study_at(path)
             beside = Path() if path is None else path.parent
             self._read(_changed(study, {**keys, **(changes or {})}), beside, written)
 
     @classmethod
     def _of(cls, study: Study, beside: Path) -> "HuntStudy":
-        """Return a study whose keys are checked already."""
+        """Return a study whose keys are already checked."""
         made = cls.__new__(cls)
-        with told():
+        with as_hunt_errors():
             made._read(study, beside, None)
         return made
 
     def _read(self, study: Study, beside: Path, written: Loaded[Study] | None) -> None:
         if study.robots_from is RobotsFrom.ROS:
-            problem = "this study is for real robots, and sessions here simulate"
-            raise HuntError(f"robots_from: {problem}. Write sim, or start `thbridge simr`.", key="robots_from")
+            problem = "this study is for real robots, but sessions here simulate robots"
+            raise HuntError(f"robots_from: {problem}. Write sim, or run `thbridge simr`.", key="robots_from")
         self._beside = beside
         self._setting = read_setting(study, beside, written=written)
         for doubt in self._setting.doubts:
             warnings.warn(str(doubt), HuntWarning, stacklevel=3)
 
     def changed(self, changes: Mapping[str, StudyValue] | None = None, **keys: StudyValue) -> "HuntStudy":
-        """Return a study with other values for some keys; see `HuntStudy`. Another seed alone takes no time.
+        """Return a study with other values for some keys; see `HuntStudy`. Changing only the seed takes no time.
 
         Raises:
-            HuntError: as `HuntStudy`.
+            HuntError: for the same reasons as `HuntStudy`.
         """
         given = {**keys, **(changes or {})}
-        with told():
+        with as_hunt_errors():
             study = _changed(self._setting.study, given)
         if set(given) == {"seed"}:
             return self._with_study(study)
         return HuntStudy._of(study, self._beside)
 
     def _with_study(self, study: Study) -> "HuntStudy":
-        """Return this setting with a study that names the same files."""
+        """Return this setting with another study that names the same files."""
         made = HuntStudy.__new__(HuntStudy)
         made._beside = self._beside
         made._setting = replace(self._setting, study=study)
@@ -91,12 +91,12 @@ class HuntStudy:
 
     @property
     def robots(self) -> int:
-        """Size of the team."""
+        """Number of robots."""
         return self._setting.study.robots
 
     @property
     def seed(self) -> int:
-        """The seed of all chance."""
+        """Random seed."""
         return self._setting.study.seed
 
     @property
@@ -106,16 +106,16 @@ class HuntStudy:
 
     @property
     def rooms(self) -> Mapping[int, str]:
-        """Names of the map's rooms by number, from 1; empty names where rooms have none."""
+        """Names of the map's rooms by number, from 1; empty for rooms without a name."""
         return {entry.room.people: entry.name for entry in self._setting.map.rooms}
 
     @property
     def treasures(self) -> tuple[str, ...]:
-        """Names of the treasures that there are, in alphabetical order."""
+        """Names of all treasures of the study, in alphabetical order."""
         return tuple(sorted({kind.name for kind in self._setting.templates.kinds}, key=str.casefold))
 
     def yaml(self) -> str:
-        """Return the whole study as a file, defaults included; recordings hold the same."""
+        """Return the whole study as YAML, including defaults; recordings contain the same text."""
         return resolved(self._setting.study)
 
     def __repr__(self) -> str:
@@ -123,12 +123,12 @@ class HuntStudy:
 
 
 def setting_of(study: HuntStudy) -> StudySetting:
-    """Return what sessions are built from."""
+    """Return the setting from which sessions are built."""
     return study._setting
 
 
 def seeded(study: HuntStudy, seed: int) -> HuntStudy:
-    """Return the study with another seed, which is not checked."""
+    """Return the study with another seed, without checking it."""
     setting = setting_of(study)
     return study._with_study(replace(setting.study, seed=seed))
 

@@ -1,4 +1,4 @@
-"""The participant's view: all that a person may know of a game, and nothing else."""
+"""The participant's view: everything that a person may know about a game, and nothing else."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class HuntDialogue:
         matter: "select-room", "take-picture" or "take-treasure".
         room: number of the room that it is about.
         said: all sentences so far, oldest first.
-        choices: answers that the participant may give, most agreeable first; none while it is the robot's turn.
+            choices: answers that the participant may give; the first agrees most. Empty while it is the robot's turn.
     """
 
     robot: int
@@ -32,11 +32,11 @@ class HuntDialogue:
 
 @dataclass(frozen=True, slots=True)
 class HuntAgreement:
-    """Agreement of robot and participant, upon which the participant may act.
+    """An agreement between a robot and the participant that the participant may act on.
 
     Attributes:
         robot: number of the robot, from 1.
-        matter: as of the dialogue.
+        matter: "select-room", "take-picture" or "take-treasure", as in the dialogue.
         room: number of the room that it is about.
     """
 
@@ -47,15 +47,15 @@ class HuntAgreement:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HuntView:
-    """The game as a person may know it, as arrays: a row for each of the n robots, robot 1 first; rooms likewise.
+    """The game as a person may know it, as arrays. Robots have one row each, robot 1 first; so do rooms.
 
     Attributes:
-        ready: True once robots take requests.
-        consent: text that the participant has to agree to before anything else; None: nothing.
+        ready: True once robots accept requests.
+        consent: text that the participant has to agree to first. If None, no consent is needed.
         score: points.
-        over: reason for the game's end; None while it goes on.
-        names: possible names of treasures; empty until one was found.
-        refusal: the reason for which the participant's last refused request was refused; None without one.
+        over: reason of the game's end; None until then.
+        names: possible names of treasures; empty until a treasure is found.
+        refusal: reason of the last refused request of the participant; None if there was none.
     """
 
     ready: bool
@@ -73,58 +73,58 @@ class HuntView:
 
     @cached_property
     def places(self) -> Integers:
-        """(n,) number of the room in which each robot stands, or from which it set out; 0: the corridor."""
+        """(n,) number of the room where each robot stands, or from which it departed; 0 is the corridor."""
         return np.array([robot.place for robot in self._view.robots], dtype=np.int64)
 
     @cached_property
     def bound_for(self) -> Integers:
-        """(n,) number of the room to which each robot drives; 0: none."""
+        """(n,) number of the room to which each robot is driving; 0 if none."""
         return np.array([robot.moving_to or 0 for robot in self._view.robots], dtype=np.int64)
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """Condition of each robot: "well", "lost" or "silent"; "blocked" without energy."""
+        """Condition of each robot: "well", "lost", "silent", or "blocked" (no energy left)."""
         return tuple("blocked" if robot.blocked else robot.condition.value for robot in self._view.robots)
 
     @cached_property
     def costs(self) -> Floats:
-        """(n, rooms) energy of a move of each robot to each room; infinite where there is none."""
+        """(n, rooms) energy of a move of each robot to each room; infinite if no move is possible."""
         rows = [self._view.costs_from(robot)[1:] for robot in self._view.robots]
         return np.array([[np.inf if cost is None else cost for cost in row] for row in rows])
 
     @cached_property
     def visited(self) -> Booleans:
-        """(rooms,) True where a robot has arrived."""
+        """(rooms,) True for each room that a robot has reached."""
         return np.array([room.state == "visited" for room in self._view.rooms], dtype=np.bool_)
 
     @cached_property
     def undecided(self) -> Booleans:
-        """(rooms,) True where the treasure of a visited room is neither named nor given up."""
+        """(rooms,) True for each visited room whose treasure is neither named nor left."""
         return np.array([room.undecided for room in self._view.rooms], dtype=np.bool_)
 
     @property
     def known(self) -> tuple[Mapping[str, str], ...]:
-        """Properties known of the treasure of each room; empty where none are."""
+        """Known properties of the treasure of each room; empty if none are known."""
         return tuple(room.known for room in self._view.rooms)
 
     @property
     def pictures(self) -> tuple[str | None, ...]:
-        """File name of the picture taken in each room; None without one."""
+        """File name of the picture taken in each room; None without a picture."""
         return tuple(room.picture for room in self._view.rooms)
 
     @property
     def named(self) -> tuple[str | None, ...]:
-        """Name that the treasure of each room was given; None where it has none yet."""
+        """Name given to the treasure of each room; None if it has no name yet."""
         return tuple(None if room.verdict is None else room.verdict.name for room in self._view.rooms)
 
     @property
     def points(self) -> tuple[int | None, ...]:
-        """Points that this name won or lost; None likewise."""
+        """Points won or lost by the name given in each room; None if no name was given."""
         return tuple(None if room.verdict is None else room.verdict.points for room in self._view.rooms)
 
     @property
     def dialogues(self) -> tuple[HuntDialogue, ...]:
-        """Dialogues under way."""
+        """Open dialogues."""
         return tuple(
             HuntDialogue(number_of(each.robot), each.matter, each.room, each.said, each.choices)
             for each in self._view.dialogues
@@ -132,7 +132,7 @@ class HuntView:
 
     @property
     def agreements(self) -> tuple[HuntAgreement, ...]:
-        """Agreements that are not acted upon yet."""
+        """Agreements that the participant has not acted on yet."""
         return tuple(HuntAgreement(number_of(each.robot), each.matter, each.room) for each in self._view.consents)
 
     def __repr__(self) -> str:
@@ -140,6 +140,6 @@ class HuntView:
 
 
 def view_of(view: View) -> HuntView:
-    """Return the view that a participant was sent as callers get it."""
+    """Return the public view of the view that the participant was sent."""
     refusal = None if view.refusal is None else view.refusal.sentence
     return HuntView(view.ready, view.consent, view.score, view.over, view.names, refusal, view)

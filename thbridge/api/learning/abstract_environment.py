@@ -1,4 +1,4 @@
-"""The environment of the abstract hunt: the same decisions in a game without robots, thousands a second."""
+"""Environment of the abstract hunt: the same decisions in a game without robots, thousands per second."""
 
 from typing import Literal
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, TICK, Twist
 from sim.numerics import elementary
-from thbridge.api.errors import HuntError, told
+from thbridge.api.errors import HuntError, as_hunt_errors
 from thbridge.api.learning.abstract_hunt import AbstractHunt, HuntOpening, MoveTimes
 from thbridge.api.learning.observation import BodyNumbers
 from thbridge.api.learning.team_environment import Decision, TeamEnvironment
@@ -20,30 +20,32 @@ from thbridge.roles.shared.robot_requests import StationSend
 
 
 class AbstractHuntEnv(TeamEnvironment):
-    """The hunt of `HuntEnv` without robots: the same game, seeds, actions and observations; moves take map times.
+    """The hunt of `HuntEnv` without robots: same game, seeds, actions and observations; moves take their map times.
 
-    The same study and seed hide the same treasures, and energy, rooms and points follow the same rules. No robot is
-    simulated: every move takes the seconds of the map's `mapTimes` and succeeds, decisions about treasures take no
-    time, and in observations a robot knows its pose and drives straight ahead. docs/how-to/learning.md lists the
-    differences.
+    The same study and seed hide the same treasures. Energy, rooms and points follow the same rules. No robot is
+    simulated: every move succeeds and takes the number of seconds given in the map's `mapTimes`. Decisions about
+    treasures take no time. In observations, a robot knows its pose and drives in a straight line.
+    docs/how-to/learning.md lists the differences.
 
     Args:
-        study: as for `HuntEnv`, like all that follow.
+        study: the study. This and all other arguments have the same meaning as in `HuntEnv`.
+        robots: number of robots, used if no study is given.
+        step: duration of a step in simulated seconds, or "decision" to run until a robot is ready.
         robots: size of the team, where there is no study.
         step: simulated seconds of a step; "decision": until a robot is ready.
         max_seconds: simulated seconds after which an episode is truncated.
-        shared: every agent gets the reward of the team; False: each that of its own robot.
-        room_reward: reward of a room reached, in addition to the points of treasures.
+        shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
+            room_reward: reward for each room reached, in addition to the points for treasures.
         energy_cost: cost of a unit of energy.
-        time_cost: cost of a simulated second.
-        render_mode: "rgb_array" for pictures by `render`.
+        time_cost: cost per a simulated second.
+        render_mode: "rgb_array" makes `render` return images.
 
     Raises:
-        HuntError: an argument does not fit, or the study has things in the way or scheduled failures.
+        HuntError: an argument is invalid, or the study has obstacles or scheduled failures.
 
     Attributes:
         study: the study.
-        layout: places of the parts of an observation.
+        layout: position of each part of an observation in its vector.
     """
 
     def __init__(
@@ -74,25 +76,25 @@ class AbstractHuntEnv(TeamEnvironment):
             if entries:
                 problem = "the abstract hunt has no robots that these could affect"
                 raise HuntError(f"{key}: {problem}. Remove them from the study, or use HuntEnv.", key=key)
-        with told():
+        with as_hunt_errors():
             self._times = MoveTimes.of(self._setting)
         self._opening = HuntOpening.of(self._setting, self._times)
         self._hunt: AbstractHunt | None = None
         self._starts = self._setting.map.starts[: self.study.robots]
-        # Numbers of each robot that stands in a room, or drives from one to another in a number of ticks.
+        # For each robot: its numbers while it stands in a room or drives between two rooms for a number of ticks.
         self._standing: dict[tuple[int, int], BodyNumbers] = {}
         self._straight: dict[tuple[int, int, int, int], tuple[BodyNumbers, BodyNumbers]] = {}
 
     @property
     def events(self) -> list[HuntEvent]:
-        """All that happened so far, oldest first, as in `HuntSession.events`; empty before the first episode."""
+        """Events so far, oldest first, as in `HuntSession.events`; empty before the first episode."""
         return [] if self._hunt is None else [noted(tick * TICK, event) for tick, event in self._hunt.events]
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture of the hunt, (rows, cols, 3), where `render_mode` asks for one."""
+        """Return an image of the hunt, (rows, cols, 3), or None unless `render_mode` requests images."""
         if self.render_mode is None or self._hunt is None:
             return None
-        from thbridge.api.learning.picture import picture_of  # noqa: PLC0415  # only who asks for pictures needs it
+        from thbridge.api.learning.picture import picture_of  # noqa: PLC0415  # only needed for images
 
         poses = self._encoder.poses(self._bodies())
         return picture_of(self._setting, [room.visited for room in self._hunt.game.rooms], poses, poses)
@@ -126,7 +128,7 @@ class AbstractHuntEnv(TeamEnvironment):
 
     def _run(self) -> None:
         hunt = self._playing
-        # A robot that waits lets a tick pass, also where no other robot is under way.
+        # While a robot waits, one tick passes even if no other robot is driving.
         last = min(hunt.tick + (self._ticks or 1), self._last_tick)
         while True:
             hunt.run_to(last)
@@ -162,7 +164,7 @@ class AbstractHuntEnv(TeamEnvironment):
         return self._starts[robot] if room.is_corridor else self._goals[room.wire]
 
     def _straight_line(self, start: Pose2, goal: Pose2, ticks: int) -> tuple[BodyNumbers, BodyNumbers]:
-        """Return the numbers of a robot at the start and the end of a straight line."""
+        """Return the observation numbers of a robot at the start and at the end of a straight line."""
         x, y = goal.x - start.x, goal.y - start.y
         length, heading = elementary.hypot(x, y), elementary.atan2(y, x)
         twist = Twist(length / (ticks * TICK), 0.0)

@@ -1,4 +1,4 @@
-"""Hunts without robots: the game by its own rules, in which moves take the times of the map."""
+"""Hunts without robots: a game by the usual rules, in which moves take the times given in the map."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,12 +24,12 @@ from thbridge.roles.shared.robot_requests import TakeCommand
 
 @dataclass(frozen=True, slots=True)
 class MoveTimes:
-    """Durations of moves on a study's map, and what moves from the start poses cost.
+    """Durations of moves on a study's map, and energy costs of moves from the start poses.
 
     Attributes:
-        between: ticks from room to room, by the numbers people use; None where no time is known.
-        from_starts: ticks to each room from each robot's start pose.
-        prices: energy of the moves from each start pose; empty where the cost matrix has it.
+        between: ticks from room to room, indexed by room number; None where no time is known.
+            from_starts: ticks to each room from the start pose of each robot.
+            prices: energy of the moves from each start pose; empty where the cost matrix gives it.
     """
 
     between: Sequence[Sequence[int | None]]
@@ -38,10 +38,10 @@ class MoveTimes:
 
     @classmethod
     def of(cls, setting: StudySetting) -> "MoveTimes":
-        """Return the times of the map's own `mapTimes`, or of the study's costs where the map has none.
+        """Return the times from the map's `mapTimes`, or from the study's costs if the map has none.
 
         Raises:
-            BadFile: that file cannot be read.
+            BadFile: the file with the times cannot be read.
         """
         timed = setting
         if setting.map.costs is not None:
@@ -58,7 +58,7 @@ class MoveTimes:
         return cls(_ticks(plain_costs(timed.costs)), _ticks(seconds), prices)
 
     def ticks(self, robot: int, start: Room, room: Room, cost: float) -> int:
-        """Return the duration of a move; one without a known time takes a second for each unit of its `cost`."""
+        """Return the duration of a move in ticks; a move without a known time takes one second per unit of `cost`."""
         row = self.from_starts[robot] if start.is_corridor else self.between[start.people]
         ticks = row[room.people]
         return max(round(cost * TICKS_PER_SECOND), 1) if ticks is None else ticks
@@ -69,7 +69,7 @@ def _ticks(rows: Sequence[Sequence[float | None]]) -> list[list[int | None]]:
 
 
 class AbstractMove(NamedTuple):
-    """A move in progress: the ticks of its departure and of its arrival."""
+    """Move in progress: the ticks of its departure and of its arrival."""
 
     departed: int
     arrives: int
@@ -77,10 +77,10 @@ class AbstractMove(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class HuntOpening:
-    """Beginning of a study's hunts, which is the same for all seeds but for seed and treasures.
+    """Beginning of a study's hunts, the same for all seeds except for the seed itself and the treasures.
 
     Attributes:
-        game: the state in which all robots are commanded.
+        game: state in which the caller commands all robots.
         priced: events before the treasures are hidden.
         commanded: events after it.
     """
@@ -91,7 +91,7 @@ class HuntOpening:
 
     @classmethod
     def of(cls, setting: StudySetting, times: MoveTimes) -> "HuntOpening":
-        """Return the beginning of a study's hunts."""
+        """Return the beginning of the hunts of a study."""
         study = setting.study
         started = game_rules(study).start(1, study.robots, setting.costs, setting.templates.properties)
         game = begin(started)
@@ -104,20 +104,20 @@ class HuntOpening:
 
 
 class AbstractHunt:
-    """A game whose robots are no more than their places; commanded, as ground stations command, by requests.
+    """Game in which a robot is only the place where it is; its robots are commanded by requests of ground stations.
 
-    A move takes its time on the map; whatever is decided about a treasure happens in the tick of the arrival. No move
-    fails, and no robot gets lost or waits for another.
+    A move takes the time given by the map. Everything decided about a treasure happens in the tick of the arrival.
+    Moves never fail, and robots never get lost or wait for one another.
 
     Args:
         setting: the study with its files.
-        opening: of the study's hunts.
-        times: of its moves.
+        opening: beginning of the study's hunts.
+        times: durations of its moves.
         rule: decides about treasures.
-        seed: of the game, in the place of the study's.
+        seed: random seed of the game; replaces that of the study.
 
     Attributes:
-        tick: the current one.
+        tick: the current tick.
         game: state of the game.
         moves: the move in progress of each robot.
         events: all events so far with their ticks, oldest first.
@@ -138,11 +138,11 @@ class AbstractHunt:
         self._record(rules.ending(self.game))
 
     def ask(self, request: JudgedRequest) -> None:
-        """Carry out a request at once; one that the rules refuse has no effect."""
+        """Carry out a request at once; a request refused by the rules has no effect."""
         self._follow(ruling_on(self.game, request))
 
     def run_to(self, tick: int) -> None:
-        """Run to the next arrival, and no further than to a tick."""
+        """Advance to the next arrival, but no further than the given tick."""
         arrivals = [move.arrives for move in self.moves if move is not None]
         self.tick = min([tick, *arrivals])
         for robot, move in enumerate(self.moves):

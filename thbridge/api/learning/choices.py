@@ -1,4 +1,4 @@
-"""Choices of agents: which robots are ready in a state of the game, and for which rooms."""
+"""Choices of agents: the robots that are ready in a state of the game, and the rooms that each may choose."""
 
 from thbridge.api.learning.observation import Mask, action_masks
 from thbridge.api.learning.treasure_rule import TreasureRule
@@ -9,7 +9,7 @@ from thbridge.hunt.rules import affordable
 
 
 class RobotChoices:
-    """Choices for the robots of a game, found once for each of its states; most ticks have no new one.
+    """Choices for the robots of a game, computed once for each state; in most ticks the state is unchanged.
 
     Args:
         rule: decides about treasures.
@@ -42,7 +42,7 @@ class RobotChoices:
         return self._masks
 
     def is_ready(self, game: GameState, robot: int) -> bool:
-        """Return True when a robot could be sent: it stands, is able, and has nothing to decide where it stands."""
+        """Return True if a robot could be sent: it stands, can drive, and has nothing to decide where it stands."""
         state = game.robots[robot]
         return (
             state.bound_for is None

@@ -1,4 +1,4 @@
-"""The environment of whole robots: agents choose rooms, or velocities, for the robots of one session."""
+"""Environment with fully simulated robots: agents choose rooms, or velocities, for the robots of one session."""
 
 from collections.abc import Mapping
 from typing import Literal
@@ -19,40 +19,44 @@ from thbridge.hunt.game import GameState
 from thbridge.roles.shared.robot_requests import CommandRequest, StationSend, TakeCommand
 
 TOGETHER = 10 * TICKS_PER_SECOND
-"""Ticks within which a game has begun and its treasures are hidden."""
+"""Number of ticks within which a game starts and its treasures are hidden."""
 
 
 class HuntEnv(TeamEnvironment):
-    """A hunt whose agents `robot_1`, `robot_2`, ... decide for one robot each; PettingZoo's parallel interface.
+    """A hunt in which each agent `robot_1`, `robot_2`, ... decides for one robot (PettingZoo's parallel interface).
 
-    With `control="rooms"` an action is 0 to wait, or the number of a room to go to; it counts when the robot is ready,
-    and the room free and within its energy (`infos[agent]["action_mask"]`), else the robot goes on with what it does.
-    With `control="velocity"` it is (2,), speed forward and rate of turn to the left, in [-1, 1] of what motors reach;
-    a robot that comes within `reach` of a free room's goal is driven into it by its own software, by the game's rules.
+    With `control="rooms"`, an action is 0 to wait, or the number of a room to go to. The action counts if the robot is
+    ready, the room is free and its cost is within the robot's energy (`infos[agent]["action_mask"]`). Otherwise the
+    robot continues what it does.
 
-    Treasures are sensed, pictured and named by a rule (`TreasureRule`). Observations are what a robot believes and its
-    team knows, never the truth; `layout` names their parts.
+    With `control="velocity"`, an action is an array (2,) in [-1, 1]: forward speed and rate of turn to the left, as
+    fractions of the largest that the motors reach. When a robot comes within `reach` of the goal of a free room, its
+    own software drives it into the room, by the rules of the game.
+
+    Treasures are sensed, photographed and named by a rule (`TreasureRule`). Observations contain what a robot believes
+    and what its team knows, never the truth; `layout` names their parts.
 
     Args:
-        study: the study; None: the default one with `robots`.
-        robots: size of the team, where there is no study.
-        control: what agents choose.
-        step: simulated seconds of a step, by default 1, or 0.1 for velocities; "decision": until a robot is ready.
+        study: the study. If None, the default study with `robots` robots is used.
+        robots: number of robots, used if no study is given.
+        control: "rooms" or "velocity": what agents choose.
+        step: duration of a step in simulated seconds; default 1, or 0.1 with velocities. "decision" runs until a robot
+            is ready.
         max_seconds: simulated seconds after which an episode is truncated.
-        shared: every agent gets the reward of the team; False: each that of its own robot.
-        room_reward: reward of a room reached, in addition to the points of treasures.
-        energy_cost: cost of a unit of energy.
+        shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
+            room_reward: reward for each room reached, in addition to the points for treasures.
+        energy_cost: cost per a unit of energy.
         time_cost: cost of a simulated second.
-        reach: meters, see above.
-        render_mode: "rgb_array" for pictures by `render`.
+        reach: distance in meters, see above.
+            render_mode: "rgb_array" makes `render` return images.
 
     Raises:
-        HuntError: an argument does not fit.
+        HuntError: an argument is invalid.
 
     Attributes:
         study: the study.
-        layout: places of the parts of an observation.
-        session: the hunt that is being played.
+        layout: position of each part of an observation in its vector.
+            session: the hunt in progress.
     """
 
     def __init__(
@@ -71,14 +75,12 @@ class HuntEnv(TeamEnvironment):
         render_mode: Literal["rgb_array"] | None = None,
     ) -> None:
         if control not in {"rooms", "velocity"}:
-            raise HuntError(
-                f"control: {control!r} is nothing that agents choose. Write rooms or velocity.", key="control"
-            )
+            raise HuntError(f"control: unknown value {control!r}. Write rooms or velocity.", key="control")
         drives = control == "velocity"
         if step is None:
             step = 0.1 if drives else 1.0
         if step == "decision" and drives:
-            raise HuntError("step: who drives decides all the time. Give seconds.", key="step")
+            raise HuntError("step: 'decision' does not work with velocities. Give seconds.", key="step")
         super().__init__(
             HuntStudy(robots=robots) if study is None else study,
             "thbridge_hunt_v0",
@@ -93,20 +95,23 @@ class HuntEnv(TeamEnvironment):
         )
         self.session: HuntSession | None = None
         self._reach = reach
-        # The state of the game in which the last requests about treasures were made.
+        # State of the game at the time of the last requests about treasures.
         self._decided: GameState | None = None
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture of the hunt, (rows, cols, 3), where `render_mode` asks for one: truth and estimates."""
+        """Return an image of the hunt with true and estimated poses, (rows, cols, 3).
+
+        Returns None unless `render_mode` requests images.
+        """
         if self.render_mode is None or self.session is None:
             return None
-        from thbridge.api.learning.picture import picture_of  # noqa: PLC0415  # only who asks for pictures needs it
+        from thbridge.api.learning.picture import picture_of  # noqa: PLC0415  # only needed for images
 
         now = self.session.snapshot
         return picture_of(self._setting, now.visited.tolist(), now.poses, now.true_poses)
 
     def close(self) -> None:
-        """End the episode; a recording is complete then."""
+        """End the episode, and complete its recording."""
         if self.session is not None:
             self.session.close()
             self.session = None
@@ -123,17 +128,17 @@ class HuntEnv(TeamEnvironment):
     @property
     def _now(self) -> tuple[GameState, int]:
         hunt = inside(self._playing)
-        assert hunt.game is not None  # noqa: S101  # it has begun in `reset`
+        assert hunt.game is not None  # noqa: S101  # `reset` started it
         return hunt.game, hunt.tick
 
     def _begin(self, seed: int, record: str | None) -> None:
-        """Run until treasures are hidden and the caller commands all robots."""
+        """Run until the treasures are hidden and the caller commands all robots."""
         self.session = session = HuntSession(seeded(self.study, seed), record=record)
         self._decided = None
         hunt = inside(session)
         while hunt.game is None or hunt.game.treasures is None:
             if hunt.tick > TOGETHER:
-                raise HuntError("no game begins with this study. Look at its templates and map with `thbridge play`.")
+                raise HuntError("no game begins with this study. Check its templates and map with `thbridge play`.")
             session.step()
         for robot in range(self.study.robots):
             self._ask(TakeCommand(robot, SENDER))
@@ -164,31 +169,31 @@ class HuntEnv(TeamEnvironment):
                 return
 
     def _act(self, game: GameState, actions: Mapping[str, Action]) -> dict[str, bool]:
-        # What was refused because somebody else commanded a robot is asked for again.
+        # Repeat requests that were refused because the caller did not command the robot yet.
         self._decided = None
         return self._drive(game, actions) if self._drives else super()._act(game, actions)
 
     def _drive(self, game: GameState, actions: Mapping[str, Action]) -> dict[str, bool]:
-        """Drive robots; those at a free room's goal are sent into it instead, and drive there by themselves."""
+        """Drive robots; send those at the goal of a free room into it, where their own software drives."""
         (team, _), world = team_of(self._playing.snapshot), self._setting.study.world
         accepted = {}
         for robot, agent in enumerate(self.possible_agents):
             linear, angular = np.asarray(actions.get(agent, (0.0, 0.0)), dtype=np.float64).tolist()
             if not (abs(linear) <= 1.0 and abs(angular) <= 1.0):
-                raise HuntError(f"{agent}: ({linear:g}, {angular:g}) is outside of [-1, 1]. Clip it.")
+                raise HuntError(f"{agent}: ({linear:g}, {angular:g}) is outside [-1, 1]. Clip the action.")
             state, room = game.robots[robot], self._room_at(game, robot, team.robots[robot].estimate.base_in_map)
             if room is not None and self._choices.is_ready(game, robot):
                 self._ask(StationSend(robot, room))
             free = state.bound_for is None and room is None and self._rule.request(game, robot) is None
             if free and not state.is_silent:
-                # A tick longer than a step: who drives on keeps command between two steps.
+                # One tick longer than a step, so that driving does not stop between two steps.
                 twist = Twist(linear * world.max_vel_x, angular * world.max_vel_theta)
                 inside(self._playing).ask(SENDER, DriveManually(robot, twist, (self._ticks or 1) + 1))
             accepted[agent] = free
         return accepted
 
     def _room_at(self, game: GameState, robot: int, base_in_map: Pose2) -> int | None:
-        """Return the number of the free room, within a robot's energy, whose goal it believes to have reached."""
+        """Return the number of the free room within the robot's energy, near whose goal the robot believes to be."""
         state = game.robots[robot]
         for room in game.free_rooms:
             near = base_in_map.distance(self._goals[room.wire]) <= self._reach
@@ -202,4 +207,4 @@ class HuntEnv(TeamEnvironment):
 
 
 parallel_env = HuntEnv
-"""The name by which PettingZoo's own environments are made."""
+"""Constructor under the name that PettingZoo uses in its own environments."""

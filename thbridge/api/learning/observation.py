@@ -1,4 +1,4 @@
-"""Observations of an environment: what each robot believes and its team knows, as one vector of numbers in [-1, 1]."""
+"""Observations: beliefs of each robot and knowledge of its team, as one vector of numbers in [-1, 1]."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,7 +18,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 
 SECTORS = 24
-"""Parts of a scan, each with its nearest range."""
+"""Number of sectors of a scan; each is represented by its smallest range."""
 
 Vector = NDArray[np.float32]
 Mask = NDArray[np.int8]
@@ -27,18 +27,18 @@ LayoutOfParts: TypeAlias = "Mapping[str, slice[int, int, None]]"
 
 @dataclass(frozen=True, slots=True)
 class ObservationScale:
-    """Magnitudes that become 1.
+    """Magnitudes that are scaled to 1.
 
     Attributes:
-        left: least x of the map, meters.
-        low: least y.
-        width: of the map along x, meters.
-        height: along y.
-        energy: at the start.
-        speed: meters per second.
-        turn: radians per second.
-        range: greatest of the laser, meters.
-        seconds: of an episode.
+        left: smallest x of the map, meters.
+            low: smallest y, meters.
+            width: size of the map along x, meters.
+            height: size along y, meters.
+            energy: energy at the start.
+            speed: largest speed, meters per second.
+            turn: largest rate of turn, radians per second.
+            range: largest range of the laser, meters.
+            seconds: duration of an episode.
     """
 
     left: float
@@ -53,13 +53,13 @@ class ObservationScale:
 
 
 class BodyNumbers(NamedTuple):
-    """Numbers of one robot that do not come from the game.
+    """Numbers about one robot that do not come from the game.
 
     Attributes:
-        motion: place, heading, spread and speed.
-        lost: 1 when it holds itself to be lost.
-        remaining: of its plan.
-        seen: directions and scan, where they are part of observations.
+        motion: position, heading, spread and speed.
+            lost: 1 if it considers itself lost.
+            remaining: remaining length of its plan.
+            seen: directions and scan, if they are part of observations.
     """
 
     motion: list[float]
@@ -69,17 +69,17 @@ class BodyNumbers(NamedTuple):
 
 
 class ObservationEncoder:
-    """Turns a session's state into the observation of each agent.
+    """Encoder of a session's state as one observation for each agent.
 
     Args:
-        robots: size of the team.
-        goals: goal pose of each room.
-        scale: magnitudes.
-        with_scans: scans and relative places of rooms are part of it, for who drives.
+        robots: number of robots.
+            goals: goal pose of each room.
+            scale: magnitudes.
+            with_scans: include scans and relative positions of rooms, for agents that choose velocities.
 
     Attributes:
-        layout: places of the parts in the vector.
-        size: length of the vector.
+        layout: position of each part in the vector.
+            size: length of the vector.
     """
 
     def __init__(self, robots: int, goals: Sequence[Pose2], scale: ObservationScale, *, with_scans: bool) -> None:
@@ -106,7 +106,7 @@ class ObservationEncoder:
         self._goals = tuple(goals)
         self._scale = scale
         self._with_scans = with_scans
-        # Packing takes half the time of making an array of lists, and arrays as limits half that of numbers.
+        # Packing takes half the time of an array from lists; limits as arrays take half the time of limits as numbers.
         self._packing = Struct(f"{robots * self.size}f")
         self._shape = robots, self.size
         self._most, self._least = np.ones(self._shape, np.float32), -np.ones(self._shape, np.float32)
@@ -118,10 +118,10 @@ class ObservationEncoder:
         """Return (robots, size) observations.
 
         Args:
-            tick: the current one.
-            bodies: by `of_output` or `of_pose`.
+            tick: the current tick.
+                bodies: results of `of_output` or `of_pose`.
             game: the state of the game.
-            ready: True for each robot that could be sent.
+            ready: True for each robot that can be sent.
         """
         if game is not self._game:
             self._take(game, ready)
@@ -147,8 +147,8 @@ class ObservationEncoder:
         return np.maximum(observations, self._least, out=observations)
 
     def of_output(self, output: RobotOutput, scan: Ranges) -> BodyNumbers:
-        """Return the numbers of a robot by what it believes; `scan` is its last one."""
-        # What it broadcasts is pose and odometry; its observations need not be made for them.
+        """Return the numbers of a robot as it believes them; `scan` is its last scan."""
+        # Its broadcast already has pose and odometry, so that its observations need not be computed for them.
         pose, twist = output.neighbour.base_in_map, output.neighbour.twist
         (xx, _, _), (_, yy, _), (_, _, aa) = output.estimate.covariance.tolist()
         spread = [math.sqrt(max(variance, 0.0)) for variance in (xx, yy, aa)]
@@ -156,11 +156,11 @@ class ObservationEncoder:
         return self._body(pose, spread, twist, output.lost, output.navigation.remaining, seen)
 
     def of_pose(self, pose: Pose2, twist: Twist, remaining: float) -> BodyNumbers:
-        """Return the numbers of a robot that knows its pose; `remaining` are the meters that it has still to drive."""
+        """Return the numbers of a robot that knows its pose; `remaining` is the distance left to drive, in meters."""
         return self._body(pose, [0.0, 0.0, 0.0], twist, False, remaining, [])
 
     def poses(self, bodies: Sequence[BodyNumbers]) -> Floats:
-        """Return (robots, 3) the poses that bodies have numbers of."""
+        """Return (robots, 3) poses, taken from the numbers of the robots."""
         scale = self._scale
         return np.array(
             [
@@ -188,7 +188,7 @@ class ObservationEncoder:
         return BodyNumbers(motion, float(lost), remaining / (scale.width + scale.height), seen)
 
     def _take(self, game: GameState, ready: Sequence[bool]) -> None:
-        """Take a new state of the game; most ticks have none."""
+        """Compute the numbers of a new state of the game; in most ticks the state is unchanged."""
         self._game = game
         self._of_game = [self._numbers(game, robot, is_ready) for robot, is_ready in enumerate(ready)]
         reserved = [0.0] * len(game.rooms)
@@ -206,7 +206,7 @@ class ObservationEncoder:
         return _GameNumbers([state.energy / full, float(is_ready), *bound_for], bound_for, costs)
 
     def _directions(self, base_in_map: Pose2) -> Iterator[float]:
-        """Yield x and y of each room's goal as the robot believes to see it."""
+        """Yield x and y of each room's goal, relative to the pose that the robot believes."""
         cosine, sine = elementary.cos_sin(base_in_map.theta)
         for goal in self._goals:
             x, y = goal.x - base_in_map.x, goal.y - base_in_map.y
@@ -214,7 +214,7 @@ class ObservationEncoder:
             yield (cosine * y - sine * x) / self._scale.height
 
     def _sectors(self, ranges: Ranges) -> list[float]:
-        """Return the nearest range in each part of a scan; lost beams count as free."""
+        """Return the smallest range in each sector of a scan; lost beams count as free."""
         edges = np.linspace(0, len(ranges), SECTORS, endpoint=False).astype(np.int64)
         nearest = np.fmin.reduceat(ranges, edges)
         least: list[float] = (np.fmin(nearest, self._scale.range) / self._scale.range).tolist()
@@ -222,7 +222,7 @@ class ObservationEncoder:
 
 
 class _GameNumbers(NamedTuple):
-    """The game about one robot: energy, readiness and where it is bound for; the latter again; costs."""
+    """The game from one robot's side: energy, readiness and destination; the same without own data; costs."""
 
     own: list[float]
     bound_for: list[float]
@@ -230,7 +230,7 @@ class _GameNumbers(NamedTuple):
 
 
 def action_masks(choices: Sequence[Sequence[Room]], rooms: int) -> Mask:
-    """Return (robots, rooms + 1), for each action of a robot whether it counts: 0 waits, others are rooms by number.
+    """Return (robots, rooms + 1) flags: which actions of each robot count. Action 0 waits; others are room numbers.
 
     Args:
         choices: rooms that each robot may choose.
@@ -243,7 +243,7 @@ def action_masks(choices: Sequence[Sequence[Room]], rooms: int) -> Mask:
         for room in open_to:
             mask[room.people] = 1
         masks += mask
-    # An array of bytes is read-only, and made in half the time of one of lists.
+    # An array over bytes is read-only, and takes half the time of one from lists.
     return np.frombuffer(masks, np.int8).reshape(len(choices), rooms + 1)
 
 

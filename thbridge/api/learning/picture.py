@@ -1,4 +1,4 @@
-"""Pictures of a hunt: the map, rooms, where robots are and believe to be."""
+"""Images of a hunt: the map, rooms, true and believed poses of robots."""
 
 from collections.abc import Sequence
 
@@ -14,21 +14,21 @@ from thbridge.api.snapshot import Floats
 from thbridge.app.compose.setting import StudySetting
 
 PIXELS = 480
-"""Length of the longer side."""
+"""Length of the longer side, in pixels."""
 _SHADES = {"free": 255, "occupied": 31, "unknown": 213}
 _VISITED, _OPEN = "#009E73", "#D55E00"
 _BODY, _BELIEF = "#0072B2", "#7A5195"
 _RADIUS = 0.25
-"""Of a robot's body, meters."""
+"""Radius of a robot's body, meters."""
 
 
 def picture_of(setting: StudySetting, visited: Sequence[bool], believed: Floats, true: Floats) -> NDArray[np.uint8]:
-    """Return (rows, cols, 3): rooms by number, green once visited; robots, and violet where they believe to be.
+    """Return an image (rows, cols, 3): room numbers, green once visited; robots, and in violet the believed poses.
 
     Args:
         setting: the study with its map.
-        visited: for each room.
-        believed: (n, 3) poses that robots believe.
+        visited: True for each visited room.
+        believed: (n, 3) believed poses.
         true: (n, 3) true poses.
     """
     grid = setting.map.grid

@@ -1,4 +1,4 @@
-"""Rewards of agents: points of treasures, rooms reached, energy and time."""
+"""Rewards of agents: points for treasures, rooms reached, energy and time."""
 
 import math
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ class RewardWeights:
     """Weights of the rewards, in points.
 
     Attributes:
-        shared: every agent gets the reward of the team; False: each that of its own robot.
-        room: reward of a room reached, in addition to the points of treasures.
-        energy: cost of a unit of energy.
-        time: cost of a simulated second.
+        shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
+            room: reward for each room reached, in addition to the points for treasures.
+            energy: cost per unit of energy.
+            time: cost per simulated second.
     """
 
     shared: bool
@@ -23,7 +23,7 @@ class RewardWeights:
     time: float
 
     def rewards(self, before: GameState, now: GameState, seconds: float) -> list[float]:
-        """Return the reward of each robot's agent for what happened between two states of a game."""
+        """Return the reward of the agent of each robot, for the changes between two states of a game."""
         own = [-self.time * seconds] * len(now.robots)
         if now is not before:
             for robot, (was, state) in enumerate(zip(before.robots, now.robots, strict=True)):

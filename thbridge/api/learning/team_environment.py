@@ -1,4 +1,4 @@
-"""Base of the environments: agents that decide for the robots of one hunt, their observations, rewards and seeds."""
+"""Base class of the environments: agents that decide for the robots of a hunt, observations, rewards and seeds."""
 
 from abc import abstractmethod
 from collections.abc import Mapping
@@ -36,17 +36,17 @@ Info: TypeAlias = "dict[str, object]"
 Decision: TypeAlias = Literal["decision"]
 
 LARGEST_SEED = 2**31 - 1
-"""The largest that a study takes."""
+"""Largest seed that a study accepts."""
 
 
 class TeamEnvironment(ParallelEnv[str, Vector, Action]):
-    """Environment whose agents `robot_1`, `robot_2`, ... decide for one robot of a hunt each.
+    """Environment in which each agent `robot_1`, `robot_2`, ... decides for one robot of a hunt.
 
-    Subclasses move the robots. Arguments as for `HuntEnv`.
+    Subclasses move the robots. The arguments are those of `HuntEnv`.
 
     Attributes:
         study: the study.
-        layout: places of the parts of an observation.
+        layout: position of each part of an observation in its vector.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         drives: bool = False,
     ) -> None:
         if not isinstance(step, str) and round(step * TICKS_PER_SECOND) < 1:
-            raise HuntError(f"step: {step:g} s is less than a tick. Give at least {TICK:g}.", key="step")
+            raise HuntError(f"step: {step:g} s is less than a tick. Give at least {TICK:g} s.", key="step")
         self.metadata = {"name": name, "render_modes": ["rgb_array"], "is_parallelizable": True}
         self.study = study
         self.render_mode = render_mode
@@ -102,14 +102,14 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
     def reset(
         self, seed: int | None = None, options: Mapping[str, object] | None = None
     ) -> tuple[dict[str, Vector], dict[str, Info]]:
-        """Begin an episode.
+        """Start an episode.
 
         Args:
-            seed: of this episode and those that follow; None: the next of the last one given.
-            options: `{"record": "episode.bag"}` records the episode; others have no effect.
+            seed: seed of this episode and of those that follow. If None, the seed after the last given one is used.
+                options: `{"record": "episode.bag"}` records the episode; other options have no effect.
 
-        Raises:
-            HuntError: it cannot be recorded there, or not at all.
+            Raises:
+                HuntError: the episode cannot be recorded there, or this environment does not record.
         """
         self.close()
         self._episode = self._episode + 1 if seed is None else 0
@@ -123,14 +123,14 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
     def step(
         self, actions: Mapping[str, Action]
     ) -> tuple[dict[str, Vector], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Info]]:
-        """Act, and run for the time of a step; an agent without an action waits, or stands.
+        """Apply actions and run for the duration of a step; without an action, an agent's robot waits or stands still.
 
         Raises:
             HuntError: the environment is not reset, or an action is outside its space.
         """
         before, began = self._now
         if not self.agents:
-            # Wrappers step on when all agents are done.
+            # Wrappers call this even after all agents are done.
             return {}, {}, {}, {}, {}
         accepted = self._act(before, actions)
         self._run()
@@ -147,14 +147,14 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
         return observations, rewards, dict.fromkeys(agents, is_over), dict.fromkeys(agents, is_late), infos
 
     def state(self) -> Vector:
-        """Return what all agents observe together, for central critics: their observations one after the other.
+        """Return the observations of all agents, one after the other, for central critics.
 
         Raises:
             HuntError: the environment is not reset.
         """
         return np.concatenate(list(self._observations(*self._now).values()))
 
-    # What differs
+    # Differs between the environments
 
     @abstractmethod
     def close(self) -> None:
@@ -163,11 +163,11 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
     @property
     @abstractmethod
     def _now(self) -> tuple[GameState, int]:
-        """State of the game, and the current tick. Raises HuntError: no episode is under way."""
+        """State of the game, and the current tick. Raises HuntError: no episode is in progress."""
 
     @abstractmethod
     def _begin(self, seed: int, record: str | None) -> None:
-        """Begin a game in which the caller commands all robots."""
+        """Start a game in which the caller commands all robots."""
 
     @abstractmethod
     def _send(self, request: StationSend) -> None:
@@ -175,16 +175,16 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
 
     @abstractmethod
     def _run(self) -> None:
-        """Run for the time of a step, and no further than the end of the game or of the episode."""
+        """Run for the duration of a step, but not beyond the end of the game or of the episode."""
 
     @abstractmethod
     def _bodies(self) -> list[BodyNumbers]:
-        """Return what observations need of robots in addition to the game."""
+        """Return the numbers of the robots that observations need in addition to the game."""
 
     # Actions
 
     def _act(self, game: GameState, actions: Mapping[str, Action]) -> dict[str, bool]:
-        """Send robots to rooms; return for each agent whether its choice counts."""
+        """Send robots to rooms; return for each agent whether its action counts."""
         taken: list[int] = []
         choices = self._choices.rooms(game)
         accepted = {}
@@ -200,7 +200,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
             accepted[agent] = counts
         return accepted
 
-    # What agents get
+    # Results for agents
 
     def _observations(self, game: GameState, tick: int) -> dict[str, Vector]:
         rows = self._encoder.encode(tick, self._bodies(), game, self._choices.ready(game))
@@ -217,14 +217,14 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
 
 
 def _seed_of(seed: int, episode: int) -> int:
-    """Return the seed of an episode: the given one for the first, then drawn ones."""
+    """Return the seed of an episode: the given seed for the first episode, pseudo-random ones for later episodes."""
     if episode == 0:
         return seed & LARGEST_SEED
     return int(noise.uniform(noise.key(seed, "episodes"), episode, 0) * LARGEST_SEED)
 
 
 def _scale(setting: StudySetting, seconds: float) -> ObservationScale:
-    """Return the magnitudes that become 1 in observations of a study, in episodes of some seconds."""
+    """Return the magnitudes that are scaled to 1 in observations of a study; episodes last `seconds`."""
     grid, world = setting.map.grid, setting.study.world
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     corners = grid.origin.transform(np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]))

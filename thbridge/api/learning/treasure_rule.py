@@ -1,4 +1,4 @@
-"""The rule by which robots of an environment decide about treasures, so that agents only have to choose rooms."""
+"""Rule by which robots decide about treasures, so that agents only have to choose rooms."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ TreasureRequest: TypeAlias = StationIdentify | StationLeave | StationTakePicture
 
 @dataclass(frozen=True, slots=True)
 class TreasureRule:
-    """Names a treasure once only one name fits, by a picture where the energy suffices for one; else leaves it.
+    """Rule that names a treasure once only one name fits, after taking a picture if the energy suffices.
 
-    Simulated participants decide alike.
+    A treasure that it cannot name is left undecided. Simulated participants use the same rule.
 
     Attributes:
-        kinds: the treasures that there are.
-        shown_by: name of the treasure that a picture shows, by the picture's file name.
+        kinds: treasures that may be hidden.
+            shown_by: name of the treasure shown in a picture, by the picture's file name.
     """
 
     kinds: tuple[TreasureKind, ...]
@@ -27,11 +27,11 @@ class TreasureRule:
 
     @classmethod
     def of(cls, kinds: Sequence[TreasureKind]) -> "TreasureRule":
-        """Return the rule of somebody who knows these treasures, and recognizes their pictures."""
+        """Return the rule for these treasures and their pictures."""
         return cls(tuple(kinds), {kind.image: kind.name for kind in kinds if kind.image is not None})
 
     def request(self, game: GameState, robot: int) -> TreasureRequest | None:
-        """Return the next request about the treasure where a robot stands, given its index; None: there is none."""
+        """Return the next request about the treasure where a robot (an index) stands, or None if there is none."""
         state = game.robots[robot]
         if state.bound_for is not None or state.at.is_corridor or state.is_blocked or state.is_silent:
             return None
