@@ -29,7 +29,7 @@ The numbers of the study that a ground station may change while the robots drive
 * All are REAL32. What is told is the nearest such number to the value in force, and to set what is told changes
   nothing. What is set means the shortest decimal that is told so.
 * *0 or 1* is a switch. Words are told as their place among the choices, from 0.
-* Ground stations are told what stands here in the file `parameters.json` of each vehicle; see mavlink.md.
+* Ground stations are told what stands here in the file `parameters.json` of each vehicle; see mavlink-commands.md.
 * What is not a number, has a fraction where there can be none, or is out of its range is refused, and the old value
   told.
 

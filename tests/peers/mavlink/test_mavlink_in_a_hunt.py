@@ -76,5 +76,5 @@ def test_the_manuals_example_brings_a_robot_into_a_room(
 
 def example_for(client: str, port: int) -> str:
     """What the manual has a newcomer run."""
-    manual = (Path(__file__).parents[3] / "docs" / "reference" / "mavlink.md").read_text()
+    manual = (Path(__file__).parents[3] / "docs" / "how-to" / "ground-stations.md").read_text()
     return manual.split(f"**{client}**")[1].split("```python\n")[1].split("```")[0].replace("14540", str(port))

@@ -151,7 +151,7 @@ def test_a_place_beyond_a_pole_is_none(armed):
 
 
 def test_the_manual_tells_every_command_that_is_known_and_no_other():
-    manual = (Path(__file__).parents[5] / "docs" / "reference" / "mavlink.md").read_text()
+    manual = (Path(__file__).parents[5] / "docs" / "reference" / "mavlink-commands.md").read_text()
     told = {int(number) for number in re.findall(r"\b[A-Z][A-Z0-9_]+ \((\d+)\)", manual)}
     known = {number for number in mav.enums["MAV_CMD"] if VehicleWithStations().long(number) != [UNSUPPORTED]}
     assert told == known
