@@ -1,4 +1,4 @@
-"""Write `docs/reference/mavlink-parameters.md`: what the study's parameters are called in MAVLink, and what may be set.
+"""Write `docs/reference/mavlink-parameters.md`: the MAVLink names of the study's parameters, and their ranges.
 
 python scripts/write_mavlink_parameters.py [FILE]
 """
@@ -20,33 +20,35 @@ ROOT = Path(__file__).parents[1]
 HEAD = """\
 # MAVLink parameters
 
-The numbers of the study that a ground station may change while the robots drive, by their MAVLink names.
+This page is for people who read or change parameters of a robot with a ground station.
+
+It lists the numbers of the study that a ground station may change while the robots drive, by their MAVLink names.
 `scripts/write_mavlink_parameters.py` writes this page.
 
-* The path is that of the study file, below `robot:`; those that begin with `world` stand at the file's top. A study
-  that says nothing begins with the value in the fourth column. A change concerns one robot, acts in the next tick, and
-  is recorded: a replay does it again.
-* All are REAL32. What is told is the nearest such number to the value in force, and to set what is told changes
-  nothing. What is set means the shortest decimal that is told so.
-* *0 or 1* is a switch. Words are told as their place among the choices, from 0.
-* Ground stations are told what stands here in the file `parameters.json` of each vehicle; see mavlink-commands.md.
-* What is not a number, has a fraction where there can be none, or is out of its range is refused, and the old value
-  told.
+* The path is that of the study file, below `robot:`. Paths that begin with `world` are at the top level of the file.
+  The column "default" has the value that a robot starts with if the study does not set the key.
+* A change affects one robot, takes effect in the next tick, and is recorded, so that a replay repeats it.
+* All values are REAL32. The vehicle sends the nearest REAL32 to the current value. Setting a value that was read
+  changes nothing. A value that is set stands for the shortest decimal number with the same REAL32.
+* *0 or 1* is a switch. A word is sent as its index among the choices, from 0.
+* The file `parameters.json` of each vehicle has the same contents for ground stations; see mavlink-commands.md.
+* A value is refused if it is not a number, has a fraction where only whole numbers are allowed, or is out of range.
+  The vehicle then sends the old value.
 
-## The vehicle's own
+## Parameters of the vehicle
 
-Three come before those of the robot, under the names that ArduPilot's rovers have for them.
+These three come before the parameters of the robot, under the names that ArduPilot's rovers use.
 
 | name | key of the study | meaning | range |
 |---|---|---|---|
 | `SYSID_THISMAV` | | the robot's number | fixed |
-| `FS_GCS_TIMEOUT` | `mavlink: lost_after` | time without heartbeats after which a station counts as lost | 1 to 600 s |
-| `FS_ACTION` | `mavlink: failsafe` | what a robot does whose ground station is lost | 0: continue, 1: home, 2: stop |
+| `FS_GCS_TIMEOUT` | `mavlink: lost_after` | time without heartbeats after which a station is lost | 1 to 600 s |
+| `FS_ACTION` | `mavlink: failsafe` | action of a robot after its ground station is lost | 0: continue, 1: home, 2: stop |
 """
 
 
 def range_of(parameter: VehicleParameter) -> str:
-    """Return the values that may be set, in words."""
+    """Return the allowed values in words."""
     declaration = parameter.declaration
     if bool in declaration.types:
         return "0 or 1"
@@ -58,15 +60,15 @@ def range_of(parameter: VehicleParameter) -> str:
 
 
 def rows(parameters: list[tuple[VehicleParameter, float]]) -> Iterator[str]:
-    """Return the lines of a table of parameters and their first values."""
-    yield "| name | path | meaning | at first | unit | range |\n|---|---|---|---|---|---|"
-    for parameter, told in parameters:
+    """Return the lines of a table of parameters and their default values."""
+    yield "| name | path | meaning | default | unit | range |\n|---|---|---|---|---|---|"
+    for parameter, sent in parameters:
         declared = parameter.declaration
         cells = (
             f"`{parameter.name}`",
             f"`{declared.path}`",
             declared.help,
-            f"{told:.7g}",
+            f"{sent:.7g}",
             declared.unit,
             range_of(parameter),
         )
@@ -76,9 +78,9 @@ def rows(parameters: list[tuple[VehicleParameter, float]]) -> Iterator[str]:
 def document() -> str:
     """Return the whole page."""
     at_first = values_of(Tuning(RobotParameters(), WorldParameters()))
-    told = [(parameter, parameter.to_number(value)) for parameter, value in zip(PARAMETERS, at_first, strict=True)]
+    sent = [(parameter, parameter.to_number(value)) for parameter, value in zip(PARAMETERS, at_first, strict=True)]
     parts = [HEAD]
-    for group, parameters in groupby(told, key=lambda each: group_of(each[0].name)):
+    for group, parameters in groupby(sent, key=lambda each: group_of(each[0].name)):
         parts += [f"\n## {group}: {GROUPS[group]}\n", *rows([*parameters])]
     return "\n".join(parts) + "\n"
 

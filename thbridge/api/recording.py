@@ -31,10 +31,10 @@ class HuntReplay:
 
     Attributes:
         equal: True if every message is identical, bit for bit.
-            ticks: number of ticks run.
-            messages: number of messages found equal.
-            difference: a sentence about the first message that differs, or None if there is none.
-            recording: the new recording, if one was requested.
+        ticks: number of ticks run.
+        messages: number of messages found equal.
+        difference: a sentence about the first message that differs, or None if there is none.
+        recording: the new recording, if one was requested.
     """
 
     equal: bool
@@ -88,7 +88,7 @@ class HuntRecording:
 
         Args:
             name: a topic, such as "/robot1/odom", or the name of a table, such as "poses" (true and estimated poses of
-                    all robots), "dialogues", or `TOPIC.FIELD` for lists in messages.
+                all robots), "dialogues", or `TOPIC.FIELD` for lists in messages.
         """
         topics = self.topics
         if name.startswith("/") and name not in topics:

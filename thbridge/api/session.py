@@ -108,7 +108,7 @@ class HuntSession:
     Attributes:
         study: the study.
         events: events so far, oldest first.
-            participant: requests of the participant, if the caller plays.
+        participant: requests of the participant, if the caller plays.
     """
 
     def __init__(
@@ -184,8 +184,8 @@ class HuntSession:
 
         Args:
             condition: "ready" (a robot waits for a decision), the kind of an event, such as "arrived", or a function of
-                    the session.
-                at_most: limit in simulated seconds.
+                the session.
+            at_most: limit in simulated seconds.
 
         Returns:
             True if it happened, False if the game ended or the time ran out first.

@@ -31,8 +31,8 @@ class HuntSnapshot:
         true_poses: (n, 3) poses.
         true_twists: (n, 2) velocities: m/s forward, rad/s anti-clockwise.
         true_collisions: (n,) number of contacts that each robot has begun.
-            commands: (n, 2) velocities commanded to the motors: m/s, rad/s.
-            game: number of the game; 0 before the first game.
+        commands: (n, 2) velocities commanded to the motors: m/s, rad/s.
+        game: number of the game; 0 before the first game.
         score: points.
         over: reason of the game's end: "all-visited", "no-move-left", "given-up"; None while it goes on.
     """

@@ -31,13 +31,13 @@ class HuntStudy:
 
     Args:
         file: a study file, or the name of a built-in study: `standard` (the study of `thbridge play`) or
-                `original-2016`. If None, every key has its default value, as in `original-2016`.
-            changes: other values by dotted key, such as `{"robot.amcl.max_particles": 500}`.
-            keys: the same for top-level keys: `robots=4`, `map="office"`, `game={"energy": 50}`.
+            `original-2016`. If None, every key has its default value, as in `original-2016`.
+        changes: other values by dotted key, such as `{"robot.amcl.max_particles": 500}`.
+        keys: the same for top-level keys: `robots=4`, `map="office"`, `game={"energy": 50}`.
 
     Raises:
         HuntError: the file cannot be read, a key is unknown, a value is out of bounds, or a file that the study
-                names is missing or does not fit.
+            names is missing or does not fit.
     """
 
     def __init__(

@@ -20,7 +20,7 @@ class HuntDialogue:
         matter: "select-room", "take-picture" or "take-treasure".
         room: number of the room that it is about.
         said: all sentences so far, oldest first.
-            choices: answers that the participant may give; the first agrees most. Empty while it is the robot's turn.
+        choices: answers that the participant may give; the first agrees most. Empty while it is the robot's turn.
     """
 
     robot: int

@@ -1,5 +1,6 @@
 """MAVLink 2 without its sockets: every robot as a ground rover, and the links to ground stations.
 
-Bytes become `frames`, frames become messages (`dialect`), the `hub` routes each to the vehicles it is meant for, a
-`vehicle` answers it and commands its robot through the `vehicle_interface`. A `station` is the other end of a link.
+`frames` turns bytes into frames, and `dialect` turns frames into messages. The `hub` routes each message to the
+vehicles that it is addressed to. A `vehicle` answers the message and commands its robot through the
+`vehicle_interface`. A `station` is the other end of a link.
 """

@@ -1,8 +1,9 @@
 """MAVLink router between vehicles and links; it also numbers the frames of each vehicle on each link.
 
-The routing rules are MAVLink's: a message without a target goes to everybody; one with a target goes only to links
-where that target was heard; no message goes back to its origin. A sender that is heard on two links, because these
-are joined elsewhere too, gets none of its own messages back on the other: so no message circles.
+The routing rules are those of MAVLink. A message without a target goes to all links and vehicles. A message with a
+target goes only to links on which frames of that target arrived. No message goes back to its origin. If frames of one
+sender arrive on two links, because these are also joined elsewhere, no message of this sender is forwarded to either of
+them. So no message circles.
 
 Source: the MAVLink developer guide, "Routing".
 """
@@ -19,7 +20,7 @@ from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame, Traffic
 
 COMPONENT = mav.MAV_COMP_ID_AUTOPILOT1
-"""Component id of a vehicle; it has only this one."""
+"""Component id of a vehicle, which has only this component."""
 
 
 class Hub:
@@ -27,10 +28,10 @@ class Hub:
 
     Args:
         vehicles: vehicles in the team's order.
-        timeout: seconds without a frame after which a link counts as inactive: it gets heartbeats and nothing else.
+        timeout: seconds without a frame after which a link is inactive and gets heartbeats only.
 
     Attributes:
-        vehicles: as above.
+        vehicles: the vehicles of the team.
     """
 
     def __init__(self, vehicles: Sequence[Vehicle], timeout: float) -> None:
@@ -42,13 +43,14 @@ class Hub:
         self._tick = 0
 
     def open(self, link: LinkId, name: str, robot: int | None = None) -> None:
-        """Open a link; one of the same number is closed before.
+        """Open a link; an open link of the same number is closed first.
 
         Args:
             link: its number.
             name: name for people.
-            robot: the only vehicle on the link, from 0; then no other station is forwarded to it either, since
-                programs that know one vehicle may take a station's messages for the vehicle's. None: all vehicles.
+            robot: index of the only vehicle on the link. The link then gets no frames of other stations, because
+                programs that support one vehicle may take them for the vehicle's. If None, all vehicles are on the
+                link.
         """
         self.close(link)
         self._links[link] = HubLink(name, self._timeout, robot)
@@ -60,12 +62,12 @@ class Hub:
                 vehicle.forget(link)
 
     def link(self, link: LinkId) -> HubLink | None:
-        """Return the state of an open link; None when there is none of this number."""
+        """Return the state of an open link, or None if no open link has this number."""
         return self._links.get(link)
 
     def _reason_to_drop(self, link: HubLink, frame: Frame) -> DropReason | None:
         if frame.system in self._by_system and frame.component == COMPONENT:
-            # Other components may have a robot's system id: its companion computer, mavros or MAVSDK on it.
+            # Other components may share a robot's system id: its companion computer, mavros or MAVSDK on it.
             return DropReason.OURS
         if frame.system == BROADCAST:
             return DropReason.BROADCAST_SENDER
@@ -77,13 +79,13 @@ class Hub:
         return None if link.has_room_for(sender, self._tick) else DropReason.CROWDED
 
     def receive(self, link: LinkId, frame: Frame, robot: int | None = None) -> FrameOutcome:
-        """Handle a received frame.
+        """Process a received frame.
 
         Args:
-            link: link it came from; an unknown one is ignored.
+            link: link on which it arrived; an unknown link is ignored.
             frame: verified frame without its signature.
-            robot: the only vehicle that is to receive it; None: the vehicles it is addressed to. A frame for a vehicle
-                that does not exist has no effect.
+            robot: index of the only vehicle that receives it. If None, the vehicles it is addressed to receive it.
+                A frame for a vehicle that does not exist has no effect.
         """
         there = self._links.get(link)
         if there is None or not (robot is None or 0 <= robot < len(self.vehicles)):
@@ -124,7 +126,7 @@ class Hub:
         return sent
 
     def keep_alive(self) -> list[OutgoingFrame]:
-        """Return heartbeats of all vehicles, for a time without ticks."""
+        """Return heartbeats of all vehicles for a period without ticks."""
         return [
             frame
             for robot, vehicle in enumerate(self.vehicles)
@@ -132,12 +134,12 @@ class Hub:
         ]
 
     def take_traffic(self) -> tuple[Traffic, ...]:
-        """Take the frames that vehicles received and sent since the last call, in order."""
+        """Return the frames that vehicles received and sent since the last call, in order, and clear this list."""
         traffic, self._traffic = tuple(self._traffic), []
         return traffic
 
     def _addressed(self, system: int, component: int) -> Iterable[int]:
-        """Return the vehicles that a message with this target is addressed to."""
+        """Return the vehicles addressed by this target."""
         if component not in (BROADCAST, COMPONENT):
             return ()
         if system == BROADCAST:
@@ -146,7 +148,7 @@ class Hub:
         return () if robot is None else (robot,)
 
     def _forwarded_to(self, origin: LinkId, sender: Station, system: int, component: int) -> list[LinkId]:
-        """Return the other links that a message with this target is forwarded to."""
+        """Return the other links to which a message with this target is forwarded."""
         wanted = None if component == BROADCAST else component
         return [
             number

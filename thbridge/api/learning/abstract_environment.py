@@ -35,7 +35,7 @@ class AbstractHuntEnv(TeamEnvironment):
         step: simulated seconds of a step; "decision": until a robot is ready.
         max_seconds: simulated seconds after which an episode is truncated.
         shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
-            room_reward: reward for each room reached, in addition to the points for treasures.
+        room_reward: reward for each room reached, in addition to the points for treasures.
         energy_cost: cost of a unit of energy.
         time_cost: cost per a simulated second.
         render_mode: "rgb_array" makes `render` return images.

@@ -28,8 +28,8 @@ class MoveTimes:
 
     Attributes:
         between: ticks from room to room, indexed by room number; None where no time is known.
-            from_starts: ticks to each room from the start pose of each robot.
-            prices: energy of the moves from each start pose; empty where the cost matrix gives it.
+        from_starts: ticks to each room from the start pose of each robot.
+        prices: energy of the moves from each start pose; empty where the cost matrix gives it.
     """
 
     between: Sequence[Sequence[int | None]]

@@ -44,11 +44,11 @@ class HuntEnv(TeamEnvironment):
             is ready.
         max_seconds: simulated seconds after which an episode is truncated.
         shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
-            room_reward: reward for each room reached, in addition to the points for treasures.
+        room_reward: reward for each room reached, in addition to the points for treasures.
         energy_cost: cost per a unit of energy.
         time_cost: cost of a simulated second.
         reach: distance in meters, see above.
-            render_mode: "rgb_array" makes `render` return images.
+        render_mode: "rgb_array" makes `render` return images.
 
     Raises:
         HuntError: an argument is invalid.
@@ -56,7 +56,7 @@ class HuntEnv(TeamEnvironment):
     Attributes:
         study: the study.
         layout: position of each part of an observation in its vector.
-            session: the hunt in progress.
+        session: the hunt in progress.
     """
 
     def __init__(

@@ -31,14 +31,14 @@ class ObservationScale:
 
     Attributes:
         left: smallest x of the map, meters.
-            low: smallest y, meters.
-            width: size of the map along x, meters.
-            height: size along y, meters.
-            energy: energy at the start.
-            speed: largest speed, meters per second.
-            turn: largest rate of turn, radians per second.
-            range: largest range of the laser, meters.
-            seconds: duration of an episode.
+        low: smallest y, meters.
+        width: size of the map along x, meters.
+        height: size along y, meters.
+        energy: energy at the start.
+        speed: largest speed, meters per second.
+        turn: largest rate of turn, radians per second.
+        range: largest range of the laser, meters.
+        seconds: duration of an episode.
     """
 
     left: float
@@ -57,9 +57,9 @@ class BodyNumbers(NamedTuple):
 
     Attributes:
         motion: position, heading, spread and speed.
-            lost: 1 if it considers itself lost.
-            remaining: remaining length of its plan.
-            seen: directions and scan, if they are part of observations.
+        lost: 1 if it considers itself lost.
+        remaining: remaining length of its plan.
+        seen: directions and scan, if they are part of observations.
     """
 
     motion: list[float]
@@ -73,13 +73,13 @@ class ObservationEncoder:
 
     Args:
         robots: number of robots.
-            goals: goal pose of each room.
-            scale: magnitudes.
-            with_scans: include scans and relative positions of rooms, for agents that choose velocities.
+        goals: goal pose of each room.
+        scale: magnitudes.
+        with_scans: include scans and relative positions of rooms, for agents that choose velocities.
 
     Attributes:
         layout: position of each part in the vector.
-            size: length of the vector.
+        size: length of the vector.
     """
 
     def __init__(self, robots: int, goals: Sequence[Pose2], scale: ObservationScale, *, with_scans: bool) -> None:
@@ -119,7 +119,7 @@ class ObservationEncoder:
 
         Args:
             tick: the current tick.
-                bodies: results of `of_output` or `of_pose`.
+            bodies: results of `of_output` or `of_pose`.
             game: the state of the game.
             ready: True for each robot that can be sent.
         """

@@ -12,9 +12,9 @@ class RewardWeights:
 
     Attributes:
         shared: If True, every agent gets the reward of the team. If False, each agent gets that of its own robot.
-            room: reward for each room reached, in addition to the points for treasures.
-            energy: cost per unit of energy.
-            time: cost per simulated second.
+        room: reward for each room reached, in addition to the points for treasures.
+        energy: cost per unit of energy.
+        time: cost per simulated second.
     """
 
     shared: bool

@@ -106,7 +106,7 @@ class TeamEnvironment(ParallelEnv[str, Vector, Action]):
 
         Args:
             seed: seed of this episode and of those that follow. If None, the seed after the last given one is used.
-                options: `{"record": "episode.bag"}` records the episode; other options have no effect.
+            options: `{"record": "episode.bag"}` records the episode; other options have no effect.
 
             Raises:
                 HuntError: the episode cannot be recorded there, or this environment does not record.

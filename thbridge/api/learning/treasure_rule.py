@@ -19,7 +19,7 @@ class TreasureRule:
 
     Attributes:
         kinds: treasures that may be hidden.
-            shown_by: name of the treasure shown in a picture, by the picture's file name.
+        shown_by: name of the treasure shown in a picture, by the picture's file name.
     """
 
     kinds: tuple[TreasureKind, ...]

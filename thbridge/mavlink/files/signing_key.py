@@ -7,7 +7,7 @@ from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.keys.private_file import check_private
 from thbridge.mavlink.wire.frames.signing import InvalidKey, SigningKey, parse_key
 
-_REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits there"
+_REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits in this file"
 _LARGEST = 4096
 
 
@@ -15,7 +15,7 @@ def read_signing_key(path: Path) -> SigningKey:
     """Read the key in a file; see `parse_key` for its formats.
 
     Raises:
-        BadFile: it cannot be read, others may read it, or it has no key.
+        BadFile: the file cannot be read, other accounts may read it, or it contains no key.
     """
     check_private(path)
     try:
@@ -25,5 +25,5 @@ def read_signing_key(path: Path) -> SigningKey:
         raise BadFile(path, f"the signing key cannot be read ({reason_of(error)})", _REMEDY) from None
     key = parse_key(content)
     if isinstance(key, InvalidKey):
-        raise BadFile(path, f"there is no signing key in it: {key.problem}", _REMEDY)
+        raise BadFile(path, f"it contains no signing key: {key.problem}", _REMEDY)
     return key

@@ -1,4 +1,4 @@
-"""File beside a signing key with the timestamps of accepted frames, so that a restart accepts none of them again."""
+"""File next to a signing key with the timestamps of accepted frames, so that none is accepted again after a restart."""
 
 import json
 import logging
@@ -9,7 +9,7 @@ from thbridge.files.errors import BadFile
 from thbridge.mavlink.wire.frames.signing import MAX_STREAMS, KnownTimestamps
 
 SUFFIX = ".timestamps"
-"""End of the file's name, after that of the key."""
+"""Suffix that is appended to the name of the key file."""
 
 _FORMAT = "thbridge signing timestamps 1"
 _LARGEST = 1 << 20
@@ -22,7 +22,7 @@ class TimestampFile:
 
     Args:
         key: file of the signing key.
-        side: name of the side of the link that is not the robots', which has a file of its own.
+        side: name of the side of the link; a side other than the robots has a file of its own.
     """
 
     def __init__(self, key: Path, side: str = "") -> None:
@@ -30,7 +30,7 @@ class TimestampFile:
         self._has_failed = False
 
     def read(self) -> KnownTimestamps | None:
-        """Return the timestamps; None where the file is missing or damaged."""
+        """Return the timestamps, or None if the file is missing or damaged."""
         try:
             with self._path.open("rb") as file:
                 return _known(json.loads(file.read(_LARGEST)))
@@ -41,7 +41,7 @@ class TimestampFile:
             return None
 
     def write(self, known: KnownTimestamps) -> None:
-        """Replace the file, readable by its owner alone; a failure is told once."""
+        """Replace the file, readable by its owner only; a failure is logged once."""
         streams = [[*stream, timestamp] for stream, timestamp in sorted(known.streams.items())]
         text = json.dumps({"format": _FORMAT, "latest": known.latest, "streams": streams})
         try:

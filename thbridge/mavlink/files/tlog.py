@@ -1,4 +1,4 @@
-"""Writes a telemetry log (MAVLink tlog), which is complete after every tick."""
+"""Writer of a telemetry log (MAVLink tlog) that is complete after every tick."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -11,13 +11,13 @@ from thbridge.recording.append import append_whole
 
 
 class TlogFile:
-    """Appends frames to a new file. Close it, or use it in `with`.
+    """File to which frames are appended. Close it, or use it in `with`.
 
     Args:
         path: path of the file.
 
     Raises:
-        BadFile: the file exists already, or it cannot be written.
+        BadFile: the file already exists or cannot be written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -27,21 +27,21 @@ class TlogFile:
             self._file = path.open("xb", buffering=0)
         except FileExistsError:
             remedy = "choose another name, or move it elsewhere"
-            raise BadFile(path, "there is such a file already", remedy) from None
+            raise BadFile(path, "this file already exists", remedy) from None
         except OSError as error:
-            raise _not_writable(path, error, "name a folder that exists and may be written to") from None
+            raise _not_writable(path, error, "give a folder that exists and is writable") from None
 
     def record(self, stamp_ns: int, traffic: Iterable[Traffic]) -> None:
         """Write the frames that vehicles received and sent in a tick.
 
         Raises:
-            BadFile: the disk is full or gone; all ticks before are in the file.
+            BadFile: the disk is full or missing; the file contains all earlier ticks.
         """
         records = self._tlog.records(stamp_ns // 1000, traffic)
         try:
             append_whole(self._file, records, synced=False)
         except OSError as error:
-            raise _not_writable(self.path, error, "make room; it holds all ticks before") from None
+            raise _not_writable(self.path, error, "free disk space; the file contains all earlier ticks") from None
 
     def close(self) -> None:
         """Close the file. Closing twice does nothing."""

@@ -1,1 +1,1 @@
-"""Robots as MAVLink vehicles in the game: requests of ground stations become moves of the game, or goals beside it."""
+"""Robots as MAVLink vehicles in the game: ground stations request moves of the game, or goals outside it."""

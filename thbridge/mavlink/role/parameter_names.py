@@ -1,19 +1,20 @@
 """MAVLink names of the study's parameters: at most 16 characters of A-Z, 0-9 and _.
 
-A name is a shortened prefix of the parameter's path, and then the parameter's own name, shortened: as a whole where a
-table has it, or else word by word. `GC_INFL_RADIUS` is `global_costmap.inflation_layer.inflation_radius`. Ground
-stations group parameters by the part before the first `_`: one group for each of ROS's nodes, costmaps and planners,
-and SIM for the noise of simulated sensors, as in ArduPilot.
+A name consists of a shortened prefix of the parameter's path and the shortened name of the parameter. The name is
+shortened as a whole if a table contains it, otherwise word by word. `GC_INFL_RADIUS` is
+`global_costmap.inflation_layer.inflation_radius`. Ground stations group parameters by the part before the first `_`.
+There is one group for each of ROS's nodes, costmaps and planners, and SIM for the noise of simulated sensors, as in
+ArduPilot.
 """
 
 from collections.abc import Mapping
 
 LONGEST = 16
-"""Characters of a parameter's name in MAVLink (`param_id`)."""
+"""Largest length of a parameter's name in MAVLink (`param_id`)."""
 
 _BEGINNINGS: Mapping[str, str] = {
     "amcl.": "AMCL",
-    "amcl.laser_": "AMCL",  # amcl's own groups of parameters.
+    "amcl.laser_": "AMCL",  # amcl's groups of parameters
     "amcl.odom_": "AMCL",
     "amcl.beam_skip_": "AMCL_BSKIP",
     "ekf.": "EKF",
@@ -36,7 +37,7 @@ _BEGINNINGS: Mapping[str, str] = {
     "world.laser.": "SIM_LASER",
     "world.laser.range_": "SIM_LASER",
 }
-"""Prefixes of paths; the longest that fits counts."""
+"""Prefixes of paths; the longest matching prefix is used."""
 
 _OWN: Mapping[str, str] = {
     "recovery_alpha_slow": "RECOV_SLOW",
@@ -65,7 +66,7 @@ _OWN: Mapping[str, str] = {
     "make_plan_add_unreachable_goal": "PLAN_ADD_GOAL",
     "shutdown_costmaps": "SHUT_COSTMAPS",
 }
-"""Whole names that would be too long word by word, or that repeat their prefix."""
+"""Whole names that would be too long word by word, or would repeat their prefix."""
 
 _WORDS: Mapping[str, str] = {
     "angle": "ANG",
@@ -109,15 +110,15 @@ _WORDS: Mapping[str, str] = {
 GROUPS: Mapping[str, str] = {
     "AMCL": "amcl",
     "EKF": "Kalman filter",
-    "GC": "The costmap that covers the map",
-    "LC": "The costmap that moves along with the robot",
+    "GC": "costmap of the whole map",
+    "LC": "costmap that moves with the robot",
     "GP": "global_planner",
     "TP": "base_local_planner",
     "DWA": "dwa_local_planner",
     "MB": "move_base",
-    "SIM": "How the simulator lets true sensors err",
+    "SIM": "true noise of the simulated sensors",
 }
-"""Owner of the parameters of each group, by the group's prefix."""
+"""Owner of the parameters of each group, by the prefix of the group."""
 
 
 def group_of(name: str) -> str:
@@ -129,7 +130,7 @@ def name_of(path: str) -> str:
     """Return the name of the parameter at a path.
 
     Raises:
-        ValueError: it is too long for MAVLink: a table above must shorten it.
+        ValueError: the name is too long for MAVLink. Add a shorter one to a table above.
     """
     beginning = max((each for each in _BEGINNINGS if path.startswith(each)), key=len)
     whole = path.rpartition(".")[2]

@@ -1,8 +1,8 @@
-"""A robot's parameters as MAVLink has them: numbers under short names, which a ground station may change at any time.
+"""A robot's parameters in MAVLink: numbers under short names, which a ground station may change at any time.
 
-MAVLink sends 32-bit floats. The number sent is the 32-bit float nearest to the value in force. A number received means
-the shortest decimal with that nearest float, and no change if the value in force has it already: so 0.1 stays 0.1,
-however often ground stations send back what they have read.
+MAVLink sends 32-bit floats. The number sent is the 32-bit float nearest to the current value. A received number stands
+for the shortest decimal with the same 32-bit float. It changes nothing if the current value has this 32-bit float
+already. So 0.1 stays 0.1, however often ground stations send back the values they read.
 """
 
 import math
@@ -34,14 +34,14 @@ class VehicleParameter:
     declaration: LiveParameter
 
     def to_number(self, value: ParameterValue) -> float:
-        """Return the number for a value: of a word its place among the choices, -1 for a plug-in's; 0 for None."""
+        """Return the number for a value: the index of a word among the choices, -1 for a plug-in's word, 0 for None."""
         if isinstance(value, str):
             choices = self.declaration.choices
             return float(choices.index(value)) if value in choices else -1.0
         return float(value or 0)
 
     def from_number(self, number: float) -> ParameterValue | Denied:
-        """Return the value for a 32-bit number, or the reason why it has none; bounds are not checked."""
+        """Return the value for a 32-bit number, or the reason why there is none; bounds are not checked."""
         types, choices = self.declaration.types, self.declaration.choices
         if float in types:
             return None if number == 0.0 and NoneType in types else float(str(np.float32(number)))
@@ -56,7 +56,7 @@ class VehicleParameter:
         return choices[int(number)]
 
     def description(self, default: ParameterValue) -> ParameterDescription:
-        """Return its description for ground stations; `default` is its value at the start of the session."""
+        """Return its description for ground stations; `default` is the value at the start of the session."""
         parameter = self.declaration
         path = parameter.path if parameter.path.startswith(WORLD_PREFIX) else f"robot.{parameter.path}"
         may_be_none = NoneType in parameter.types
@@ -84,7 +84,7 @@ PARAMETERS = tuple(
     for parameter in (*live_parameters(), *live_parameters(WorldParameters, WORLD_PREFIX[:-1]))
     if _is_numeric(parameter)
 )
-"""All of them, in the order of sending: those of the software, then the noise of true sensors."""
+"""All parameters in the order of sending: first those of the software, then the noise of the true sensors."""
 
 _PLACES = {parameter.name: place for place, parameter in enumerate(PARAMETERS)}
 
@@ -97,24 +97,24 @@ _IN_TUNING = attrgetter(
 
 
 def values_of(tuning: Tuning) -> tuple[ParameterValue, ...]:
-    """Return the values in force, in the order of `PARAMETERS`."""
+    """Return the current values, in the order of `PARAMETERS`."""
     return cast(tuple[ParameterValue, ...], _IN_TUNING(tuning))
 
 
 class Tunable(Protocol):
-    """Access to a team's parameters, which `SimR` provides."""
+    """Access to the parameters of a team, implemented by `SimR`."""
 
     def tuning(self, robot: int) -> Tuning | None:
-        """Return a robot's parameters as they will be after all requests so far; None for a real robot."""
+        """Return a robot's parameters after all requests so far; None for a real robot."""
 
     def ask(self, request: SetParameters) -> None:
         """Queue a request for the next step."""
 
 
 class VehicleParameters:
-    """The parameters of one robot's vehicle, always the values in force, also when another client changed them.
+    """The parameters of one robot's vehicle. Values are always current, also after changes by other clients.
 
-    A real robot, whose parameters cannot be changed here, has none.
+    A real robot has none, because its parameters cannot be changed here.
 
     Args:
         robot: its index in the team.
@@ -129,14 +129,14 @@ class VehicleParameters:
         self._settings: tuple[ParameterSetting, ...] = ()
 
     def descriptions(self) -> Sequence[ParameterDescription]:
-        """Return their descriptions, with the values at the start of the session as defaults."""
+        """Return the descriptions, with the values at the start of the session as defaults."""
         if self._at_first is None:
             return ()
         values = values_of(self._at_first)
         return tuple(parameter.description(value) for parameter, value in zip(PARAMETERS, values, strict=True))
 
     def settings(self) -> Sequence[ParameterSetting]:
-        """Return all of them, always in the same order, as they will be after all requests so far."""
+        """Return all settings, always in the same order, as they will be after all requests so far."""
         tuning = self._robots.tuning(self._robot)
         if tuning is not None and tuning != self._of:
             numbers = (each.to_number(value) for each, value in zip(PARAMETERS, values_of(tuning), strict=True))
@@ -146,22 +146,22 @@ class VehicleParameters:
         return self._settings
 
     def setting(self, name: str) -> ParameterSetting | None:
-        """Return one of them; None for an unknown name."""
+        """Return the setting of this name, or None if the name is unknown."""
         place, settings = _PLACES.get(name), self.settings()
         return None if place is None or not settings else settings[place]
 
     def change(self, name: str, value: float) -> ParameterSetting | Denied:
-        """Set one of them; return its new setting, or the reason why it keeps its value.
+        """Set a parameter; return its new setting, or the reason why it keeps its value.
 
         Args:
-            name: of the parameter.
+            name: name of the parameter.
             value: any number; it is rounded to a 32-bit float.
         """
         before, tuning = self.setting(name), self._robots.tuning(self._robot)
         if before is None or tuning is None:
             return Denied(f"There is no parameter {name}.")
         parameter = PARAMETERS[_PLACES[name]]
-        with np.errstate(over="ignore"):  # Too large for 32 bits: infinite.
+        with np.errstate(over="ignore"):  # Numbers too large for 32 bits become infinite.
             wanted = float(np.float32(value))
         if not math.isfinite(wanted):
             return Denied(f"{name} is a number, not {wanted:g}.")

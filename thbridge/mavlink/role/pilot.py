@@ -1,7 +1,8 @@
-"""Pilot of one robot: requests of ground stations become moves of the game, or goals and manual driving beside it.
+"""Pilot of one robot: turns requests of ground stations into moves of the game, or goals and manual driving outside it.
 
-A point in a room is a move of the game: its rules hold, energy is paid, the treasure is sensed. Any other point, and
-one in the room where the robot stands, is a goal of its navigator that the game does not notice.
+A point in a room is a move of the game: the rules apply, energy is paid, the treasure is sensed. A point outside rooms,
+    or
+in the room where the robot stands, is a goal of the navigator that does not affect the game.
 """
 
 import math
@@ -51,14 +52,14 @@ from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 
 @dataclass(frozen=True, slots=True)
 class GameSetup:
-    """Facts about the game that all pilots of a team know before it begins.
+    """Facts about the game that all pilots of a team have before it starts.
 
     Attributes:
-        floor: of the map.
-        rooms: on the map.
+        floor: traversability of the map.
+        rooms: rooms on the map.
         names: possible names of treasures, in alphabetical order.
-        energy: of each robot at the start.
-        plans_end_apart: True when plans may end apart from a goal that is out of reach (`default_tolerance`).
+        energy: energy of each robot at the start.
+        plans_end_apart: True if plans may end away from a goal that is out of reach (`default_tolerance`).
     """
 
     floor: TraversabilityMap
@@ -73,7 +74,7 @@ class GameSetup:
         return next((room for room in self.rooms if inside(room.region, xs, ys)[0]), None)
 
     def misplaced(self, robot: int, x: float, y: float) -> Denied | None:
-        """Return a denial, with the sentence of a navigator, when a robot can never stand at a point of the map."""
+        """Return a denial, with the sentence of a navigator, if a robot can never stand at a point of the map."""
         grid = self.floor.grid
         row, col = grid.cell_of(x, y)
         if not grid.contains(row, col):
@@ -86,7 +87,7 @@ class GameSetup:
         return None
 
     def out_of_reach(self, robot: int, x: float, y: float) -> Denied | None:
-        """Return a denial when no goal beside the game can lead a robot to a point of the map."""
+        """Return a denial if no goal outside the game can bring a robot to a point of the map."""
         return None if self.plans_end_apart else self.misplaced(robot, x, y)
 
 
@@ -95,11 +96,11 @@ class Pilot:
 
     Args:
         robot: its index in the team, from 0.
-        setup: of the game.
+        setup: facts about the game.
         start: start pose, map frame.
         speeds: its speed limit.
-        parameters: as MAVLink has them.
-        ask: takes requests to robots and game for the next tick; they follow from frames, and so are no inputs.
+        parameters: its parameters in MAVLink.
+        ask: queues requests to robots and game for the next tick. They follow from frames, so they are not inputs.
     """
 
     def __init__(
@@ -120,7 +121,7 @@ class Pilot:
         self._trips = TripDispatcher(robot, ask)
         self._snapshot: TeamSnapshot | None = None
         self._game: GameState | None = None
-        # Commander after the requests since the last tick.
+        # Commander after all requests since the last tick.
         self._new_holder: CommandHolder | None = None
 
     # Command
@@ -143,7 +144,7 @@ class Pilot:
     # Driving
 
     def go_to(self, target: Target) -> int | Denied:
-        """See `VehicleInterface`; the game's rules and the map judge at once, the navigator when the robot sets out."""
+        """See `VehicleInterface`; rules and map decide at once, the navigator decides when the robot departs."""
         if not all(map(math.isfinite, (target.x, target.y, target.heading or 0.0))):
             return Denied("That is no point of a map.")
         state = self._able()
@@ -153,7 +154,7 @@ class Pilot:
         room = None if outline is None else Room(outline.room)
         if outline is None or room is None or (robot.bound_for is None and robot.at == room):
             cell_of = self._setup.floor.grid.cell_of
-            # A robot is in its own cell, whatever the map has there.
+            # A robot can always stay in its own cell, whatever the map shows there.
             is_here = cell_of(target.x, target.y) == cell_of(here.x, here.y)
             denied = None if is_here else self._setup.out_of_reach(self._robot, target.x, target.y)
             return denied or self._trips.begin(_goal_pose(target, here), None, here, state)
@@ -165,7 +166,7 @@ class Pilot:
         self._ask(CancelGoal(self._robot))
 
     def drive(self, twist: Twist) -> Denied | None:
-        """See `VehicleInterface`; it aborts a leg or a move of the game in progress."""
+        """See `VehicleInterface`; this aborts a leg or a move of the game in progress."""
         state = self._able()
         if isinstance(state, Denied):
             return state
@@ -259,7 +260,7 @@ class Pilot:
     # Conditions
 
     def _able(self) -> GameState | Denied:
-        """Return the game as it will be after all requests so far, or the reason why no station can move the robot."""
+        """Return the game after all requests so far, or the reason why no station can move the robot."""
         if self._game is None or self._snapshot is None:
             return _NO_GAME
         state = self._game
@@ -281,13 +282,13 @@ class Pilot:
 
 
 def _goal_pose(target: Target, here: Pose2) -> Pose2:
-    """Return the goal pose; without a heading the direction from here to the target is used."""
+    """Return the goal pose; if no heading is given, it is the direction from the robot to the target."""
     ahead = elementary.atan2(target.y - here.y, target.x - here.x)
     return Pose2(target.x, target.y, ahead if target.heading is None else target.heading)
 
 
 def _is_at_wall(floor: TraversabilityMap, row: int, col: int) -> bool:
-    """Return True for a cell in a wall, too near to one, or at the map's rim; the unknown is no wall."""
+    """Return True for a cell in a wall, too near to a wall, or at the edge of the map; unknown space is not a wall."""
     grid, reach = floor.grid, floor.inscribed / floor.grid.resolution
     if not (0 < row < grid.rows - 1 and 0 < col < grid.cols - 1):
         return True
@@ -299,7 +300,7 @@ def _is_at_wall(floor: TraversabilityMap, row: int, col: int) -> bool:
 
 
 def _commander_text(command: CommandHolder) -> str:
-    """Return the name of a commander, without an article."""
+    """Return the name of a commander without an article."""
     return command.name if command.by is Commander.GROUND_STATION else command.by.value
 
 

@@ -1,4 +1,4 @@
-"""Speed limits that ground stations set: never above the study's."""
+"""Speed limits set by ground stations, never above the limit of the study."""
 
 import math
 
@@ -9,15 +9,15 @@ from thbridge.mavlink.role.parameters import Tunable
 from thbridge.mavlink.values.vehicle_interface import DenialKind, Denied
 
 DEFAULT_FASTEST = Twist(0.5, 1.0)
-"""Greatest speeds of manual driving for robots whose parameters are unknown."""
+"""Speeds used as limits of manual driving for robots with unknown parameters."""
 
 
 class SpeedLimit:
     """The speed limit of one robot.
 
     Args:
-        robot: its index in the team, from 0.
-        study: its software's parameters, as the study has them.
+        study: parameters of its software in the study.
+        robots: access to the current parameters.
         robots: provide the parameters in force.
     """
 
@@ -28,7 +28,7 @@ class SpeedLimit:
         self._limit = math.inf
 
     def fastest(self) -> Twist:
-        """Return the greatest speeds of the local planner in use, or `DEFAULT_FASTEST` if unknown; both positive."""
+        """Return the largest speeds of the local planner in use, or `DEFAULT_FASTEST` if unknown; both are positive."""
         now = self._robots.tuning(self._robot)
         if now is None:
             return DEFAULT_FASTEST
@@ -36,11 +36,11 @@ class SpeedLimit:
         return Twist(min(max(planner.max_vel_x, 0.0), self._limit), planner.max_vel_theta)
 
     def bounded(self, twist: Twist) -> Twist:
-        """Return the twist within the limit set here."""
+        """Return the twist, clamped to the limit set here."""
         return Twist(min(max(twist.linear, -self._limit), self._limit), twist.angular)
 
     def limit(self, speed: float) -> tuple[tuple[str, float], ...] | Denied:
-        """Set the limit in m/s, or lift it by a negative one; return the parameters to set, by path."""
+        """Set the limit in m/s, or remove it with a negative value; return the parameters to set, by path."""
         now = self._robots.tuning(self._robot)
         if now is None:
             return Denied("The speed of this robot is not ours to change.", DenialKind.UNSUPPORTED)

@@ -1,4 +1,4 @@
-"""Trips that ground stations send a robot on: a move of the game, or a goal of its navigator beside it."""
+"""Trips requested by ground stations: moves of the game, or goals of the navigator outside the game."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from thbridge.roles.shared.robot_requests import Request, StationSend, StationSt
 from thbridge.ros.messages.goal_owners import GoalOwner
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND
-"""Ticks without observations after which a robot counts as silent, and without news of a goal after which it fails."""
+"""Ticks without observations after which a robot is silent, and without a goal status after which the goal fails."""
 
 
 class TripStage(Enum):
@@ -37,11 +37,11 @@ class VehicleTrip:
     """A leg and its execution.
 
     Attributes:
-        leg: its state as ground stations see it.
+        leg: state of the leg for ground stations.
         target: goal pose of the base, map frame.
-        room: destination of a move of the game; None: a goal beside the game.
-        stage: of the execution.
-        unanswered_ticks: ticks without news of the goal from the navigator.
+        room: destination of a move of the game, or None for a goal outside the game.
+        stage: stage of the execution.
+        unanswered_ticks: ticks without a status of the goal from the navigator.
     """
 
     leg: HelmLeg
@@ -52,29 +52,29 @@ class VehicleTrip:
 
     @property
     def goal(self) -> Goal:
-        """The navigator's goal beside the game."""
+        """The navigator's goal, for a trip outside the game."""
         return Goal(self.leg.number, self.target, GoalOwner.GROUND_STATION)
 
     @property
     def under_way(self) -> bool:
-        """True until it has ended."""
+        """True until the trip has ended."""
         return self.leg.state is LegState.UNDER_WAY
 
     def ended(self, state: LegState, reason: str = "") -> "VehicleTrip":
-        """Return the trip at its end."""
+        """Return the trip after its end."""
         return replace(self, leg=HelmLeg(self.leg.number, state, 0.0, reason))
 
     def failed(self, reason: str) -> "VehicleTrip":
-        """Return the trip, given up for this reason."""
+        """Return the trip after its failure for this reason."""
         return self.ended(LegState.FAILED, reason)
 
 
 class TripDispatcher:
-    """Trips of one robot, one at a time: requests each from the game, or the navigator, when its turn has come.
+    """Trips of one robot, one at a time; requests each trip from the game or the navigator when it can start.
 
     Args:
         robot: its index in the team, from 0.
-        ask: takes requests to robots and game for the next tick.
+        ask: queues requests to robots and game for the next tick.
     """
 
     def __init__(self, robot: int, ask: Callable[[Request], None]) -> None:
@@ -83,7 +83,7 @@ class TripDispatcher:
         self._legs = 0
         self._trip: VehicleTrip | None = None
         self._game: GameState | None = None
-        # A move was requested since the last tick; the game's current move has to end.
+        # A move was requested since the last tick; the current move of the game has to end.
         self._sent = False
         self._stopping = False
 
@@ -93,16 +93,16 @@ class TripDispatcher:
         return None if self._trip is None else self._trip.leg
 
     def begin(self, target: Pose2, room: Room | None, here: Pose2, state: GameState) -> int | Denied:
-        """Begin a trip in place of the last one.
+        """Start a trip that replaces the last one.
 
         Args:
             target: goal pose of the base, map frame.
-            room: destination of a move of the game; None: a goal beside the game.
-            here: present pose of the base, map frame.
-            state: of the game, after all requests so far.
+            room: destination of a move of the game, or None for a goal outside the game.
+            here: current pose of the base, map frame.
+            state: state of the game after all requests so far.
 
         Returns:
-            The number of its leg, or the game's refusal.
+            The number of the leg, or the refusal by the game.
         """
         trip = VehicleTrip(HelmLeg(self._legs + 1, LegState.UNDER_WAY, here.distance(target)), target, room)
         if room is not None and state.robots[self._robot].bound_for == room and not self._stopping:
@@ -114,7 +114,7 @@ class TripDispatcher:
         return trip.leg.number
 
     def abort(self, reason: str) -> None:
-        """Abort the trip in progress for this reason, and the game's move, by any commander."""
+        """Abort the current trip for this reason, and the current move of the game, regardless of who ordered it."""
         if self._trip is not None and self._trip.under_way:
             self._trip = self._trip.failed(reason)
         self._stop_move()
@@ -134,7 +134,8 @@ class TripDispatcher:
     def _set_out(self, trip: VehicleTrip, state: GameState) -> VehicleTrip:
         """Request a trip, unless a move of the game has to end first.
 
-        A return home outlives the command of a station that was lost, until somebody else sends the robot elsewhere.
+        A drive home of a failsafe continues after command has returned, until another commander sends the robot
+        elsewhere.
         """
         mover = state.robots[self._robot]
         if self._sent or mover.bound_for is not None:
@@ -156,7 +157,7 @@ class TripDispatcher:
         return replace(trip, stage=TripStage.ASKED)
 
     def _stop_move(self) -> None:
-        """Stop the game's current move, or the one just requested; it takes some ticks, and is requested until then."""
+        """Stop the current or just requested move of the game; this takes some ticks and is requested until then."""
         under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
         if under_way:
             self._ask(StationStop(self._robot))
@@ -164,12 +165,12 @@ class TripDispatcher:
 
 
 def is_responding(snapshot: TeamSnapshot, robot: int) -> bool:
-    """Return True when a robot's observations are less than a second old."""
+    """Return True if a robot's observations are less than a second old."""
     return snapshot.tick - snapshot.robots[robot].tick < RESPONSE_TIMEOUT
 
 
 def advanced(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: int) -> VehicleTrip:
-    """Return a trip as it stands after this tick."""
+    """Return a trip updated after this tick."""
     trip = _with_remaining(trip, snapshot.robots[robot])
     if trip.stage is TripStage.WAITING:
         return trip
@@ -177,7 +178,7 @@ def advanced(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: 
 
 
 def _by_game(trip: VehicleTrip, game: GameState, robot: int) -> VehicleTrip:
-    """Return the trip of a move of the game, by the state of the game."""
+    """Return the trip of a move of the game, updated from the state of the game."""
     mover = game.robots[robot]
     if mover.bound_for is not None and mover.bound_for == trip.room:
         return replace(trip, stage=TripStage.GOING)
@@ -185,12 +186,12 @@ def _by_game(trip: VehicleTrip, game: GameState, robot: int) -> VehicleTrip:
         return trip.ended(LegState.ARRIVED)
     if trip.stage is TripStage.ASKED:
         return trip.failed(reasons.NOT_READY)
-    # A game that begins anew ends moves without a reason.
+    # When a game restarts, moves end without a reason.
     return trip.failed(mover.failure or reasons.CALLED_BACK)
 
 
 def _by_navigator(trip: VehicleTrip, snapshot: TeamSnapshot, robot: int) -> VehicleTrip:
-    """Return the trip of a goal beside the game, by the state of the navigator."""
+    """Return the trip of a goal outside the game, updated from the state of the navigator."""
     navigation = snapshot.robots[robot].navigation
     # The last result of a dead robot is outdated.
     if robot not in snapshot.dead:
@@ -209,7 +210,7 @@ def _by_navigator(trip: VehicleTrip, snapshot: TeamSnapshot, robot: int) -> Vehi
 
 
 def _with_remaining(trip: VehicleTrip, output: RobotOutput) -> VehicleTrip:
-    """Return the trip with its remaining distance: of the navigator's plan, or straight while there is none."""
+    """Return the trip with its remaining distance, along the navigator's plan or straight if there is no plan."""
     navigation = output.navigation
     planned = trip.stage is TripStage.GOING and navigation.state == "controlling"
     left = navigation.remaining if planned else output.estimate.base_in_map.distance(trip.target)
@@ -217,7 +218,7 @@ def _with_remaining(trip: VehicleTrip, output: RobotOutput) -> VehicleTrip:
 
 
 def _judge(state: GameState, robot: int, room: Room) -> rules.Ruling:
-    """Return the rules' verdict on a move; a moving robot is judged as stopped, because it is stopped first."""
+    """Return the rules' decision on a move; a moving robot is judged as standing, because it is stopped first."""
     back = rules.fail(state, robot, "", 0.0)
     for event in () if isinstance(back, RequestRefused) else back:
         state = apply(state, event)

@@ -16,7 +16,7 @@ from thbridge.mavlink.wire.traffic import OutgoingFrame
 from thbridge.roles.shared.robot_requests import Request
 
 RequestSink: TypeAlias = Callable[[Request], None]
-"""Takes requests to robots and game for the next tick."""
+"""Queues requests to robots and game for the next tick."""
 
 
 class Vehicles:
@@ -24,7 +24,7 @@ class Vehicles:
 
     Args:
         pilots: one for each robot, in the team's order.
-        options: of the study.
+        options: options of the study.
 
     Attributes:
         hub: routes the frames of open links.
@@ -42,12 +42,12 @@ class Vehicles:
         return tuple(vehicle.status for vehicle in self.hub.vehicles)
 
     def open(self, name: str, robot: int | None) -> LinkId:
-        """Open a link of this name; its number was never used before. See `Hub.open`."""
+        """Open a link of this name; its number was not used before. See `Hub.open`."""
         link = LinkId(next(self._numbers))
         self.hub.open(link, name, robot)
         return link
 
     def step(self, snapshot: TeamSnapshot, game: GameState | None) -> list[OutgoingFrame]:
-        """Update after a tick of robots and game, and return the frames that vehicles send by themselves."""
+        """Update after a tick of robots and game, and return the frames that vehicles send."""
         readings = [pilot.follow(snapshot, game) for pilot in self._pilots]
         return self.hub.step(snapshot.tick, readings)

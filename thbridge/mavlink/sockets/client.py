@@ -1,4 +1,4 @@
-"""Socket of a ground station: UDP, bound to the port that robots send to, as is usual; or TCP."""
+"""Socket of a ground station: UDP, usually bound to the port that robots send to, or TCP."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ CONNECT_SECONDS = 5.0
 
 _LARGEST = 65535
 _TURN = 64
-"""Most datagrams that are read at a time."""
+"""Largest number of datagrams read at a time."""
 _STEP = 0.05
 """Seconds between two checks of the clock when nothing is received."""
 
 
-class Unreachable(Exception):  # noqa: N818 - nothing went wrong with the program
-    """No connection to robots is possible; its text is the reason, as a clause without its full stop."""
+class Unreachable(Exception):  # noqa: N818 - not an error of the program
+    """Robots cannot be reached. The text is the reason, as a clause without a full stop."""
 
 
 class StationSocket:
     """Ground station with its socket.
 
     Args:
-        own: socket, connected or bound, and not blocking.
-        peer: UDP address to send to; None: all that send to us.
-        key: key to sign and verify frames; None for none.
+        own: socket, connected or bound, non-blocking.
+        peer: UDP address to send to. If None, frames go to all addresses that sent some.
+        key: key to sign and verify frames, or None.
         known: timestamps of earlier stations with this key.
 
     Attributes:
         station: the ground station.
-        is_listening: True when it waits for robots to send first; False when it sends to a given address.
+        is_listening: True if it waits for robots to send first; False if it sends to a given address.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class StationSocket:
 
     @property
     def known(self) -> KnownTimestamps:
-        """Timestamps of frames until now, for the next station."""
+        """Timestamps of all frames so far, for the next station."""
         return self._timestamps.known
 
     @property
@@ -71,12 +71,12 @@ class StationSocket:
         return self._channel.counts.refused
 
     async def poll(self) -> list[StationEvent]:
-        """Wait briefly for frames and handle them; return the events.
+        """Wait briefly for frames, process them, and return the events.
 
         Raises:
             Unreachable: the connection has ended.
         """
-        # Without a peer yet, its first heartbeat waits for the first one.
+        # Without a peer, the first heartbeat waits until a robot has sent a frame.
         events = self.station.advance(time.monotonic()) if self._stream or self._peers else []
         await self._send()
         try:
@@ -109,9 +109,9 @@ class StationSocket:
             except OSError as error:
                 if self._stream:
                     raise Unreachable(reason_of(error)) from None
-                continue  # The peer's port is not open yet.
+                continue  # the peer's port is not open yet
             if self._stream and not data:
-                raise Unreachable("the other side has ended the connection")
+                raise Unreachable("the other side closed the connection")
             if self.is_listening:
                 self._peers.add(address)
             yield data
@@ -126,7 +126,7 @@ class StationSocket:
                 except OSError as error:
                     raise Unreachable(reason_of(error)) from None
             for peer in self._peers:
-                with suppress(OSError):  # The peer's port is not open yet; heartbeats and commands are sent again.
+                with suppress(OSError):  # the peer's port is not open yet; frames are repeated
                     self._socket.sendto(data, peer)
 
 
@@ -136,12 +136,13 @@ async def open_station(
 ) -> AsyncIterator[StationSocket]:
     """Open a ground station at an address.
 
-    Where earlier stations stored no timestamps, the first frame of robots may be a minute old: their clock is another.
+    If earlier stations stored no timestamps, the first frame of robots may be a minute old, because clocks may differ.
 
-    Over UDP it binds to the address, as ground stations do, where that is possible; else it sends to it.
+    For UDP, the station binds to the address if possible, as ground stations usually do. Otherwise it sends to the
+    address.
 
     Raises:
-        Unreachable: there is no such address, or no server there.
+        Unreachable: the address does not exist, or no server answers there.
     """
     kind = socket.SOCK_STREAM if tcp else socket.SOCK_DGRAM
     loop = asyncio.get_running_loop()
@@ -150,7 +151,7 @@ async def open_station(
     except OSError as error:
         raise Unreachable(reason_of(error)) from None
     except UnicodeError:
-        raise Unreachable("that is not a host's name") from None
+        raise Unreachable("that is not a host name") from None
     there = cast(SocketAddress, found)
     with socket.socket(family, kind) as own:
         own.setblocking(False)
@@ -160,7 +161,7 @@ async def open_station(
                 async with asyncio.timeout(CONNECT_SECONDS):
                     await loop.sock_connect(own, there)
             except TimeoutError:
-                raise Unreachable("nobody answers") from None
+                raise Unreachable("no server answers") from None
             except OSError as error:
                 raise Unreachable(reason_of(error)) from None
         else:

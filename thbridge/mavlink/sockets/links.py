@@ -1,7 +1,7 @@
-"""Links of a session to ground stations over any transport: received frames go to the session, its answers go out.
+"""Links of a session to ground stations over any transport: received frames go to the session, answers go out.
 
-Everything runs on the thread of one event loop. Framing and signatures end here: the session gets complete, verified
-frames without their signature.
+Everything runs on the thread of one event loop. Frame parsing and signatures end here: the session gets complete,
+verified frames without signatures.
 """
 
 import asyncio
@@ -24,57 +24,57 @@ from thbridge.mavlink.wire.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.warn_once import WarnOnce
 
 GARBAGE_LIMIT = 16 * 1024
-"""Bytes in a row without a good frame after which a peer is ignored, for some time at least."""
+"""Number of consecutive bytes without a valid frame after which a peer is ignored, at least for some time."""
 
 LINK_FRAMES = 128
-"""Most frames of a link that are handled in the time of a tick: 1 Mbit/s of the shortest that stations send."""
+"""Largest number of frames of a link processed per tick: 1 Mbit/s of the shortest frames that stations send."""
 
 WORK_SECONDS = 0.004
-"""Seconds of a tick's time after which no further frame is handled, of whatever link."""
+"""Seconds per tick after which no further frame of any link is processed."""
 
 TICK_ANSWERS = 100
-"""Answers in a tick's time after which no further frame is handled: each is recorded, too, which takes its time."""
+"""Number of answers per tick after which no further frame is processed, because recording answers takes time."""
 
 MOST_WAITING = 2048
-"""Most frames of a link that wait to be handled; further ones are dropped."""
+"""Largest number of waiting frames of a link; further ones are dropped."""
 
 _STORE_SECONDS = 0.1
-"""Seconds between two times that timestamps are stored."""
+"""Seconds between two writes of the timestamps."""
 
 _log = logging.getLogger(__name__)
 
 
 class MavlinkSession(Protocol):
-    """Session behind the links, with its vehicles; it sends frames that are no answers by `MavlinkLinks.transmit`."""
+    """Session behind the links, with its vehicles; it sends frames that are not answers by `MavlinkLinks.transmit`."""
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:
-        """Open a link of this name, to this robot alone if one is given, from 0."""
+        """Open a link of this name, to one robot only if an index is given."""
 
     def close_link(self, link: LinkId) -> None:
         """Close a link."""
 
     def link(self, link: LinkId) -> HubLink | None:
-        """Return the state of an open link; None when there is no such link."""
+        """Return the state of an open link, or None."""
 
     def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
-        """Handle a received frame: it is dropped, or answered."""
+        """Process a received frame: drop or answer it."""
 
 
 class TimestampStore(Protocol):
-    """Timestamps of signatures that outlive the program."""
+    """Store of the timestamps of signatures between runs of the program."""
 
     def read(self) -> KnownTimestamps | None:
-        """Return what an earlier program knew; None where that is not known."""
+        """Return the timestamps of earlier runs, or None if they are unknown."""
 
     def write(self, known: KnownTimestamps) -> None:
-        """Replace what is known."""
+        """Replace the stored timestamps."""
 
 
 class FrameSender(Protocol):
     """Transport of one link."""
 
     def send_frames(self, frames: Sequence[bytes]) -> int:
-        """Send frames, in order; return how many of them could not be sent."""
+        """Send frames in order; return the number of frames that could not be sent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ class FrameTotals:
         received: frames received.
         sent: frames sent.
         unsent: frames that could not be sent.
-        dropped: frames, and datagrams unread, that came faster than they could be handled.
+        dropped: frames and unread datagrams that arrived faster than they could be processed.
     """
 
     received: int
@@ -96,7 +96,7 @@ class FrameTotals:
 
 @dataclass(slots=True)
 class _Link:
-    """Open link; `taken` is the number of its frames that were handled in the time of this tick."""
+    """Open link; `taken` is the number of its frames processed in this tick."""
 
     name: str
     channel: Channel
@@ -107,16 +107,16 @@ class _Link:
 
 
 class MavlinkLinks:
-    """Passes frames between links and a session, so many in the time of a tick: the rest of a tick is the session's.
+    """Passes frames between links and a session, within a share of each tick; the session uses the rest of the tick.
 
-    Links take turns. Frames for which there is no time wait for the next tick's.
+    Links take turns. Frames beyond this share wait for the next tick.
 
     Args:
-        key: key to sign and verify frames; None for none.
+        key: key to sign and verify frames, or None.
         clock: returns seconds of Unix time, for signatures.
-        stopwatch: returns seconds, for what work takes.
-        store: keeps timestamps of signatures from one program to the next; None: each accepts only what is signed after
-            its start.
+        stopwatch: returns seconds, to measure processing times.
+        store: keeps timestamps of signatures between runs. If None, each run accepts only frames signed after its
+            start.
     """
 
     def __init__(
@@ -141,18 +141,18 @@ class MavlinkLinks:
         self._window = -1
         self._spent = 0.0
         self._answers = 0
-        # Links with frames that wait: those whose turn it is in this tick's time, and those who had their share of it.
+        # Links with waiting frames: those that still have a turn in this tick, and those that have used their share.
         self._turns: deque[LinkId] = deque()
         self._served: deque[LinkId] = deque()
         self._timer: asyncio.TimerHandle | None = None
 
     @property
     def totals(self) -> FrameTotals:
-        """Frame counts until now."""
+        """Frame counts so far."""
         return FrameTotals(self._received, self._sent, self._unsent, self._dropped)
 
     def serve(self, exchange: MavlinkSession) -> None:
-        """Connect the links to a session; links can be opened from now on."""
+        """Connect the links to a session; from now on, links can be opened."""
         self._exchange = exchange
 
     def channel(self, *, datagrams: bool) -> Channel:
@@ -162,7 +162,7 @@ class MavlinkLinks:
         return Channel(signing, datagrams=datagrams)
 
     def open(self, name: str, channel: Channel, carrier: FrameSender, robot: int | None = None) -> LinkId | None:
-        """Open a link, to this robot alone if one is given, from 0; None as long as there is no session."""
+        """Open a link, to one robot only if an index is given; return None while there is no session."""
         if self._exchange is None:
             return None
         link = self._exchange.open_link(name, robot)
@@ -170,14 +170,14 @@ class MavlinkLinks:
         return link
 
     def close(self, link: LinkId) -> None:
-        """Close a link; no effect on a closed one."""
+        """Close a link; closing it twice has no effect."""
         closed = self._links.pop(link, None)
         if closed is not None and self._exchange is not None:
             _log.info("MAVLink: %s; %d were too many", self._exchange.link(link), closed.dropped)
             self._exchange.close_link(link)
 
     def frames_in(self, name: str, channel: Channel, data: bytes) -> list[Frame]:
-        """Return the good frames in received bytes; the log gets one warning for each peer and fault."""
+        """Return the valid frames in received bytes; log one warning for each peer and fault."""
         frames = channel.receive_data(data, self._clock())
         self._received += len(frames)
         if frames and self._stopwatch() - self._stored > _STORE_SECONDS:
@@ -187,13 +187,13 @@ class MavlinkLinks:
         return frames
 
     def store_timestamps(self) -> None:
-        """Store the timestamps of accepted frames for the next program."""
+        """Store the timestamps of accepted frames for the next run."""
         self._stored = self._stopwatch()
         if self._store is not None and self._key is not None:
             self._store.write(self._timestamps.known)
 
     def receive(self, link: LinkId, frames: Iterable[Frame]) -> None:
-        """Handle frames received on a link, now or when there is time, and send the answers."""
+        """Process frames received on a link, now or when there is time, and send the answers."""
         there = self._links.get(link)
         if there is None:
             return
@@ -207,12 +207,12 @@ class MavlinkLinks:
         self._work()
 
     def has_room(self, link: LinkId) -> bool:
-        """Return True unless half as many frames of a link wait as may: no more is parsed at a time."""
+        """Return True if at most half of the allowed frames of a link wait; otherwise no more bytes are parsed."""
         there = self._links.get(link)
         return there is None or len(there.waiting) <= MOST_WAITING // 2
 
     def drop(self, link: LinkId, count: int) -> None:
-        """Count frames that came too fast; log and station are told of the first."""
+        """Count frames that came too fast; report the first to log and station."""
         there = self._links[link]
         self._dropped += count
         there.dropped += count
@@ -221,7 +221,7 @@ class MavlinkLinks:
             self.transmit([OutgoingFrame(link, self._flood_warning(link))])
 
     def _flood_warning(self, link: LinkId) -> Frame:
-        """Return a text for the station, said by a bridge beside the vehicle: the vehicle knows nothing of it."""
+        """Return a text for the station, sent as component bridge, because the vehicle is not aware of the flood."""
         state = None if self._exchange is None else self._exchange.link(link)
         robot = 0 if state is None or state.robot is None else state.robot
         text = mav.MAVLink_statustext_message(mav.MAV_SEVERITY_WARNING, b"Too many frames: some are dropped.", 0, 0)
@@ -229,7 +229,7 @@ class MavlinkLinks:
         return Frame(number_of(robot), mav.MAV_COMP_ID_UDP_BRIDGE, 0, number, payload_of(text), crc_extra(number) or 0)
 
     def _work(self) -> None:
-        """Handle frames that wait, link after link, as long as there is time."""
+        """Process waiting frames, link after link, while there is time."""
         window = int(self._stopwatch() / TICK)
         if window != self._window:
             self._window, self._spent, self._answers = window, 0.0, 0

@@ -1,4 +1,4 @@
-"""MAVLink server of a session: its UDP targets and ports, and its TCP port, opened and closed together."""
+"""MAVLink server of a session: its UDP targets and ports and its TCP port, opened and closed together."""
 
 import logging
 from collections.abc import Sequence
@@ -23,11 +23,11 @@ class MavlinkPorts:
 
     Attributes:
         udp: targets that get heartbeats from the start.
-        tcp: address to listen on; None for none.
-        key: key to sign and verify frames; None for none.
-        udp_listen: UDP address to listen on for stations that send first; None for none.
-        admission: of stations that send first, by their addresses.
-        store: keeps timestamps of signatures from one program to the next; None for none.
+        tcp: address to listen on, or None.
+        key: key to sign and verify frames, or None.
+        udp_listen: UDP address to listen on for stations that send first, or None.
+        admission: decides by address which stations that send first are accepted.
+        store: keeps timestamps of signatures between runs, or None.
     """
 
     udp: tuple[UdpTarget, ...]

@@ -1,4 +1,4 @@
-"""MAVLink over TCP: a port for ground stations, each with a link of its own."""
+"""MAVLink over TCP: a port for ground stations, with one link for each."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from thbridge.sockets.http_refusal import begins_http
 from thbridge.sockets.listening import ServerDoor
 
 CONNECTIONS = 32
-"""Most connections at a time; one more ends the oldest on which nobody spoke, or is turned away."""
+"""Largest number of connections; one more closes the oldest silent connection, or is refused."""
 
 BACKLOG = 1024 * 1024
-"""Bytes that may wait for a peer that does not read before its connection is cut off."""
+"""Number of unread bytes after which a peer is disconnected."""
 
 _SEGMENT = 4096
-"""Most bytes that are parsed in one round of the loop."""
+"""Largest number of bytes parsed in one round of the event loop."""
 
 _LINGER = 1.0
-"""Seconds that a peer has at the end to read what it was sent."""
+"""Seconds that a peer has at the end to read waiting data."""
 
 
 class TcpPort:
@@ -37,7 +37,7 @@ class TcpPort:
     Args:
         links: links of the session.
         own: socket, bound and listening.
-        admission: of stations by their addresses.
+        admission: decides by address which stations are accepted.
 
     Attributes:
         where: its address.
@@ -73,7 +73,7 @@ class TcpPort:
         await self._door.wait_closed()
 
     def connection_opened(self, connection: _Connection) -> bool:
-        """Add a connection; return False when there is no room for it."""
+        """Add a connection; return False if there is no room for it."""
         most = self._door.most
         if len(self._open) >= most:
             self.links.complaints.warn(f"MAVLink: {most} are connected by TCP; not all of them are heard")
@@ -92,7 +92,7 @@ class TcpPort:
 
 
 async def tcp_port(links: MavlinkLinks, address: Address, admission: Admission = OWN_MACHINE) -> TcpPort | CannotListen:
-    """Open a port; 0 takes any that is free."""
+    """Open a port; 0 chooses a free one."""
     try:
         found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
         family, _, _, _, where = found[0]
@@ -118,7 +118,7 @@ class _Connection(Protocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
             return
-        peer = transport.get_extra_info("peername") or ("", 0)  # it was gone before it was asked
+        peer = transport.get_extra_info("peername") or ("", 0)  # empty if the peer has already left
         self._name = f"tcp {Address(peer[0], peer[1])}"
         self._transport = transport
         stranger = self._port.admission.refused(transport)
@@ -137,7 +137,7 @@ class _Connection(Protocol):
         self._parse_some()
 
     def _parse_some(self) -> None:
-        """Parse a part of what was received; who sends faster than that is not read meanwhile, and loses nothing."""
+        """Parse a part of the received bytes; a peer that sends faster is not read meanwhile, and loses nothing."""
         if self._transport is None or self._transport.is_closing():
             return
         has_room = self._link is None or self._port.links.has_room(self._link)
@@ -162,7 +162,7 @@ class _Connection(Protocol):
 
     @property
     def has_spoken(self) -> bool:
-        """True when a good frame came."""
+        """True if a valid frame has arrived."""
         return self._channel.counts.frames > 0
 
     def send_frames(self, frames: Sequence[bytes]) -> int:
@@ -175,14 +175,14 @@ class _Connection(Protocol):
         return 0
 
     def close(self) -> None:
-        """Close the connection once the other side has had a moment to read what it was sent."""
+        """Close the connection after the other side had a moment to read waiting data."""
         self._leave()
         if self._transport is not None:
             self._transport.close()
             self._lingering = asyncio.get_running_loop().call_later(_LINGER, self._transport.abort)
 
     def cut_off(self, why: str) -> None:
-        """End the connection at once."""
+        """Close the connection at once."""
         if self._transport is not None and not self._transport.is_closing():
             self._port.links.complaints.warn(f"MAVLink: {self._name} {why}, and is cut off")
             self._transport.abort()

@@ -19,37 +19,38 @@ from thbridge.sockets.admission import OWN_MACHINE, Admission
 from thbridge.sockets.errors import CannotListen
 
 MAX_PEERS = 32
-"""Most peers of one socket beside its target; one more replaces the peer whose last frame is oldest.
+"""Largest number of peers of one socket in addition to its target; one more replaces another one.
 
-Peers without a good frame go first, then those that were not heard for long enough to be `SETTLED_SECONDS` old.
+Peers without a valid frame are replaced first, then peers younger than `SETTLED_SECONDS`. Among equals, the peer with
+the oldest last frame is replaced.
 """
 
 SETTLED_SECONDS = 3.0
-"""Seconds between the first and the last good frame of a peer that others displace last: not of an invented one."""
+"""Seconds from the first to the last valid frame after which a peer is replaced last: an invented one is younger."""
 
 MEETINGS = 64
-"""Most new peers of one socket in a second; what others send is dropped."""
+"""Largest number of new peers of one socket per second; datagrams of further ones are dropped."""
 
 STALE_SECONDS = 60.0
-"""Seconds without a good frame after which a peer is forgotten; the target never is."""
+"""Seconds without a valid frame after which a peer is forgotten; the target is never forgotten."""
 
 MUTE_SECONDS = 10.0
 """Seconds for which a peer that sent only garbage is ignored."""
 
 _DATAGRAM = 1200
-"""Most bytes of a datagram: below the packet size of any network."""
+"""Largest size of a datagram in bytes, below the packet size of any network."""
 
 _TURN = 64
-"""Most datagrams, and about the most frames, that are read at a time: a flood leaves time for other work."""
+"""Largest number of datagrams, and roughly of frames, read at a time, so that a flood leaves time for other work."""
 
 _LARGEST = 8192
-"""Bytes of a datagram that are read: more than the packet size of any network."""
+"""Number of bytes read from a datagram, more than the packet size of any network."""
 
 BUFFER = 4 * 1024 * 1024
-"""Bytes of the system's socket buffers, which fill while a tick runs; the system may grant fewer."""
+"""Size of the system's socket buffers in bytes, which fill during a tick; the system may grant less."""
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
-"""Address in the form of Python's sockets, for IPv4 or IPv6."""
+"""Address as a tuple of Python's sockets, for IPv4 or IPv6."""
 
 
 @dataclass(slots=True)
@@ -58,9 +59,9 @@ class _Peer:
 
     Attributes:
         channel: its frame codec.
-        last_received: time of its last good frame, or else of its first datagram.
-        first_good: time of its first good frame.
-        link: None until its first good frame.
+        last_received: time of its last valid frame, otherwise of its first datagram.
+        first_good: time of its first valid frame.
+        link: None until its first valid frame.
         muted: time until which it is ignored.
     """
 
@@ -72,7 +73,7 @@ class _Peer:
 
     @property
     def rank(self) -> tuple[bool, bool, float]:
-        """Order in which peers are displaced."""
+        """Order in which peers are replaced."""
         settled = self.link is not None and self.last_received - self.first_good > SETTLED_SECONDS
         return self.link is not None, settled, self.last_received
 
@@ -85,7 +86,7 @@ class _Outlet:
     address: SocketAddress
 
     def send_frames(self, frames: Sequence[bytes]) -> int:
-        """Send frames, as many in one datagram as fit."""
+        """Send frames, in as few datagrams as possible."""
         unsent = first = 0
         while first < len(frames):
             last, size = first + 1, len(frames[first])
@@ -95,7 +96,7 @@ class _Outlet:
             try:
                 self.socket.sendto(b"".join(frames[first:last]), self.address)
             except ConnectionRefusedError:
-                pass  # An earlier datagram found the port closed; this error says nothing about the present one.
+                pass  # an earlier datagram found the port closed; the error is not about this one
             except OSError:
                 unsent += last - first
             first = last
@@ -106,11 +107,10 @@ class UdpPort:
     """UDP socket with its peers.
 
     Args:
-        links: links of the session.
-        own: socket, bound and not blocking.
-        target: peer from the start; None: only peers that send first.
-        robot: the only robot on its links, from 0; None: all robots.
-        admission: of peers that send first, by their addresses.
+        own: socket, bound, non-blocking.
+        target: peer from the start. If None, there are only peers that send first.
+        robot: index of the only robot on its links. If None, all robots are on its links.
+        admission: decides by address which peers that send first are accepted.
     """
 
     def __init__(
@@ -138,7 +138,7 @@ class UdpPort:
         return Address(host, port)
 
     def serve(self) -> None:
-        """Begin to send and receive."""
+        """Start to send and receive."""
         loop = asyncio.get_running_loop()
         if self._target is not None:
             first = self._peers[self._target] = _Peer(self._links.channel(datagrams=True), loop.time())
@@ -156,7 +156,7 @@ class UdpPort:
         self._socket.close()
 
     def _forget_stale(self) -> None:
-        """Forget stale peers, each of which would cost a heartbeat of every robot for ever."""
+        """Forget stale peers; each of them would cost a heartbeat of every robot forever."""
         loop = asyncio.get_running_loop()
         for address, peer in tuple(self._peers.items()):
             if address != self._target and loop.time() - peer.last_received > STALE_SECONDS:
@@ -172,11 +172,11 @@ class UdpPort:
             except BlockingIOError:
                 return
             except OSError:
-                continue  # ICMP: a target's port is closed.
+                continue  # ICMP message that a target's port is closed
             read += self._received(data, address)
 
     def _received(self, data: bytes, address: SocketAddress) -> int:
-        """Handle a datagram; return the number of frames in it."""
+        """Process a datagram; return the number of frames in it."""
         now = asyncio.get_running_loop().time()
         peer = self._peers.get(address) or self._meet(address, now)
         if peer is None or now < peer.muted:
@@ -223,7 +223,7 @@ class UdpPort:
 
 
 async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotListen:
-    """Open a socket for a target, on the loopback interface if the target is there; not in use yet."""
+    """Open an unused socket for a target, on the loopback interface if the target is there."""
     found = await _bound(target.address, lambda there, family: (_local(there[0], family), 0))
     robot = None if target.number is None else index_of(target.number)
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, robot)
@@ -232,7 +232,7 @@ async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotLi
 async def udp_listener(
     links: MavlinkLinks, where: Address, admission: Admission = OWN_MACHINE
 ) -> UdpPort | CannotListen:
-    """Open a socket at this address for stations that send first; not in use yet."""
+    """Open an unused socket at this address for stations that send first."""
     found = await _bound(where, lambda there, family: there)
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, None, admission=admission)
 
@@ -245,7 +245,7 @@ class _Bound(NamedTuple):
 
 
 async def _bound(given: Address, own_for: Callable[[SocketAddress, int], SocketAddress]) -> _Bound | CannotListen:
-    """Open a socket for an address, bound to the result of `own_for` for it and its family."""
+    """Open a socket for an address, bound to the result of `own_for` for this address and its family."""
     try:
         found = await asyncio.get_running_loop().getaddrinfo(given.host, given.port, type=socket.SOCK_DGRAM)
         family, there = found[0][0], cast(SocketAddress, found[0][4])

@@ -1,1 +1,1 @@
-"""Ground station, the other end of a link, as small as the command line needs it."""
+"""Minimal ground station for the command line, the other end of a link."""

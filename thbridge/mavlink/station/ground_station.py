@@ -1,4 +1,4 @@
-"""Ground station without its socket, as small as the command line needs it.
+"""Minimal ground station for the command line, without its socket.
 
 It sends heartbeats, repeats commands until they are acknowledged, and keeps the latest telemetry of every robot.
 
@@ -51,6 +51,9 @@ class CommandAcked:
     result: int
 
 
+"""Command that was not acknowledged after all repetitions."""
+
+
 @dataclass(frozen=True, slots=True)
 class CommandUnanswered:
     """Command that was not acknowledged, however often it was sent."""
@@ -84,13 +87,13 @@ class KnownRobot:
         last_heartbeat: time of its last heartbeat.
         last_frame: time of its last frame.
         x: meters east of the map's origin; NaN while unknown.
-        y: meters north of it.
+        y: meters north of the map's origin.
         latitude: degrees; NaN while unknown.
         longitude: degrees.
         speed: m/s.
-        energy: remaining part, from 0 to 1; NaN while unknown.
+        energy: remaining fraction, from 0 to 1; NaN while unknown.
         frames: number of frames received from it.
-        lost: number of frames lost on the way.
+        lost: number of frames lost in transmission.
         commander: its commander, see `conventions.COMMANDER`; None while unknown.
         text: its last text for people.
     """
@@ -115,7 +118,7 @@ class KnownRobot:
 
     @property
     def armed(self) -> bool:
-        """True when its motors are enabled."""
+        """True if its motors are enabled."""
         return bool(self.base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED)
 
 
@@ -150,20 +153,20 @@ class GroundStation:
         self._texts: dict[tuple[int, int], str] = {}
 
     def take_frames(self) -> list[Frame]:
-        """Take the frames to be sent."""
+        """Return the frames to be sent, and clear this list."""
         frames, self._outgoing = self._outgoing, []
         return frames
 
     def send_command(self, system: int, command: StationCommand, now: float) -> None:
-        """Send a command; `CommandAcked` or `CommandUnanswered` follows. It replaces the same command still pending."""
+        """Send a command; `CommandAcked` or `CommandUnanswered` follows. It replaces the same command, if pending."""
         self._transmit(system, _Pending(command, 1, now + ACK_TIMEOUT))
 
     def request(self, system: int, message_id: int, now: float) -> None:
-        """Request one message of a robot."""
+        """Request one message from a robot."""
         self.send_command(system, StationCommand(mav.MAV_CMD_REQUEST_MESSAGE, (float(message_id),)), now)
 
     def advance(self, now: float) -> list[StationEvent]:
-        """Send heartbeats and repeat commands that are due."""
+        """Send heartbeats and repeat commands that are due; return the events."""
         if self._last_heartbeat is None or now - self._last_heartbeat >= HEARTBEAT_PERIOD:
             self._last_heartbeat = now
             kind, pilot, state = mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, mav.MAV_STATE_ACTIVE
@@ -181,7 +184,7 @@ class GroundStation:
         return events
 
     def receive_frame(self, frame: Frame, now: float) -> list[StationEvent]:
-        """Handle a received frame; those that do not come from a robot are ignored."""
+        """Process a received frame and return the events; frames that do not come from robots are ignored."""
         message = decoded(frame.message_id, frame.payload)
         if message is None or frame.component != ROBOT:
             return []
@@ -196,7 +199,7 @@ class GroundStation:
         return self._handle(robot, message, now)
 
     def _robot_of(self, system: int, message: Message, now: float) -> KnownRobot | None:
-        """Return the robot of this id; None before its first heartbeat."""
+        """Return the robot with this id, or None before its first heartbeat."""
         robot = self.robots.get(system)
         if robot is None and isinstance(message, mav.MAVLink_heartbeat_message) and len(self.robots) < _MOST_SYSTEMS:
             robot = KnownRobot(system, message.autopilot, message.custom_mode, message.base_mode, now, now, now)
@@ -240,7 +243,7 @@ class GroundStation:
         return [CommandAcked(system, ack.command, ack.result)]
 
     def _texted(self, robot: KnownRobot, message: mav.MAVLink_statustext_message) -> list[StationEvent]:
-        """Assemble the chunks of a long text, of which the last is shorter than the others."""
+        """Assemble the chunks of a long text; the last chunk is shorter than the others."""
         piece = _text(message.text)
         if message.id:
             key = (robot.system, message.id)

@@ -25,15 +25,15 @@ from thbridge.mavlink.wire.coordinates import PER_METRE, yaw_of
 from thbridge.mavlink.wire.dialect import mav
 
 ARRIVAL_RADIUS = 0.3
-"""Meters: a robot that stands within this distance of its goal has arrived, whether it reports so or not."""
+"""Distance in meters within which a standing robot has arrived, even if it does not report its arrival."""
 
 DISCOVERY_TIMEOUT = 5.0
 HEARTBEAT_TIMEOUT = 5.0
 _TEXT_TIMEOUT = 0.5
-"""Seconds to wait for the text with a robot's reason for its refusal."""
+"""Seconds to wait for the text in which a robot gives the reason of a refusal."""
 _STANDING_SECONDS = 3.0
 _STANDING = 0.02
-"""Meters per second."""
+"""Speed below which a robot stands, meters per second."""
 
 _ARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
 _DISARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
@@ -44,8 +44,8 @@ class TripOutcome:
     """Outcome of a trip.
 
     Attributes:
-        problem: reason why the robot did not arrive, for people; empty when it did.
-        unanswered: True when it did not answer a command.
+        problem: reason for people why the robot did not arrive; empty if it did.
+        unanswered: True if it did not answer a command.
     """
 
     problem: str
@@ -71,12 +71,12 @@ class StationTrip:
         station: ground station that commands the robot.
         system: system id of the robot.
         destination: its goal.
-        keep: stay in command of it afterwards.
+        keep: keep command of it afterwards.
         now: seconds of the station's clock.
 
     Attributes:
         stage: current stage.
-        outcome: None until it is over.
+        outcome: the outcome; None until the trip is over.
     """
 
     def __init__(self, station: GroundStation, system: int, destination: Target, keep: bool, now: float) -> None:
@@ -99,7 +99,7 @@ class StationTrip:
         return math.nan if robot is None else _distance(self._destination, robot)
 
     def advance(self, events: Iterable[StationEvent], now: float) -> None:
-        """Handle the station's events and the passing of time."""
+        """Process the station's events and the passing of time."""
         for event in events:
             if event.system == self._system:
                 self._handle_event(event, now)
@@ -110,14 +110,14 @@ class StationTrip:
                 self._send(StationTripStage.TAKING, _ARM, now)
             case StationTripStage.SEARCHING if waited > DISCOVERY_TIMEOUT:
                 there = ", ".join(str(system) for system in sorted(self._station.robots))
-                self._fail(f"robot {self._system} is not heard; those that are: {there or 'none'}", now)
+                self._fail(f"robot {self._system} sends nothing; robots that do: {there or 'none'}", now)
             case StationTripStage.UNDER_WAY if robot is not None:
                 self._watch(robot, now)
             case StationTripStage.LISTENING if waited > _TEXT_TIMEOUT:
                 self._hand_back(now)
 
     def give_up(self, now: float) -> None:
-        """Abort the trip: the robot is stopped and given back."""
+        """Abort the trip: stop the robot and give command back."""
         self._problem = "given up"
         self._keep = False
         self._hand_back(now)
@@ -129,7 +129,7 @@ class StationTrip:
                     self._commands = True
                     self._send(StationTripStage.ASKING, _command_to(self._destination), now)
                 else:
-                    self._fail(f"robot {self._system} gives nobody else the command ({_word(result)})", now)
+                    self._fail(f"robot {self._system} refuses to change its commander ({_word(result)})", now)
             case CommandAcked(_, mav.MAV_CMD_DO_REPOSITION, result) if self.stage is StationTripStage.ASKING:
                 if result == mav.MAV_RESULT_ACCEPTED:
                     self.stage, self._since, self._stood = StationTripStage.UNDER_WAY, now, now
@@ -144,7 +144,7 @@ class StationTrip:
                 self._handle_text(severity, text, now)
 
     def _handle_text(self, severity: int, text: str, now: float) -> None:
-        """Handle a text of the robot, which tells more than a result code."""
+        """Process a text of the robot, which says more than a result code."""
         if self.stage is StationTripStage.UNDER_WAY and text == ARRIVED:
             self._hand_back(now)
         elif severity <= mav.MAV_SEVERITY_WARNING:
@@ -154,17 +154,17 @@ class StationTrip:
                 self._problem = text
 
     def _watch(self, robot: KnownRobot, now: float) -> None:
-        """Check heartbeat, position and arming of the robot: texts may get lost."""
+        """Check heartbeat, position and arming of the robot, because texts may get lost."""
         if not robot.speed < _STANDING:
             self._stood = now
         if now - robot.last_heartbeat > HEARTBEAT_TIMEOUT:
-            self._fail(f"robot {self._system} is not heard any more", now)
+            self._fail(f"robot {self._system} has become silent", now)
         elif now - self._stood > _STANDING_SECONDS and _distance(self._destination, robot) < ARRIVAL_RADIUS:
             self._hand_back(now)
         elif (
             not robot.armed and robot.last_heartbeat - self._since > HEARTBEAT_PERIOD
-        ):  # before that it may not know it yet
-            self._fail(f"robot {self._system} is commanded by somebody else now", now)
+        ):  # earlier, the robot may not know its commander yet
+            self._fail(f"another client now commands robot {self._system}", now)
 
     def _send(self, stage: StationTripStage, command: StationCommand, now: float) -> None:
         self.stage, self._since = stage, now
@@ -186,7 +186,7 @@ class StationTrip:
 
 def _command_to(target: Target) -> StationCommand:
     """Return the command that sends a robot there, in MAVLink's local frame, x north and y east."""
-    # NaN is the heading that does not matter.
+    # NaN means any heading.
     yaw = math.nan if target.heading is None else yaw_of(target.heading)
     place = (round(target.y * PER_METRE), round(target.x * PER_METRE))
     parameters = (-1.0, float(mav.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE), 0.0, yaw, *place, 0.0)
@@ -194,7 +194,7 @@ def _command_to(target: Target) -> StationCommand:
 
 
 def _distance(target: Target, robot: KnownRobot) -> float:
-    """Return the meters from a robot's own position estimate; NaN while that is unknown."""
+    """Return the distance from a robot's own position estimate, meters; NaN while that is unknown."""
     return elementary.hypot(target.x - robot.x, target.y - robot.y)
 
 

@@ -1,1 +1,1 @@
-"""Values that vehicles, stations and roles share: options, conventions, and what a robot is to its vehicle."""
+"""Values that vehicles, stations and roles share: options, conventions, and the interface of a vehicle to its robot."""

@@ -4,18 +4,18 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 SHORTEST_TIMEOUT, LONGEST_TIMEOUT = 1.0, 600.0
-"""Bounds of the seconds without a heartbeat after which a ground station counts as lost."""
+"""Bounds of the number of seconds without a heartbeat after which a ground station is lost."""
 
 
 class AutopilotIdentity(StrEnum):
-    """Autopilot that a vehicle presents itself as; ground stations offer more functions to those that they know."""
+    """Autopilot that a vehicle claims to have; ground stations offer more functions to autopilots that they know."""
 
     GENERIC = "generic"
     ARDUPILOT = "ardupilot"
 
 
 class Failsafe(StrEnum):
-    """Action of a robot when the ground station that commands it is lost."""
+    """Action of a robot when its commanding ground station is lost."""
 
     STOP = "stop"
     HOME = "home"
@@ -23,7 +23,7 @@ class Failsafe(StrEnum):
 
 
 class VisitedRooms(StrEnum):
-    """Action of a mission whose next item leads into a room that was visited already."""
+    """Action of a mission whose next item leads into an already visited room."""
 
     HALT = "halt"
     SKIP = "skip"
@@ -43,12 +43,12 @@ class VehicleOptions:
     """Options of all vehicles of a study.
 
     Attributes:
-        identity: autopilot that they present themselves as.
+        identity: autopilot that that vehicles claim to have.
         origin: position of the map's origin on earth.
-        lost_after: seconds without a heartbeat after which a ground station counts as lost.
+        lost_after: seconds without a heartbeat after which a ground station is lost.
         failsafe: action in that case.
         position_rate: default rate of position, attitude and speed messages, Hz.
-        visited_rooms: action of a mission at a room that was visited already.
+        visited_rooms: action of a mission at an already visited room.
     """
 
     identity: AutopilotIdentity

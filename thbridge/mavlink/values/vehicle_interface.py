@@ -1,7 +1,7 @@
 """Interface between a vehicle and its robot: the commands that a ground station may give, and the robot's readings.
 
-A vehicle speaks MAVLink and knows nothing of the game; the implementation of `VehicleInterface` knows robot and game,
-and no MAVLink.
+A vehicle handles MAVLink and knows nothing about the game. The implementation of `VehicleInterface` handles robot and
+game, and knows nothing about MAVLink.
 """
 
 from collections.abc import Sequence
@@ -46,10 +46,10 @@ class Denied:
     """Denial of a command.
 
     Attributes:
-        sentence: reason for people, at most some 100 characters.
-        kind: kind of denial; `NOT_NOW` when a later attempt may succeed.
-        axis: axis of the map along which a point is off it; None for every other reason.
-        is_done: True when it was done before, and is not to be done again.
+        sentence: reason for people, at most about 100 characters.
+        kind: kind of denial; `NOT_NOW` if a later attempt may succeed.
+        axis: axis of the map along which a point is off the map; None for every other reason.
+        is_done: True if it was done before and must not be done again.
     """
 
     sentence: str
@@ -65,7 +65,7 @@ class Target:
     Attributes:
         x: meters east, map.
         y: meters north, map.
-        heading: radians from east, anticlockwise; None: any.
+        heading: radians from east, anticlockwise; None for any heading.
     """
 
     x: float
@@ -79,8 +79,8 @@ class HelmLeg:
 
     Attributes:
         number: number that `go_to` returned.
-        state: "under way", "arrived" or "failed"; the last two stay until the next leg.
-        remaining: meters still to drive; 0 when it is over.
+        state: "under way", "arrived" or "failed"; the last two remain until the next leg.
+        remaining: meters left to drive; 0 after its end.
         reason: reason of a failure, for people.
     """
 
@@ -100,7 +100,7 @@ class LegState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RobotReadings:
-    """State of a robot by its own estimates, after one tick.
+    """State of a robot after one tick, by its own estimates.
 
     Attributes:
         base_in_map: estimated pose; x east, y north, meters; theta from east, anticlockwise.
@@ -108,15 +108,16 @@ class RobotReadings:
         goal_in_map: its current goal, from any source; None at rest.
         energy: remaining energy in the game's units.
         capacity: energy at the start, in the same units.
-        responsive: False when its software does not respond; all else is then as it was when it last did.
-        lost: True when it has lost its position.
+        responsive: False if its software does not respond; all other values are then those of its last response.
+        lost: True if it has lost its position.
         under_way: True while it drives to a goal, from any source.
-        commander: the station in command of it, as text of `Station`; None when no station is.
+        commander: the station in command, as text of `Station`; None if no station commands.
         commanded_by: its commander for people: "participant", "ground station 255", "researcher".
         leg: progress of the last `go_to`; None before the first.
         announcements: texts of this tick for people at ground stations: a room reached, a treasure found, a refusal by
-            the game; at most some 100 characters each.
-        participant_requests: texts of this tick with requests of the participant to the station in command, likewise.
+            the game; at most about 100 characters each.
+        participant_requests: texts of this tick with requests of the participant to the station in command; at most
+            about 100 characters each.
     """
 
     base_in_map: Pose2
@@ -174,12 +175,12 @@ class ParameterDescription:
         section: section of the study file that holds it.
         group: name of the group of parameters it belongs to.
         unit: SI; empty for a pure number.
-        default: initial value; None when robots differ in it.
-        minimum: least value; None when there is none.
-        maximum: greatest value.
+        default: initial value; None if robots differ in it.
+        minimum: smallest value; None if unlimited.
+        maximum: largest value.
         whole: True for whole numbers.
         words: meanings of the values 0, 1, 2...; empty for plain numbers.
-        fixed: True when it cannot be changed.
+        fixed: True if it cannot be changed.
     """
 
     name: str
@@ -200,13 +201,13 @@ class ParameterSettings(Protocol):
     """Numeric parameters of a robot."""
 
     def descriptions(self) -> Sequence[ParameterDescription]:
-        """Return the description of each, in the order of `settings`; always the same."""
+        """Return the description of each parameter, in the order of `settings`; the result never changes."""
 
     def settings(self) -> Sequence[ParameterSetting]:
-        """Return all of them, always in the same order, with current or pending values."""
+        """Return all parameters, always in the same order, with current or pending values."""
 
     def change(self, name: str, value: float) -> ParameterSetting | Denied:
-        """Change the one of this name, which exists, and return its new value."""
+        """Change the parameter of this name, which must exist, and return its new value."""
 
 
 class VehicleInterface(Protocol):
@@ -217,37 +218,37 @@ class VehicleInterface(Protocol):
         """Parameters of the robot."""
 
     def take(self, station: Station) -> Denied | None:
-        """Put this station in command instead of all others. A repeated call has no effect."""
+        """Put this station in command instead of any other. A repeated call has no effect."""
 
     def release(self) -> None:
-        """Give the command back to the participant; a leg under way continues, unless it was stopped before."""
+        """Return command to the participant; a current leg continues unless it was stopped before."""
 
     def go_to(self, target: Target) -> int | Denied:
-        """Send the robot to a point of the map; this replaces a leg under way.
+        """Send the robot to a point of the map; this replaces the current leg.
 
-        A point in a room is a move of the game, and ends at that room's own place.
+        A point in a room is a move of the game, and ends at the goal pose of that room.
 
         Returns:
-            The number of the leg; `Readings.leg` tells how it ends.
+            The number of the leg; `RobotReadings.leg` shows how it ends.
         """
 
     def stop_robot(self) -> None:
-        """Stop, and abort the leg under way, or the game's move, whoever ordered it."""
+        """Stop the robot, and abort the current leg or move of the game, regardless of who ordered it."""
 
     def drive(self, twist: Twist) -> Denied | None:
         """Drive by hand for the next half second."""
 
     def fastest(self) -> Twist:
-        """Return the speed limits of driving by hand, m/s and rad/s, both positive."""
+        """Return the speed limits of manual driving, m/s and rad/s, both positive."""
 
     def limit_speed(self, speed: float) -> Denied | None:
-        """Limit the speed from now on, m/s; a negative one restores the study's limit."""
+        """Limit the speed from now on, m/s; a negative value restores the study's limit."""
 
     def start(self) -> Pose2:
         """Return the start pose, map frame."""
 
     def misplaced(self, x: float, y: float) -> Denied | None:
-        """Return a denial when the robot can never stand at a point of the map; obstacles that move are ignored.
+        """Return a denial if the robot can never stand at a point of the map; moving obstacles are ignored.
 
         Args:
             x: meters east.
@@ -255,7 +256,7 @@ class VehicleInterface(Protocol):
         """
 
     def unreachable(self, x: float, y: float) -> Denied | None:
-        """Return a denial when `go_to` can never lead to a point of the map; points in rooms are for the game to judge.
+        """Return a denial if `go_to` can never lead to a point of the map; for points in rooms, the game decides.
 
         Args:
             x: meters east.
@@ -269,4 +270,4 @@ class VehicleInterface(Protocol):
         """Identify the treasure in the robot's room by the number of its name, from 1, in alphabetical order."""
 
     def leave(self) -> Denied | None:
-        """Give up the treasure in the robot's room."""
+        """Leave the treasure in the robot's room."""

@@ -6,7 +6,7 @@ MICROSECONDS_PER_TICK = 1_000_000 // TICKS_PER_SECOND
 
 
 def milliseconds(tick: int) -> int:
-    """Convert a tick to milliseconds in 32 bits, which begin at 0 again after 50 days."""
+    """Convert a tick to milliseconds in 32 bits, which restart at 0 after 50 days."""
     return microseconds(tick) // 1000 & 0xFFFFFFFF
 
 

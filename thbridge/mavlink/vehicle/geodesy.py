@@ -1,7 +1,7 @@
-"""Map projection: a plane that touches the WGS84 ellipsoid in the map's origin, its y axis north.
+"""Map projection: a plane tangent to the WGS84 ellipsoid at the map's origin, with its y axis north.
 
 Source: WGS 84 (NGA.STND.0036), semi-axes; the radii of curvature of an ellipsoid.
-Differs: the plane is not bent, so two points 1 km from the origin are off by some centimeters; maps are smaller.
+Differs: the plane is flat, so points 1 km from the origin are off by some centimeters; maps are smaller.
 """
 
 import math
@@ -33,12 +33,12 @@ class GeoPoint:
 
     @property
     def is_on_earth(self) -> bool:
-        """True when latitude and longitude are in range."""
+        """True if latitude and longitude are in range."""
         return abs(self.latitude) <= _POLE and abs(self.longitude) <= _WHOLE_TURN // 2
 
     @property
     def is_unset(self) -> bool:
-        """True for (0, 0), which ground stations send when they name no place and mean "here"."""
+        """True for (0, 0), which ground stations send for "here" when they give no place."""
         return self.latitude == 0 and self.longitude == 0
 
 
@@ -63,13 +63,13 @@ class MapProjection:
         self._east = math.degrees(1.0 / parallel) * PER_DEGREE
 
     def geo_point(self, x: float, y: float) -> GeoPoint:
-        """Convert a point of the map, meters east and north, to one on earth; beyond a pole, the pole."""
+        """Convert a point of the map, meters east and north, to a point on earth, limited to the poles."""
         latitude = round(self._latitude + y * self._north)
         longitude = round(self._longitude + x * self._east)
         return GeoPoint(min(max(latitude, -_POLE), _POLE), _half_turn(longitude))
 
     def map_point(self, place: GeoPoint) -> tuple[float, float]:
-        """Convert a point on earth to one of the map, meters east and north."""
+        """Convert a point on earth to a point of the map, meters east and north."""
         east = _half_turn(place.longitude - self._longitude)
         return east / self._east, (place.latitude - self._latitude) / self._north
 

@@ -1,4 +1,4 @@
-"""Protocols of the parts of a vehicle, through which they know each other."""
+"""Protocols through which the parts of a vehicle use each other."""
 
 from collections.abc import Callable, Iterable
 from enum import IntEnum
@@ -12,42 +12,42 @@ from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 class Microservice(Protocol):
     """Microservice of a vehicle, such as its missions, parameters or commands.
 
-    It is given every message that is addressed to its vehicle, and ignores those that are not its own.
+    It gets every message that is addressed to its vehicle, and ignores messages of other microservices.
     """
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
-        """Handle a message and return the answers; by default none is its own."""
+        """Process a message and return the answers; by default, no message is processed."""
         return ()
 
     def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
-        """Advance by one tick and return the messages that are due; by default none ever is."""
+        """Advance by one tick and return the messages that are due; by default, there are none."""
         return ()
 
     def forget(self, link: LinkId) -> None:
-        """Forget a closed link and its stations; by default no state depends on links."""
+        """Forget a closed link and its stations; by default, no state depends on links."""
         return
 
 
 class MissionControl(Protocol):
-    """Mission of a vehicle as its modes use it: it runs in mode AUTO only."""
+    """Mission of a vehicle, as its modes use it; it runs in mode AUTO only."""
 
     @property
     def running(self) -> bool:
-        """True while it drives the robot; it stops by itself at its end, and where an item fails."""
+        """True while it drives the robot; this ends with the mission, and when an item fails."""
 
     def start(self, first: int | None = None, last: int | None = None) -> Denied | None:
         """Run it.
 
         Args:
-            first: the item to begin with; None: the current one, and item 0 after the mission's end.
-            last: the item to end with; None: the last.
+            first: the first item. If None, the current one, or item 0 after the end of the mission.
+            last: the last item. If None, the last one of the plan.
         """
 
     def pause(self) -> None:
-        """Stop running it and keep the current item. The caller must stop the robot itself."""
+        """Stop running it and keep the current item. The caller must stop the robot."""
 
     def select(self, item: int) -> Denied | None:
-        """Continue with this item, now if the mission runs and else when it starts."""
+        """Make this item the next one: at once if the mission is running, otherwise at its start."""
 
     def current(self) -> Message:
         """Return MISSION_CURRENT."""
@@ -63,7 +63,7 @@ class TextSeverity(IntEnum):
 
 
 Announce: TypeAlias = Callable[[TextSeverity, str], None]
-"""Function by which a part sends a sentence to people: it is queued as STATUSTEXT for all links."""
+"""Function by which a part sends a sentence to people; the sentence is queued as STATUSTEXT for all links."""
 
 
 def announce_denial(announce: Announce, denied: Denied | None) -> None:

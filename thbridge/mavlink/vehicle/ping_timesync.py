@@ -61,11 +61,11 @@ class PingTimesync(Microservice):
                     yield OutgoingMessage(answer, link)
             case mav.MAVLink_timesync_message():
                 if message.tc1 == 0:
-                    # A time of zero would be a question again.
+                    # An answer with a time of zero would count as another request.
                     now = max(1, microseconds(self._tick) * 1000)
                     yield OutgoingMessage(mav.MAVLink_timesync_message(now, message.ts1), link)
             case mav.MAVLink_set_gps_global_origin_message():
-                # The study fixes the map's origin: a station that tries to set it gets the present one.
+                # The study sets the map's origin; a station that tries to change it gets the current one.
                 place = self._earth.geo_point(0.0, 0.0)
                 altitude = round(self._earth.altitude * 1000.0)
                 yield OutgoingMessage(
@@ -75,7 +75,7 @@ class PingTimesync(Microservice):
                 self._set_group(link, message)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
-        """Note the time; no message is due."""
+        """Store the time; no message is due."""
         self._tick = tick
         return ()
 

@@ -37,8 +37,8 @@ from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage, VehicleStatu
 class Vehicle:
     """MAVLink vehicle of one robot.
 
-    While the robot's software does not respond, the vehicle neither handles nor sends messages, so that ground stations
-    lose it as they would lose a real one.
+    While the robot's software does not respond, the vehicle neither processes nor sends messages, so that ground
+    stations lose it like a real one.
 
     Args:
         system: its system id, 1 to 250.
@@ -100,7 +100,7 @@ class Vehicle:
         )
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Handle a message to this vehicle, or to all, and return the answers."""
+        """Process a message to this vehicle or to all vehicles, and return the answers."""
         if isinstance(message, mav.MAVLink_heartbeat_message):
             self._control.heartbeat(sender)
         elif self._readings.responsive:
@@ -123,12 +123,12 @@ class Vehicle:
         yield from self._texts.step(tick)
 
     def keep_alive(self) -> Iterator[OutgoingMessage]:
-        """Return a heartbeat with the present state, for a time without ticks."""
+        """Return a heartbeat with the current state, for a period without ticks."""
         if self._readings.responsive:
             yield from self._heartbeat()
 
     def forget(self, link: LinkId) -> None:
-        """Forget a closed link, with the rates that were requested on it."""
+        """Forget a closed link and the rates requested on it."""
         self._streams.forget(link)
         for part in self._parts:
             part.forget(link)
@@ -139,7 +139,7 @@ class Vehicle:
         return TelemetryState(self._tick, self._readings, modes.mode, modes.armed, self._control.commander_id)
 
     def _stream(self, tick: int) -> Iterator[OutgoingMessage]:
-        """Yield the messages that are due, and a heartbeat at once when mode or arming has changed."""
+        """Yield the messages that are due, and a heartbeat at once if mode or arming has changed."""
         state = self._state
         shown = (state.mode, state.armed)
         made: dict[int, Message | None] = {}

@@ -1,1 +1,1 @@
-"""MAVLink as bytes: messages, frames, links, and the numbers of modes and coordinates in them."""
+"""MAVLink as bytes: messages, frames, links, and their numbers for modes and coordinates."""

@@ -1,7 +1,7 @@
 """Conversions between MAVLink's coordinate frames and the map: points, headings and velocities.
 
-The map has x east and y north, and angles from east, anticlockwise; MAVLink has north first, then east, and angles from
-north, clockwise. Heights are ignored: all robots stand on one floor.
+The map has x east and y north, and angles anticlockwise from east. MAVLink has north first, then east, and angles
+clockwise from north. Heights are ignored, because all robots are on one floor.
 """
 
 import math
@@ -22,18 +22,18 @@ GLOBAL = frozenset(
         mav.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
     }
 )
-"""Frames of latitude and longitude; they differ only in their heights."""
+"""Frames with latitude and longitude; they differ only in their heights."""
 
 _BODY = frozenset({mav.MAV_FRAME_BODY_NED, mav.MAV_FRAME_BODY_OFFSET_NED, mav.MAV_FRAME_BODY_FRD})
 
 LOCAL = _BODY | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_LOCAL_OFFSET_NED}
-"""Frames in meters: from the map's origin or from the robot, along the map's axes or along the robot's."""
+"""Frames in meters: from the map's origin or from the robot, along the axes of the map or of the robot."""
 
 PER_METRE = 10_000
-"""COMMAND_INT and MISSION_ITEM_INT count meters of `LOCAL` in ten-thousandths."""
+"""COMMAND_INT and MISSION_ITEM_INT give meters of `LOCAL` in ten-thousandths."""
 
 _TURN_RATE = 2.0
-"""Radians per second for each radian that a robot points away from where it is to drive."""
+"""Rate of turn in radians per second, for each radian between the robot's heading and the wanted direction."""
 
 
 def yaw_of(theta: float) -> float:
@@ -59,13 +59,13 @@ def quaternion(theta: float) -> tuple[float, float, float, float]:
 
 
 def north_east(twist: Twist, theta: float) -> tuple[float, float]:
-    """Return the velocity north and east, m/s, of a robot that points to `theta`."""
+    """Return the velocity north and east, m/s, of a robot with heading `theta`."""
     east, north = elementary.cos_sin(theta)
     return twist.linear * north, twist.linear * east
 
 
 def point_in_map(frame: int, first: float, second: float, base_in_map: Pose2) -> tuple[float, float]:
-    """Return the map point with these coordinates in a frame of `LOCAL`: north and east, or forward and right."""
+    """Return the map point for coordinates in a frame of `LOCAL`: north and east, or forward and right."""
     if frame in _BODY:
         away = base_in_map.compose(Pose2(first, -second, 0.0))
         return away.x, away.y
@@ -79,8 +79,9 @@ def twist_towards(
 ) -> Twist:
     """Return the twist by which a robot, which cannot move sideways, follows a velocity in a frame of `LOCAL`.
 
-    In body frames it takes the forward part and the yaw rate. In map frames it turns towards the velocity's direction
-    and drives with the cosine of the remaining angle; without a velocity it turns at the given rate.
+    In body frames, the twist has the forward part of the velocity and the yaw rate. In map frames, the robot turns
+    towards the direction of the velocity, and drives with the cosine of the remaining angle. Without a velocity, it
+    turns at the given rate.
     """
     if frame in _BODY:
         return bounded(Twist(first, -yaw_rate), fastest)
@@ -92,7 +93,7 @@ def twist_towards(
 
 
 def bounded(twist: Twist, fastest: Twist) -> Twist:
-    """Clamp both speeds of a twist to the fastest."""
+    """Clamp both speeds of a twist to the largest ones."""
     return Twist(
         max(-fastest.linear, min(twist.linear, fastest.linear)),
         max(-fastest.angular, min(twist.angular, fastest.angular)),

@@ -1,4 +1,4 @@
-"""MAVLink's messages: pymavlink's generated dialect `all`, which includes ArduPilot's and development messages."""
+"""Messages of MAVLink: pymavlink's generated dialect `all`, with ArduPilot's and development messages."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,15 +25,15 @@ __all__ = [
 ]
 
 BROADCAST = 0
-"""Target id of every system, or every component."""
+"""Target id that addresses every system, or every component."""
 
 TEXT_SIZE = 50
-"""Bytes of text in one STATUSTEXT."""
+"""Number of bytes of text in one STATUSTEXT."""
 
 _KINDS = mav.mavlink_map | ADDED
 
 SECRETS = frozenset({mav.MAVLINK_MSG_ID_SETUP_SIGNING})
-"""Messages that carry a key: they are discarded on receipt, so that they are neither forwarded nor recorded."""
+"""Messages that contain a key: they are discarded on receipt, so that they are neither forwarded nor recorded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +41,10 @@ class _Field:
     """Position of a field in a payload.
 
     Attributes:
-        name: attribute of the message class that holds it in wire form.
+        name: attribute of the message class that contains it in wire form.
         start: index of its first value among the payload's values.
         stop: index after its last value; text is one value.
-        is_array: True when its value is a list.
+        is_array: True if its value is a list.
     """
 
     name: str
@@ -59,7 +59,7 @@ class _Layout:
 
     Attributes:
         kind: the message's class.
-        seed: CRC_EXTRA byte that it adds to the checksum.
+        seed: CRC_EXTRA byte, which is added to the checksum.
         values: struct of all its values.
         fields: fields in the order of the payload.
         declared: the same fields, in the order of the class's arguments.
@@ -73,30 +73,30 @@ class _Layout:
 
 
 def crc_extra(message_id: int) -> int | None:
-    """Return CRC_EXTRA, the seed that a message's layout adds to the checksum; None for an unknown message."""
+    """Return CRC_EXTRA, the seed that a message's layout adds to the checksum, or None for an unknown message."""
     layout = _LAYOUTS.get(message_id)
     return None if layout is None else layout.seed
 
 
 def longest_payload(message_id: int) -> int:
-    """Return the bytes of a payload with all extensions; 0 for an unknown message."""
+    """Return the size of a payload with all extensions, in bytes; 0 for an unknown message."""
     layout = _LAYOUTS.get(message_id)
     return 0 if layout is None else layout.values.size
 
 
 def name_of(message_id: int) -> str:
-    """Return a message's name in the dialect; its number for an unknown message."""
+    """Return a message's name in the dialect, or its number as text if it is unknown."""
     kind = _KINDS.get(message_id)
     return str(message_id) if kind is None else kind.msgname
 
 
 def payload_of(message: Message) -> bytes:
-    """Encode a message's payload; zeros at its end are cut off as in MAVLink 2 (but never the first byte).
+    """Encode a message's payload; zeros at its end (except the first byte) are cut off, as in MAVLink 2.
 
     Raises:
-        struct.error, OverflowError: a field does not fit its type.
+        struct.error, OverflowError: a field does not fit into its type.
     """
-    # By its own class, which may have more fields at its end than the dialect's.
+    # The message's own class is used, because it may have more fields at its end than the dialect's.
     layout = _BY_CLASS.get(type(message)) or _layout_of(type(message))
     values: list[object] = []
     for field in layout.fields:
@@ -110,10 +110,10 @@ def payload_of(message: Message) -> bytes:
 
 
 def decoded(message_id: int, payload: bytes) -> Message | None:
-    """Decode a payload of any length: missing bytes are zero, surplus bytes are cut off.
+    """Decode a payload of any length: missing bytes are zero, surplus bytes are ignored.
 
     Returns:
-        The message; None when the dialect does not know it.
+        The message, or None if the dialect does not contain it.
     """
     layout = _LAYOUTS.get(message_id)
     if layout is None:
@@ -127,14 +127,14 @@ def decoded(message_id: int, payload: bytes) -> Message | None:
         else:
             value = values[field.start]
             fields.append(value.rstrip(b"\0") if isinstance(value, bytes) else value)
-    # Each message class takes its own fields, by place.
+    # Each message class takes its fields by position.
     return cast(Message, cast("type[_AnyFields]", layout.kind)(*fields))
 
 
 def target_of(message: Message) -> tuple[int, int]:
-    """Return the target system and component of a message; `BROADCAST` where it names none."""
+    """Return the target system and component of a message; `BROADCAST` if it has none."""
     if isinstance(message, mav.MAVLink_manual_control_message):
-        # The only message whose target field has another name.
+        # This is the only message with another name for its target field.
         return message.target, BROADCAST
     system: object = getattr(message, "target_system", BROADCAST)
     component: object = getattr(message, "target_component", BROADCAST)
@@ -143,13 +143,13 @@ def target_of(message: Message) -> tuple[int, int]:
 
 class _AnyFields:
     def __init__(self, *fields: object) -> None:
-        """Take the fields by position, as every message class does."""
+        """Accept the fields by position, as every message class does."""
 
 
 def _layout_of(kind: type[Message]) -> _Layout:
     fields, place = [], 0
     for index, (name, length) in enumerate(zip(kind.ordered_fieldnames, kind.lengths, strict=True)):
-        # A message shows text as str up to its first zero; beside it, it keeps the bytes.
+        # A message shows text as a str up to its first zero; in addition, it keeps the bytes.
         is_text = kind.array_lengths[index] > 0 and length == 1
         fields.append(_Field(f"_{name}_raw" if is_text else name, place, place + length, length > 1))
         place += length

@@ -1,4 +1,4 @@
-"""Messages and fields of MAVLink's `common` that pymavlink's dialect `all` lacks, made as its generator makes them.
+"""Messages and fields of MAVLink's `common` that pymavlink's dialect `all` lacks, in the form that its generator makes.
 
 Source: the MAVLink developer guide, "Packet Serialization": order of fields, "CRC_EXTRA calculation".
 """
@@ -30,7 +30,7 @@ class _Field(NamedTuple):
 
     @property
     def values(self) -> int:
-        """Number of values in a payload; text is one."""
+        """Number of values in a payload; text is one value."""
         return 1 if self.kind == "char" else max(1, self.length)
 
 
@@ -45,7 +45,7 @@ class _Added(Message):
     """Message class built from field declarations.
 
     Args:
-        values: values of the fields in the order of declaration; bytes for text.
+        values: values of the fields in the order of declaration; text as bytes.
     """
 
     def __init_subclass__(cls, *, number: int, name: str, fields: tuple[str, ...]) -> None:
@@ -66,7 +66,7 @@ class _Added(Message):
         self._fieldnames = self.fieldnames
         for name, value in zip(self.fieldnames, values, strict=True):
             if isinstance(value, bytes):
-                # As the generated classes keep text.
+                # Text is kept as in the generated classes.
                 setattr(self, f"_{name}_raw", value)
                 setattr(self, name, value.split(b"\0", 1)[0].decode("ascii", errors="replace"))
             else:

@@ -1,4 +1,4 @@
-"""State of each link: the senders heard there and when, frames lost and frames dropped."""
+"""State of each link: its senders and when they last sent, lost frames and dropped frames."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -8,11 +8,11 @@ from thbridge.mavlink.values.vehicle_interface import Station
 from thbridge.mavlink.wire.frames.frame import missing_between
 
 MOST_STATIONS = 16
-"""Most senders on one link; frames of further ones are dropped."""
+"""Largest number of senders on one link; frames of further senders are dropped."""
 
 
 class DropReason(StrEnum):
-    """Reason why a complete frame is dropped, as the end of the sentence "a frame goes nowhere: ..."."""
+    """Reason why a complete frame is dropped; completes the log message "a frame goes nowhere: ..."."""
 
     OURS = "its sender has the ids of one of our vehicles"
     BROADCAST_SENDER = "its sender has the system id 0, which stands for everybody"
@@ -35,8 +35,8 @@ class HubLink:
 
     Attributes:
         name: name for people.
-        timeout: ticks for which a sender counts as present after a frame.
-        robot: the only vehicle on the link, from 0; None: all are.
+        timeout: ticks after a frame for which its sender counts as present.
+        robot: index of the only vehicle on the link. If None, all vehicles are on the link.
         received: number of frames received and accepted.
         lost: number of frames lost, by the gaps in their senders' sequence numbers.
         dropped: number of frames dropped, by reason.
@@ -60,18 +60,18 @@ class HubLink:
         return f"{self.name}: {counts}{dropped}"
 
     def reaches(self, robot: int) -> bool:
-        """Return True when this vehicle is on the link."""
+        """Return True if this vehicle is on the link."""
         return self.robot in (None, robot)
 
     def has_room_for(self, station: Station, tick: int) -> bool:
-        """Return True when frames of this sender are accepted; a stale sender makes room for a new one."""
+        """Return True if frames of this sender are accepted; a stale sender makes room for a new one."""
         known = self._stations
         return (
             station in known or len(known) < MOST_STATIONS or not all(self.is_present(other, tick) for other in known)
         )
 
     def record_frame(self, station: Station, sequence: int, tick: int) -> None:
-        """Record a frame from a sender for whom there is room."""
+        """Record a frame from a sender that has room."""
         last = self._stations.get(station)
         if last is None:
             if len(self._stations) >= MOST_STATIONS:
@@ -84,23 +84,23 @@ class HubLink:
         self.received += 1
 
     def is_active(self, tick: int) -> bool:
-        """Return True when a frame came within the timeout."""
+        """Return True if a frame arrived within the timeout."""
         return self._tick is not None and tick - self._tick <= self.timeout
 
     def is_present(self, station: Station, tick: int) -> bool:
-        """Return True when a frame of this sender came within the timeout."""
+        """Return True if a frame of this sender arrived within the timeout."""
         last = self._stations.get(station)
         return last is not None and tick - last.tick <= self.timeout
 
     def leads_to(self, system: int, component: int | None, tick: int) -> bool:
-        """Return True when a frame of this system came within the timeout; a component of None is any."""
+        """Return True if a frame of this system arrived within the timeout; None means any component."""
         return any(
             station.system == system and component in (None, station.component) and tick - last.tick <= self.timeout
             for station, last in self._stations.items()
         )
 
     def next_sequence(self, system: int) -> int:
-        """Return the sequence number of the next frame that one of our vehicles sends here."""
+        """Return the sequence number of the next frame that a vehicle sends here."""
         number = self._counts.get(system, 0)
         self._counts[system] = (number + 1) % 256
         self.sent += 1

@@ -1,7 +1,7 @@
-"""Modes of a vehicle, and the numbers by which ground stations know them.
+"""Modes of a vehicle, and their numbers for ground stations.
 
-ArduPilot's rovers number their modes; PX4 has a main mode and a sub mode. A vehicle that presents itself as ArduPilot's
-shows the former; a generic one shows the latter, as MAVSDK expects of every autopilot but ArduPilot.
+ArduPilot's rovers have one number per mode. PX4 has a main mode and a sub mode. A vehicle that claims to be ArduPilot's
+uses ArduPilot's numbers. A generic vehicle uses PX4's, as MAVSDK expects of every autopilot except ArduPilot.
 
 Source: ArduPilot, Rover, `Mode::Number`; PX4, `px4_custom_mode.h`.
 """
@@ -13,7 +13,7 @@ from thbridge.mavlink.wire.dialect import mav
 
 
 class Mode(StrEnum):
-    """Flight mode of a vehicle, by its name for people."""
+    """Flight mode of a vehicle, with its name for people as value."""
 
     HOLD = "HOLD"
     GUIDED = "GUIDED"
@@ -40,7 +40,8 @@ _ASKED_GENERIC = (
     # PX4's manual modes with different degrees of assistance.
     | {(_PX4_ALTCTL, 0): Mode.MANUAL, (_PX4_POSCTL, 0): Mode.MANUAL}
 )
-"""MAVProxy and mavutil send ArduPilot's numbers to everything that is not PX4's; none of them means two things here."""
+"""Modes by ArduPilot's numbers. MAVProxy and mavutil send these to every vehicle that is not PX4's; no number is
+ambiguous."""
 
 _STANDARD = {Mode.RETURN: mav.MAV_STANDARD_MODE_SAFE_RECOVERY, Mode.AUTO: mav.MAV_STANDARD_MODE_MISSION}
 
@@ -54,12 +55,12 @@ def custom_mode(identity: AutopilotIdentity, mode: Mode) -> int:
 
 
 def requested_mode(identity: AutopilotIdentity, main: int, sub: int) -> Mode | None:
-    """Return the mode of these numbers; None when there is none.
+    """Return the mode with these numbers, or None.
 
     Args:
-        identity: autopilot that the vehicle presents itself as.
+        identity: autopilot that the vehicle claims to have.
         main: a main mode, or `custom_mode` as in heartbeats.
-        sub: sub mode of a main mode; else 0.
+        sub: sub mode of a main mode, otherwise 0.
     """
     if identity is AutopilotIdentity.ARDUPILOT:
         return _ASKED_ARDUPILOT.get(main) if sub == 0 else None
@@ -69,17 +70,17 @@ def requested_mode(identity: AutopilotIdentity, main: int, sub: int) -> Mode | N
 
 
 def standard_mode(mode: Mode) -> int:
-    """Return a mode's code of MAV_STANDARD_MODE; 0 when the standard has none like it."""
+    """Return a mode's code of MAV_STANDARD_MODE; 0 if the standard has no such mode."""
     return _STANDARD.get(mode, mav.MAV_STANDARD_MODE_NON_STANDARD)
 
 
 def mode_from_standard(code: int) -> Mode | None:
-    """Return the mode of a code of MAV_STANDARD_MODE; None when there is none."""
+    """Return the mode with a code of MAV_STANDARD_MODE, or None."""
     return next((mode for mode, standard in _STANDARD.items() if standard == code), None)
 
 
 def shown_mode_name(autopilot: int, number: int) -> str:
-    """Return the name of the mode in a heartbeat; its number when it is none of ours."""
+    """Return the name of the mode in a heartbeat, or its number if it is not one of our modes."""
     identity = (
         AutopilotIdentity.ARDUPILOT if autopilot == mav.MAV_AUTOPILOT_ARDUPILOTMEGA else AutopilotIdentity.GENERIC
     )

@@ -15,9 +15,9 @@ class OutgoingMessage:
 
     Attributes:
         message: the message.
-        link: the only link it goes to; None: all active links.
+        link: the only link it goes to. If None, it goes to all active links.
         except_links: links that it does not go to, because they requested another rate.
-        to_inactive: True when it also goes to inactive links, as heartbeats do.
+        to_inactive: True if it also goes to inactive links, as heartbeats do.
     """
 
     message: "Message"
@@ -31,10 +31,10 @@ class VehicleStatus:
     """Status of a vehicle as in mavros_msgs/State.
 
     Attributes:
-        connected: its software responds: mavros receives its heartbeat.
-        armed: its motors are enabled.
-        guided: it drives to given goals.
-        manual_input: it is driven by hand.
+        connected: True if its software responds; mavros: a heartbeat is received.
+        armed: True if its motors are enabled.
+        guided: True if it drives to given goals.
+        manual_input: True if it is driven by hand.
         mode: name of its mode.
         system_status: a code of MAV_STATE.
     """

@@ -1,8 +1,8 @@
-"""Telemetry logs as ground stations keep them: each frame with the microseconds of its receipt or sending before it.
+"""Telemetry logs in the format of ground stations: each frame follows its time of receipt or sending in microseconds.
 
 Source: the format of MAVProxy's and QGroundControl's `.tlog` files.
 
-Differs: the stamps are not real time but those of the bag beside it, so tools show dates of January 1970.
+Differs: the times are not real time but the time stamps of the bag next to it, so tools show dates of January 1970.
 """
 
 import struct
@@ -17,21 +17,21 @@ _STAMP = struct.Struct(">Q")
 
 
 class Tlog:
-    """Log of all vehicles, as if it were one more link that carries each message once.
+    """Log of all vehicles, like a link that carries each message once.
 
-    So the frames of vehicles get the log's own sequence numbers, and tools find no frames lost.
+    The frames of vehicles get the log's own sequence numbers, so that tools report no lost frames.
     """
 
     def __init__(self) -> None:
         self._counts: defaultdict[int, int] = defaultdict(int)
 
     def records(self, microseconds: int, traffic: Iterable[Traffic]) -> bytes:
-        """Return the bytes to append for some traffic, in order.
+        """Return the bytes to append for a list of frames, in order.
 
         Args:
             microseconds: time of the traffic.
-            traffic: frames of one tick; a message that went to several links, or was received by several vehicles, is
-                there several times in a row.
+            traffic: frames of one tick; a message that was sent to several links, or received by several vehicles,
+                occurs several times in a row.
         """
         stamp = _STAMP.pack(microseconds)
         records: list[bytes] = []
@@ -49,7 +49,7 @@ class Tlog:
 
 
 def _same(last: Traffic, one: Traffic) -> bool:
-    """Return True when it is the same message, received by another vehicle or sent on another link."""
+    """Return True if both are the same message, received by another vehicle or sent on another link."""
     if one.incoming:
         return last.incoming and last.frame is one.frame
     content = (one.robot, one.frame.message_id, one.frame.payload)

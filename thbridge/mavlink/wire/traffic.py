@@ -1,4 +1,4 @@
-"""Frames between links and vehicles: what is sent on a link, what became of a received one, and the record of both."""
+"""Frames between links and vehicles: sent frames, results of received frames, and the record of both."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class FrameOutcome:
     """Result of a received frame.
 
     Attributes:
-        dropped: reason why it had no effect; None when it had.
+        dropped: reason why it had no effect; None if it had an effect.
         replies: frames to be sent at once.
     """
 
@@ -35,7 +35,7 @@ class Traffic:
 
     Attributes:
         robot: index of the vehicle in the team.
-        incoming: True when the vehicle received it; False when it sent it.
+        incoming: True if the vehicle received it; False if it sent it.
         link: name of the link.
         frame: frame without its signature.
     """

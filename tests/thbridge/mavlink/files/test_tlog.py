@@ -54,7 +54,7 @@ def test_a_full_disk_is_told_and_leaves_whole_records(tmp_path):
 def test_a_log_is_never_written_over(tmp_path):
     path = tmp_path / "run.tlog"
     path.write_bytes(b"old")
-    with pytest.raises(BadFile, match="there is such a file already"):
+    with pytest.raises(BadFile, match="this file already exists"):
         TlogFile(path)
     assert path.read_bytes() == b"old"
 

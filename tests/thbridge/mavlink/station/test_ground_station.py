@@ -237,7 +237,7 @@ def test_a_refusal_without_words_is_told_by_its_code(air: Air) -> None:
     journey.take(air.ack(ARM, mav.MAV_RESULT_TEMPORARILY_REJECTED))
     air.heard()
     journey.advance(1.0)
-    assert journey.trip.outcome == TripOutcome("robot 1 gives nobody else the command (temporarily rejected)")
+    assert journey.trip.outcome == TripOutcome("robot 1 refuses to change its commander (temporarily rejected)")
     assert air.commands() == []
 
 
@@ -254,7 +254,7 @@ def test_a_robot_that_is_not_there(air: Air) -> None:
     journey = Journey(air)
     air.heartbeat(2)
     journey.advance(7.0)
-    assert journey.trip.outcome == TripOutcome("robot 1 is not heard; those that are: 2")
+    assert journey.trip.outcome == TripOutcome("robot 1 sends nothing; robots that do: 2")
 
 
 def test_a_robot_that_does_not_answer(air: Air) -> None:
@@ -268,7 +268,7 @@ def test_a_robot_that_falls_silent_on_its_way(air: Air) -> None:
     journey = Journey(air, keep=True)
     journey.set_out()
     journey.advance(6.0)
-    assert journey.trip.outcome == TripOutcome("robot 1 is not heard any more")
+    assert journey.trip.outcome == TripOutcome("robot 1 has become silent")
 
 
 def test_a_robot_that_is_taken_away(air: Air) -> None:
@@ -279,7 +279,7 @@ def test_a_robot_that_is_taken_away(air: Air) -> None:
     assert journey.trip.outcome is None
     air.heartbeat(armed=False)
     journey.advance(1.0)
-    assert journey.trip.outcome == TripOutcome("robot 1 is commanded by somebody else now")
+    assert journey.trip.outcome == TripOutcome("another client now commands robot 1")
 
 
 def test_giving_up_stops_the_robot_even_if_the_command_was_to_be_kept(air: Air) -> None:

@@ -1,1 +1,1 @@
-"""Command protocol of MAVLink: decoding, authorisation, execution and acknowledgement of commands."""
+"""Command protocol of MAVLink: decoding, authorization, execution and acknowledgement of commands."""

@@ -1,7 +1,7 @@
-"""Deprecated messages, which ground stations sent before there were commands for the same.
+"""Deprecated messages, which ground stations sent before commands existed for the same purposes.
 
 Source: MAVLink's `common.xml`, SET_MODE, SET_HOME_POSITION and CHANGE_OPERATOR_CONTROL; ArduPilot, for mission items
-that belong to no mission, and for the acknowledgement of SET_MODE.
+that do not belong to a mission, and for the acknowledgement of SET_MODE.
 """
 
 import math
@@ -20,7 +20,7 @@ from thbridge.mavlink.wire.dialect import Message, mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 _GUIDED_ITEM = 2
-"""`current` of a mission item that is a goal to drive to now, and no item of a mission."""
+"""Value of `current` in a mission item that is a goal to drive to now, not part of a mission."""
 
 _CONTROL_GRANTED, _CONTROL_ELSEWHERE = 0, 3
 _REQUEST_CONTROL = 0
@@ -32,7 +32,7 @@ class DeprecatedMessages(Microservice):
     """Deprecated messages to one vehicle.
 
     Args:
-        commands: command table, which knows the numbers of modes.
+        commands: command table, which contains the numbers of modes.
         modes: the robot's mode state machine.
         control: the station in command of the robot.
         home: home position.
@@ -57,7 +57,7 @@ class DeprecatedMessages(Microservice):
         self._announce = announce
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Handle a deprecated request for a mode, a goal, another home position or the control of the robot."""
+        """Process a deprecated request for a mode, a goal, another home position or command of the robot."""
         match message:
             case mav.MAVLink_set_mode_message():
                 yield OutgoingMessage(self._set_mode(sender, message), link)
@@ -93,14 +93,14 @@ class DeprecatedMessages(Microservice):
         return mav.MAVLink_mission_ack_message(sender.system, sender.component, result)
 
     def _set_home(self, sender: Station, place: GeoPoint) -> Denied | None:
-        """Set the home position; there is no answer but HOME_POSITION, which goes to all links."""
+        """Set the home position; HOME_POSITION, sent to all links, is the only answer."""
         reserved = self._control.reserved(sender)
         if reserved is not None:
             return reserved
         return self._home.set_here() if place.is_unset else self._home.set_to(Target(*self._earth.map_point(place)))
 
     def _operator_control(self, sender: Station, message: mav.MAVLink_change_operator_control_message) -> Message:
-        """Take or release control of the robot, as arming and disarming do, but never by force."""
+        """Take or release command of the robot, as arming and disarming do, but never by force."""
         granted = _CONTROL_GRANTED
         if message.control_request == _REQUEST_CONTROL:
             denied = self._modes.arm(sender, by_force=False)

@@ -1,4 +1,4 @@
-"""Commands by which stations request messages of a vehicle: once, or at an interval.
+"""Commands by which stations request messages from a vehicle: once, or at an interval.
 
 Source: MAVLink's `common.xml`, MAV_CMD.
 """
@@ -31,9 +31,9 @@ class MessageRequests:
 
     Args:
         streams: rates of its messages.
-        telemetry: maker of its messages.
-        capabilities: maker of its constant messages.
-        state: returns its present state.
+        telemetry: makes its messages.
+        capabilities: makes its constant messages.
+        state: returns its current state.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class MessageRequests:
         }
 
     def _one(self, number: int) -> Callable[[ReceivedCommand], CommandReply]:
-        """Return a command that requests one message, always the same."""
+        """Return a command that requests one fixed message."""
         return lambda _: self._requested(number)
 
     def _requested(self, number: int) -> CommandReply:
@@ -89,7 +89,7 @@ class MessageRequests:
             return CommandReply(CommandResult.UNSUPPORTED)
         ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(microseconds)
         if number == mav.MAVLINK_MSG_ID_HEARTBEAT:
-            # Stations detect a vehicle by its heartbeats, so their rate stays once a second on every link.
+            # Stations detect a vehicle by its heartbeats, so their rate stays once per second on every link.
             return ACCEPTED if ticks in (None, TICKS_PER_SECOND) else INVALID_PARAM
         self._streams.change(request.link, number, ticks)
         return ACCEPTED

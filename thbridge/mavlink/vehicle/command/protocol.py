@@ -3,9 +3,9 @@
 Each command is answered by one COMMAND_ACK to its sender, or by several with IN_PROGRESS and a final one.
 
 Source: the MAVLink developer guide, "Command Protocol".
-Differs: a station that repeats a command which is done does not always count up `confirmation` (MAVSDK never does). So
-for commands with an effect at each execution, an equal one within a second counts as a repetition too. Commands that
-any station may give are executed at each repetition: a stop must never be taken for an earlier one.
+Differs: a station that repeats a completed command does not always increase `confirmation` (MAVSDK never does). So for
+commands with a new effect at each execution, an equal one within a second counts as a repetition too. Commands that any
+station may send are executed at each repetition: a stop must never be taken for an earlier one.
 """
 
 import math
@@ -50,7 +50,7 @@ class _Done:
         request: command as received.
         tick: tick of the answer.
         result: result in the answer.
-        once: True when each execution has another effect.
+        once: True if each execution has a new effect.
     """
 
     request: ReceivedCommand
@@ -67,7 +67,7 @@ class _Running:
         request: command as received.
         leg: number of the drive.
         length: meters from its start; None while unknown.
-        progress: per cent of it that are done.
+        progress: percentage of it that is done.
         reported: tick of the last acknowledgement.
     """
 
@@ -100,7 +100,7 @@ class CommandProtocol(Microservice):
         self._running: dict[_Key, _Running] = {}
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Handle a command or the cancellation of one."""
+        """Process a command, or the cancellation of one."""
         if isinstance(message, CommandCancel):
             yield from self._cancel(link, sender, message.command)
             return
@@ -113,7 +113,7 @@ class CommandProtocol(Microservice):
             yield repeated
             return
         if key in self._running:
-            # The running one continues, and later acknowledgements are about that one.
+            # The command in progress continues; later acknowledgements are for that one.
             yield _ack(request, CommandResult.TEMPORARILY_REJECTED)
             return
         reply = self._judged(request)
@@ -144,7 +144,7 @@ class CommandProtocol(Microservice):
         self._done = {key: done for key, done in self._done.items() if key[0] != link}
         self._running = {key: running for key, running in self._running.items() if key[0] != link}
 
-    # -- the rules ----------------------------------------------------------------------------------------------------
+    # -- rules ----------------------------------------------------------------------------------------------------
 
     def _judged(self, request: ReceivedCommand) -> CommandReply:
         command = self._commands.find(request.number)
@@ -171,7 +171,7 @@ class CommandProtocol(Microservice):
                 return None
 
     def _repeated(self, key: _Key, request: ReceivedCommand) -> OutgoingMessage | None:
-        """Return the earlier acknowledgement again when a command is a repetition, else None."""
+        """Return the earlier acknowledgement again if a command is a repetition, otherwise None."""
         done = self._done.get(key)
         if done is None or not _same(request, done.request):
             return None
@@ -183,7 +183,8 @@ class CommandProtocol(Microservice):
     def _remember(self, key: _Key, request: ReceivedCommand, result: CommandResult) -> None:
         command = self._commands.find(request.number)
         if command is None or command.access is CommandAccess.ANYBODY:
-            # Commands for any station, such as a stop, are executed again: they may be needed again by now.
+            # Commands that any station may send, such as a stop, are executed again, because they may be needed again
+            # by now.
             return
         self._done.pop(key, None)
         while len(self._done) >= _MOST_REMEMBERED:
@@ -197,7 +198,7 @@ class CommandProtocol(Microservice):
             yield _ack(running.request, CommandResult.CANCELLED)
 
     def _result_of(self, running: _Running) -> CommandResult:
-        """Return the present result of a command in progress, and update its progress."""
+        """Return the current result of a command in progress, and update its progress."""
         if self._modes.drive.number != running.leg:
             return CommandResult.CANCELLED
         leg = self._modes.drive.leg
@@ -215,7 +216,7 @@ class CommandProtocol(Microservice):
 
 
 def _same(one: ReceivedCommand, other: ReceivedCommand) -> bool:
-    """Return True for equal commands, `confirmation` aside; NaN equals NaN."""
+    """Return True for commands that are equal except for `confirmation`; NaN equals NaN."""
     return one.frame == other.frame and all(
         a == b or (math.isnan(a) and math.isnan(b)) for a, b in zip(one.params, other.params, strict=True)
     )

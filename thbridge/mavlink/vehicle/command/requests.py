@@ -1,4 +1,4 @@
-"""Commands in a common form for COMMAND_LONG and COMMAND_INT, their specifications, and their replies."""
+"""Common form of commands in COMMAND_LONG and COMMAND_INT, specifications of commands, and their replies."""
 
 import math
 from collections.abc import Callable
@@ -38,10 +38,10 @@ class ReceivedCommand:
     """Command as received.
 
     Attributes:
-        link: link it came from.
+        link: link on which it arrived.
         station: its sender.
         number: a code of MAV_CMD.
-        params: its seven parameters; NaN for one that is not given.
+        params: its seven parameters; NaN if not given.
         frame: frame of its place, a code of MAV_FRAME; None for COMMAND_LONG, which has no frame.
         confirmation: number of earlier transmissions; always 0 for COMMAND_INT, which does not count them.
     """
@@ -54,12 +54,12 @@ class ReceivedCommand:
     confirmation: int
 
     def param(self, place: int) -> float | None:
-        """Return a parameter by its number from 1; None when it is not given."""
+        """Return a parameter by its number from 1, or None if it is not given."""
         value = self.params[place - 1]
         return None if math.isnan(value) else value
 
     def whole_param(self, place: int, otherwise: int | None = None) -> int | None:
-        """Return a parameter that must be a whole number from 0; `otherwise` when not given, None when invalid."""
+        """Return a parameter that must be a whole number from 0; `otherwise` if not given, None if invalid."""
         value = self.param(place)
         if value is None:
             return otherwise
@@ -74,7 +74,7 @@ class CommandReply:
         result: result in the acknowledgement.
         messages: messages that follow it, to the sender of the command.
         sentence: reason of a refusal, for people.
-        leg: number of the drive at whose end the command ends; None when it ends at once.
+        leg: number of the drive with whose end the command ends; None if it ends at once.
     """
 
     result: CommandResult
@@ -92,7 +92,7 @@ class CommandCarrier(Enum):
 
 
 class CommandAccess(Enum):
-    """Stations that may give a command."""
+    """Stations that may send a command."""
 
     ANYBODY = "anybody"
     NO_RIVAL = "anybody, unless another station is in command"
@@ -101,14 +101,14 @@ class CommandAccess(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CommandSpec:
-    """Specification of a command that the vehicle knows.
+    """Specification of a command that the vehicle supports.
 
     Attributes:
-        do: executes it.
+        do: function that executes it.
         carrier: messages that may carry it.
-        frames: frames in which its place may be given; empty when it has no place.
-        access: stations that may give it.
-        once: True when each execution has another effect.
+        frames: frames in which its place may be given; empty if it has no place.
+        access: stations that may send it.
+        once: True if each execution has a new effect.
     """
 
     do: Callable[[ReceivedCommand], CommandReply]
@@ -135,7 +135,7 @@ def reply_to(denied: Denied | None) -> CommandReply:
 
 
 def parse_command(link: LinkId, station: Station, message: Message) -> ReceivedCommand | None:
-    """Return the command in a message; None when it carries none."""
+    """Return the command in a message, or None if it carries none."""
     if isinstance(message, mav.MAVLink_command_long_message):
         params = (
             message.param1,
@@ -155,20 +155,21 @@ def parse_command(link: LinkId, station: Station, message: Message) -> ReceivedC
 
 
 def decimal_of(value: float) -> float:
-    """Return the shortest decimal number with this 32-bit float value: 0.4, and not 0.4000000059604645."""
+    """Return the shortest decimal number with this 32-bit float value, such as 0.4 instead of 0.4000000059604645."""
     return float(str(np.float32(value)))
 
 
 def destination(
     request: ReceivedCommand, base_in_map: Pose2, earth: MapProjection
 ) -> tuple[float, float] | Denied | None:
-    """Return the point of the map that a command names, meters east and north.
+    """Return the point of the map that a command gives, meters east and north.
 
-    A COMMAND_INT is in one of our frames; COMMAND_LONG has degrees, as 32-bit floats accurate to some decimeters.
+    A COMMAND_INT uses one of the supported frames. COMMAND_LONG has degrees as 32-bit floats, accurate to some
+    decimeters.
 
     Returns:
-        `Denied` when there is no such latitude or longitude; None when the command names no place, by leaving it out
-        or by (0, 0) in degrees.
+        `Denied` if the latitude or longitude does not exist; None if the command gives no place, by omitting it or by
+        (0, 0) in degrees.
     """
     first, second = request.params[4], request.params[5]
     if math.isnan(first) or math.isnan(second):

@@ -1,8 +1,8 @@
-"""Command table: the MAVLink commands that a vehicle knows, with carriers, access and execution.
+"""Command table: the MAVLink commands that a vehicle supports, with carriers, access and execution.
 
 Source: MAVLink's `common.xml`, MAV_CMD.
-Differs: MISSION_START with zeros continues with the current item, as in ArduPilot, and not with item 0: ground stations
-send it to continue too. To restart a mission, set item 0 as the current one.
+Differs: MISSION_START with zeros continues with the current item, as in ArduPilot, and not with item 0, because ground
+stations also send it to continue. To restart a mission, set item 0 as the current one.
 """
 
 import math
@@ -33,7 +33,7 @@ from thbridge.mavlink.wire.dialect import mav
 from thbridge.mavlink.wire.mode_numbers import Mode, mode_from_standard, requested_mode
 
 _FORCED = frozenset({21196, 2989})
-"""Values of the parameter "force" of arming: the standard's number, and MAVProxy's."""
+"""Values of the "force" parameter of arming: the standard's number and MAVProxy's."""
 
 _REPOSITION_CHANGES_MODE = 1
 _LARGEST_ID = 0xFFFF
@@ -50,7 +50,7 @@ class CommandTable:
         home: home position.
         base_in_map: returns the robot's pose.
         earth: map projection.
-        identity: autopilot that the vehicle presents itself as.
+        identity: autopilot that the vehicle claims to have.
         requests: commands that request messages, by their numbers.
     """
 
@@ -96,7 +96,7 @@ class CommandTable:
         }
 
     def find(self, number: int) -> CommandSpec | None:
-        """Return the command of this number, if it is known."""
+        """Return the command of this number, or None."""
         return self._known.get(number)
 
     # -- command and modes --------------------------------------------------------------------------------------------
@@ -117,7 +117,7 @@ class CommandTable:
         return self.mode_reply(request.station, base, main, sub)
 
     def mode_reply(self, station: Station, base: int, main: int, sub: int) -> CommandReply:
-        """Change the mode to the one of these numbers of DO_SET_MODE or SET_MODE."""
+        """Change the mode to the one with these numbers, given by DO_SET_MODE or SET_MODE."""
         mode: Mode | None
         if base & mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
             mode = requested_mode(self._identity, main, sub)
@@ -175,7 +175,7 @@ class CommandTable:
             here = self._base_in_map()
             point = here.x, here.y
         if yaw == 0.0 and self._identity is AutopilotIdentity.ARDUPILOT:
-            # Stations send 0 to ArduPilot for an open heading; its own rovers ignore this parameter.
+            # Stations send 0 to ArduPilot for any heading; ArduPilot's rovers ignore this parameter.
             yaw = None
         denied = None if speed is None else self._robot.limit_speed(speed)
         return reply_to(denied or self._modes.go(Target(*point, None if yaw is None else theta_of(yaw))))
@@ -200,7 +200,7 @@ class CommandTable:
         first, last = request.whole_param(1, otherwise=0), request.whole_param(2, otherwise=0)
         if first is None or last is None:
             return INVALID_PARAM
-        # Stations that want to continue, or the whole mission, send zeros.
+        # Stations send zeros to continue, or to run the whole mission.
         return reply_to(self._modes.start_mission(first or None, last or None))
 
     def _select_item(self, request: ReceivedCommand) -> CommandReply:

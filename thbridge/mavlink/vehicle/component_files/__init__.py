@@ -1,1 +1,1 @@
-"""Files that a vehicle serves by MAVLink FTP: what its parameters mean, for ground stations."""
+"""Files that a vehicle serves by MAVLink FTP: descriptions of its parameters for ground stations."""

@@ -1,12 +1,17 @@
 """MAVLink FTP server of a vehicle; its files are read-only.
 
 Source: the MAVLink developer guide, "File Transfer Protocol (FTP)".
-Differs: a session belongs to the station that opened it, so that stations cannot close or read each other's, and has
-the number that the station proposes: MAVProxy tells its transfers apart by it, and MAVSDK accepts no other. A station
-that proposes the number of an open session gets it if that file was read to its end, is the same or is idle, since the
-request that closes a session may be lost; else there is no room. Requests to all vehicles at once are ignored: a file
-is one vehicle's, and bursts of all of them would be a flood. The last piece of a file ends its burst; there is no EOF
-after it, which MAVSDK would take for a failure when it misses that piece.
+Differs:
+
+* A session belongs to the station that opened it, so that stations cannot close or read the sessions of others. It has
+  the number that the station proposes, because MAVProxy identifies its transfers by it and MAVSDK accepts no other
+  number.
+* A station that proposes the number of an open session gets it if the open file was read to its end, is the same file,
+  or is idle, because the request that closes a session may be lost. Otherwise there is no room.
+* Requests to all vehicles at once are ignored: a file belongs to one vehicle, and bursts of all vehicles would be a
+  flood.
+* The last piece of a file ends its burst. No EOF follows it, because MAVSDK would take the EOF for a failure if it
+  missed that piece.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -21,7 +26,7 @@ from thbridge.mavlink.wire.dialect import BROADCAST, Message, mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 PIECES_PER_TICK = 3
-"""Pieces of all bursts of one vehicle together: 36 kB a second."""
+"""Pieces per tick of all bursts of one vehicle together: 36 kB per second."""
 
 _HEAD = Struct("<HBBBBBxI")
 """Sequence, session, opcode, size of the data, opcode of the request, end of a burst, offset."""
@@ -30,13 +35,13 @@ _MOST_DATA = 239
 _PAYLOAD = _HEAD.size + _MOST_DATA
 
 _MOST_SESSIONS = 8
-"""Most open sessions of one requester."""
+"""Largest number of open sessions of one requester."""
 
 _IDLE = 10 * TICKS_PER_SECOND
-"""Ticks after which an unused session makes room for another; a station may have disappeared."""
+"""Ticks after which an unused session makes room for another, because a station may have disappeared."""
 
 _MOST_REQUESTERS = 32
-"""Most requesters; the one whose last request is oldest is forgotten first."""
+"""Largest number of requesters; the one with the oldest last request is forgotten first."""
 
 _ROOTS = ("", ".")
 
@@ -64,10 +69,10 @@ class _Request:
     """Decoded request.
 
     Attributes:
-        sequence: number of the request; answers count up from it.
+        sequence: number of the request; answers continue to count from it.
         session: number of its session.
         opcode: a code of MAV_FTP_OPCODE.
-        size: size of the data, or bytes wanted.
+        size: size of the data, or number of requested bytes.
         offset: offset into the file, or into the list of a directory.
         data: payload data.
     """
@@ -86,7 +91,7 @@ class _Request:
 
     @property
     def wanted(self) -> int:
-        """Bytes of a piece; a size of zero means the largest: so mavros reads, and so ArduPilot serves bursts."""
+        """Number of bytes of a piece; 0 requests the largest, as mavros reads and ArduPilot's bursts do."""
         return self.size or _MOST_DATA
 
 
@@ -104,7 +109,7 @@ class _Session:
     Attributes:
         content: content of the file.
         used: tick of its last use.
-        is_read: True when its last byte has been sent.
+        is_read: True if its last byte has been sent.
     """
 
     content: bytes
@@ -118,19 +123,19 @@ class _Client:
 
     Attributes:
         sessions: its open files, by number.
-        answered: last request of each session that was answered at once, and the answer.
+        answered: last request of each session with an immediate answer, and this answer.
     """
 
     sessions: dict[int, _Session] = field(default_factory=dict)
     answered: dict[int, tuple[bytes, bytes]] = field(default_factory=dict)
 
     def before(self, session: int, asked: bytes) -> bytes | None:
-        """Return the earlier answer when a request is a repetition of the last one."""
+        """Return the earlier answer if a request repeats the last one."""
         last, answer = self.answered.get(session, (b"", b""))
         return answer if asked == last else None
 
     def remember(self, session: int, asked: bytes, answer: bytes | None) -> None:
-        """Keep the answer to a request; None for a burst, which a repeated request begins again."""
+        """Keep the answer to a request; None for a burst, which a repeated request restarts."""
         self.answered.pop(session, None)
         if answer is not None:
             while len(self.answered) >= _MOST_SESSIONS:
@@ -159,14 +164,14 @@ class FileTransfer:
     """File server of one vehicle; a `Microservice`.
 
     Args:
-        files: returns the contents by file name; all files lie in the root.
+        files: returns the contents by file name; all files are in the root directory.
     """
 
     def __init__(self, files: Callable[[], Mapping[str, bytes]]) -> None:
         self._files = files
         self._tick = 0
         self._clients: dict[_Requester, _Client] = {}
-        # In the order of their turns: each sends a piece and goes to the end.
+        # In the order of their turns: each burst sends a piece and goes to the end.
         self._bursts: dict[_Transfer, _Burst] = {}
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
@@ -176,7 +181,7 @@ class FileTransfer:
         asked = bytes(message.payload)
         request = _request_of(asked)
         if request.opcode >= mav.MAV_FTP_OPCODE_ACK:
-            # An answer. Two servers that answered answers would never stop.
+            # This is an answer; two servers that answered answers would never stop.
             return
         requester = link, sender
         client = self._client(requester)
@@ -188,7 +193,7 @@ class FileTransfer:
             yield _message(requester, answer)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Send the next pieces of the bursts, in turns."""
+        """Send the next pieces of the bursts, which take turns."""
         self._tick = tick
         for _ in range(PIECES_PER_TICK):
             if not self._bursts:
@@ -269,7 +274,7 @@ class FileTransfer:
         return _NO_SESSION if client.sessions.pop(number, None) is None else b""
 
     def _listed(self, request: _Request) -> bytes | _Refused:
-        """List as many files as fit, from the requested offset."""
+        """List as many files as fit, starting at the requested offset."""
         if request.path not in _ROOTS:
             return _NOT_FOUND
         entries = [f"F{name}\t{len(content)}\0".encode() for name, content in self._files().items()]
@@ -289,7 +294,7 @@ class FileTransfer:
         return piece or _END
 
     def _begin(self, requester: _Requester, client: _Client, request: _Request) -> bytes | None:
-        """Begin a burst, in place of another one of this session; its pieces come with the next ticks."""
+        """Start a burst that replaces any other of this session; its pieces follow in the next ticks."""
         session = self._used(client, request)
         if session is None:
             return _answer(request, _NO_SESSION)

@@ -2,8 +2,9 @@
 
 Source: the MAVLink developer guide, "Component Metadata Protocol"; the schemas in `component_metadata` of MAVLink's
 repository.
-Differs: files are not compressed, because libraries compress differently, and a replay must give the same bytes on any
-machine. The parameter file is of version 1, the only one that QGroundControl reads, though the schema has a newer one.
+Differs: files are not compressed, because compressed bytes depend on the library, and a replay must give the same bytes
+    on
+any machine. The parameter file has version 1, the only one that QGroundControl reads, although a newer version exists.
 """
 
 import json
@@ -23,11 +24,11 @@ _TYPE_PARAMETER = 1
 """Code of COMP_METADATA_TYPE."""
 
 _KEPT = 16
-"""Sets of parameters whose files are cached; robots of one study mostly share one."""
+"""Number of parameter sets with cached files; most robots of a study share one set."""
 
 
 class MetadataFiles:
-    """Metadata files of one vehicle. They never change, as the protocol demands.
+    """Metadata files of one vehicle. They never change, as the protocol requires.
 
     Args:
         settings: its parameters.
@@ -48,7 +49,7 @@ def uri(name: str) -> str:
 
 
 def checksum(content: bytes) -> int:
-    """Return a file's checksum as in MAVLink FTP: CRC-32 that begins with 0 and is not inverted."""
+    """Return a file's checksum as in MAVLink FTP: CRC-32 with start value 0 and without final inversion."""
     return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
 
 
@@ -61,7 +62,7 @@ def _contents(descriptions: tuple[ParameterDescription, ...]) -> Mapping[str, by
 
 
 def _parameter(described: ParameterDescription) -> dict[str, object]:
-    """Return a parameter's entry by the schema; values that equal the schema's defaults are left out."""
+    """Return a parameter's entry by the schema; values equal to the schema's defaults are omitted."""
     told: dict[str, object] = {
         "name": described.name,
         "type": "Float",

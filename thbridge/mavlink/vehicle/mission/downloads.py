@@ -15,14 +15,14 @@ from thbridge.mavlink.wire.dialect import mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 DOWNLOAD_TIMEOUT = 6 * 3 * TICKS_PER_SECOND // 2
-"""Ticks without a request after which a download has ended: all six tries of 1500 ms."""
+"""Ticks without a request after which a download has ended: all six tries of 1500 ms each."""
 
 _Request: TypeAlias = mav.MAVLink_mission_request_message | mav.MAVLink_mission_request_int_message
 
 
 @dataclass(slots=True)
 class _Download:
-    """Download of a plan; the plan stays as it was when the download began."""
+    """Download of a plan, as the plan was when the download started."""
 
     plan: tuple[MissionItem, ...]
     asked: int
@@ -41,7 +41,7 @@ class MissionDownloads:
         self._tick = 0
 
     def begin(self, peer: MissionPeer, mission_type: int) -> OutgoingMessage:
-        """Begin a download: answer with the number of items."""
+        """Start a download: answer with the number of items."""
         if mission_type in EMPTY_TYPES:
             return _count(peer, 0, mission_type)
         if mission_type != MISSION:
@@ -64,7 +64,7 @@ class MissionDownloads:
         return OutgoingMessage(item_of(plan[seq], seq, seq == self._run.current_item, peer.station), peer.link)
 
     def end(self, peer: MissionPeer) -> None:
-        """End a download: the station has all items, or has changed the plan."""
+        """End a download, because the station has all items or has changed the plan."""
         self._downloads.pop(peer, None)
 
     def step(self, tick: int) -> None:

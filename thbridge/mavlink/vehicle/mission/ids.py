@@ -1,7 +1,7 @@
-"""Plan ids, by which a station detects whether its plan is the robot's, and the messages that carry them.
+"""Plan ids, by which a station detects whether its plan equals the robot's, and the messages that contain them.
 
-Source: the MAVLink developer guide, "Mission Protocol", "Detecting Mission/Plan Changes". The fields are younger than
-pymavlink's dialect, so its messages are extended here; receivers that do not know the fields ignore them.
+Source: the MAVLink developer guide, "Mission Protocol", "Detecting Mission/Plan Changes". The fields are newer than
+pymavlink's dialect, so its messages are extended here; receivers that do not support the fields ignore them.
 """
 
 import struct
@@ -16,7 +16,7 @@ _ITEM = struct.Struct("<HB4f2if?")
 
 
 def plan_id(items: Iterable[MissionItem]) -> int:
-    """Return a checksum of a plan; 0 for an empty one."""
+    """Return a checksum of a plan; 0 for an empty plan."""
     crc = 0
     for item in items:
         crc = zlib.crc32(
@@ -43,7 +43,7 @@ class MissionCount(mav.MAVLink_mission_count_message):
         self.opaque_id = plan
 
 
-# The ids of fences and rally points, which would follow, are left out: there are none.
+# The ids of fences and rally points, which would follow, are omitted, because there are none.
 @extended("uint32_t mission_id")
 class MissionCurrent(mav.MAVLink_mission_current_message):
     """MISSION_CURRENT with the id of the robot's plan."""

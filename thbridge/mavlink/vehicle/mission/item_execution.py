@@ -2,7 +2,8 @@
 
 Source: the MAVLink developer guide, "Mission Protocol", and the descriptions in MAV_CMD.
 Differs: a waypoint is reached when the robot has arrived there, never by passing within the acceptance radius, because
-a point in a room is a move of the game and ends at that room's own place.
+    a
+point in a room is a move of the game and ends at the goal pose of that room.
 """
 
 import math
@@ -19,10 +20,10 @@ from thbridge.mavlink.wire.coordinates import PER_METRE, theta_of
 from thbridge.mavlink.wire.dialect import mav
 
 _IN_ROOM = frozenset((mav.MAV_CMD_IMAGE_START_CAPTURE, mav.MAV_CMD_USER_1, mav.MAV_CMD_USER_2))
-"""Commands about the treasure of the room to which the item before them has led."""
+"""Commands about the treasure of the room to which the previous item has led."""
 
 _UNLIMITED = -1
-"""Repeats of a jump without end."""
+"""Number of repeats of an endless jump."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,7 @@ class _Driving:
 
 @dataclass(frozen=True, slots=True)
 class _Waiting:
-    """Stage of an item that waits for this tick; infinity: for ever."""
+    """Stage of an item that waits until this tick; infinity means forever."""
 
     until: float
 
@@ -56,14 +57,14 @@ _Stage = _Driving | _Waiting
 
 
 class ItemExecution:
-    """Execution of one robot's mission items, whatever mission they belong to.
+    """Execution of the mission items of one robot, from any mission.
 
     Args:
         robot: interface to the robot.
         home: home position.
         earth: map projection.
         ardupilot: leave headings at waypoints free, as ArduPilot does.
-        visited_rooms: action at an item that leads into a room that was visited already.
+        visited_rooms: action at an item that leads into a room already visited.
     """
 
     def __init__(
@@ -80,15 +81,15 @@ class ItemExecution:
         self._ardupilot = ardupilot
         self._skips = visited_rooms is VisitedRooms.SKIP
         self._stage: _Stage | None = None
-        # The leg that the robot drives for the mission.
+        # Leg that the robot drives for the mission.
         self._leg: int | None = None
         self._jumps: Counter[int] = Counter()
-        # The items that were skipped since the robot last arrived anywhere, and whether the last one with a place was.
+        # Items skipped since the last arrival of the robot, and True if the last item with a place was skipped.
         self._skipped: set[int] = set()
         self._is_elsewhere = False
 
     def misplaced(self, item: MissionItem) -> Denied | None:
-        """Return the denial of an item whose place the robot can never get to; None when it can, or has no place."""
+        """Return the denial of an item with a place that the robot can never reach; None for all other items."""
         if not item.has_place or item.is_here:
             return None
         sets_home = item.command == mav.MAV_CMD_DO_SET_HOME
@@ -97,34 +98,34 @@ class ItemExecution:
     def step(
         self, number: int, item: MissionItem, tick: int, readings: RobotReadings
     ) -> _Stage | ItemJump | ItemSkip | Denied | None:
-        """Begin or continue the item of this number; return its stage, or its end: None when it is done."""
+        """Begin or continue the item of this number; return its stage, or how it ends: None if it is done."""
         stage = self._stage
         result = self._begin(number, item, tick) if stage is None else self._continue(stage, item, tick, readings)
         if isinstance(result, Denied | ItemSkip) or (isinstance(result, _Waiting) and stage is None):
-            # The robot may still drive for an item that was replaced by this one.
+            # The robot may still be driving for an item that this one has replaced.
             self.stand()
         self._stage = result if isinstance(result, _Driving | _Waiting) else None
         return result
 
     def stand(self) -> None:
-        """Stop the robot if it drives for the mission."""
+        """Stop the robot if it is driving for the mission."""
         if self._leg is not None:
             self._robot.stop_robot()
             self._leg = None
 
     def drop(self) -> None:
-        """Stop executing the item, which will begin again. The caller must stop the robot itself."""
+        """Stop executing the item, so that it will begin again. The caller must stop the robot."""
         self._stage = self._leg = None
 
     def restart(self) -> None:
-        """Begin with any item, as if the mission began with it."""
+        """Forget the progress, as if the mission started with the next item."""
         self._stage = None
         self._jumps.clear()
         self._skipped.clear()
         self._is_elsewhere = False
 
     def _begin(self, number: int, item: MissionItem, tick: int) -> _Stage | ItemJump | ItemSkip | Denied | None:
-        """Begin an item and return its stage; None when it is done at once."""
+        """Begin an item and return its stage; None if it is done at once."""
         first, second, _, _ = item.params
         match item.command:
             case command if self._is_elsewhere and command in _IN_ROOM:
@@ -142,7 +143,7 @@ class ItemExecution:
             case mav.MAV_CMD_DO_JUMP:
                 return self._jump(number, int(first), int(second))
             case mav.MAV_CMD_DO_CHANGE_SPEED:
-                # NaN and -1 keep the limit; -2, as all numbers below zero, restores the study's.
+                # NaN and -1 keep the limit; -2 and all other negative numbers restore the study's limit.
                 return None if math.isnan(second) or second == -1 else self._robot.limit_speed(second)
             case mav.MAV_CMD_IMAGE_START_CAPTURE:
                 return self._robot.photograph()
@@ -152,7 +153,7 @@ class ItemExecution:
                 return self._robot.leave()
 
     def _continue(self, stage: _Stage, item: MissionItem, tick: int, readings: RobotReadings) -> _Stage | Denied | None:
-        """Return an item's stage one tick later; None when it is done."""
+        """Return an item's stage one tick later; None if it is done."""
         if isinstance(stage, _Waiting):
             return stage if tick < stage.until else None
         leg = readings.leg
@@ -175,7 +176,7 @@ class ItemExecution:
         return _Driving()
 
     def _skip(self, item: int, denied: Denied) -> ItemSkip | Denied:
-        """Skip an item; stop where it comes again without a way in between: nothing is left to do."""
+        """Skip an item; deny it if it comes again without an arrival in between, because nothing is left to do."""
         if item in self._skipped:
             return denied
         self._skipped.add(item)
@@ -188,7 +189,7 @@ class ItemExecution:
         return ItemJump(to)
 
     def _target(self, item: MissionItem) -> Target:
-        """Return the goal of an item, with the heading there."""
+        """Return the goal of an item, with its heading."""
         yaw = item.params[3]
         looks_anywhere = self._ardupilot or item.command == mav.MAV_CMD_NAV_LOITER_TIME or math.isnan(yaw)
         return Target(*self._point(item), None if looks_anywhere else theta_of(math.radians(yaw)))
@@ -201,7 +202,7 @@ class ItemExecution:
 
 
 def _stay(item: MissionItem, tick: int) -> _Waiting | None:
-    """Return the stage in which the robot stays at an item's place; None when it does not stay."""
+    """Return the stage in which the robot stays at an item's place; None if it does not stay."""
     match item.command:
         case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME if item.params[0] > 0.0:
             return _Waiting(tick + item.params[0] * TICKS_PER_SECOND)

@@ -10,7 +10,7 @@ from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 MISSION = mav.MAV_MISSION_TYPE_MISSION
 
 EMPTY_TYPES = frozenset((mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY))
-"""Types of plans that a robot never has and does not take."""
+"""Types of plans that a robot never has and does not accept."""
 
 
 class MissionPeer(NamedTuple):

@@ -1,7 +1,7 @@
 """Mission protocol without sockets and clocks: upload to a robot; `downloads` handles the other direction.
 
 Source: the MAVLink developer guide, "Mission Protocol".
-Differs: a partial list may be written, as in ArduPilot, but becomes the plan only when it is complete.
+Differs: a station may send a part of the list, as in ArduPilot, but the plan changes only when all of it has arrived.
 """
 
 from collections.abc import Iterator
@@ -19,21 +19,21 @@ from thbridge.mavlink.wire.dialect import Message, mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 LONGEST = 700
-"""Most items of a mission."""
+"""Largest number of items of a mission."""
 
 ITEM_TIMEOUT = -(-TICKS_PER_SECOND // 4)
 """Ticks until an item is requested again: 250 ms."""
 
 RETRIES = 5
-"""Repeated requests for an item before the transfer is aborted."""
+"""Number of repeated requests for an item before the transfer is aborted."""
 
 TRIES_OF_NEW_FORM = 4
-"""Requests for the first item as MISSION_ITEM_INT before it is requested as MISSION_ITEM."""
+"""Number of requests for the first item as MISSION_ITEM_INT before it is requested as MISSION_ITEM."""
 
 _ItemMessage = mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message
 
 _GUIDED = (2, 3)
-"""Values of an item's `current` for an item outside of missions: a place to go to at once, or an altitude."""
+"""Values of `current` of an item outside missions: a place to drive to at once, or an altitude."""
 
 
 @dataclass(slots=True)
@@ -42,12 +42,12 @@ class _Upload:
 
     Attributes:
         peer: the sender.
-        kept_before: items of the present plan before the first one that is sent.
-        kept_after: items of the present plan after the last one that is sent.
+        kept_before: items of the current plan before the first one that is sent.
+        kept_after: items of the current plan after the last one that is sent.
         count: number of items that are sent.
         asked: tick of the last request for the next item.
-        retries: number of repeated requests for it.
-        old_form: True when it is requested as MISSION_ITEM.
+        retries: number of repeated requests for the next item.
+        old_form: True if it is requested as MISSION_ITEM.
         items: items received, in order.
     """
 
@@ -62,7 +62,7 @@ class _Upload:
 
     @property
     def next(self) -> int:
-        """Number of the item that comes next."""
+        """Number of the next item."""
         return len(self.kept_before) + len(self.items)
 
     @property
@@ -72,7 +72,7 @@ class _Upload:
 
 
 class _Completed(NamedTuple):
-    """Last completed upload; its last item comes again if the acknowledgement got lost."""
+    """Last completed upload; its last item arrives again if the acknowledgement was lost."""
 
     peer: MissionPeer
     last: int
@@ -121,7 +121,7 @@ class MissionProtocol(Microservice):
                 yield from self._handle_ack(peer, message.type)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Request a missing item again, and step the mission."""
+        """Request a missing item again, and advance the mission."""
         self._tick = tick
         self._downloads.step(tick)
         yield from self._uploaded(tick)
@@ -145,7 +145,7 @@ class MissionProtocol(Microservice):
             return
         upload.retries += 1
         if not upload.items:
-            # Until the first item it is unknown which form the station understands.
+            # Until the first item arrives, the form that the station supports is unknown.
             upload.old_form = upload.retries >= TRIES_OF_NEW_FORM
         yield self._next_request(upload)
 
@@ -166,7 +166,7 @@ class MissionProtocol(Microservice):
 
     def _handle_partial(self, peer: MissionPeer, first: int, last: int, mission_type: int) -> Iterator[OutgoingMessage]:
         plan = self._run.plan
-        # -1 is the end of the list; and a station may name an item more than there are.
+        # -1 is the end of the list; and a station may count one item more than the list has.
         last = len(plan) - 1 if last == -1 else min(last, len(plan) - 1)
         if mission_type != MISSION:
             yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
@@ -191,11 +191,11 @@ class MissionProtocol(Microservice):
         elif message.seq == upload.next:
             yield from self._next_item(upload, message)
         else:
-            # A repeated item: the station has missed the last request, but it is alive.
+            # A repeated item: the station has missed the last request, but it is still connected.
             upload.retries = 0
 
     def _late_item(self, peer: MissionPeer, seq: int) -> Iterator[OutgoingMessage]:
-        """Answer an item that comes outside of an upload."""
+        """Answer an item that arrives outside an upload."""
         if self._completed is None or self._completed.peer != peer:
             yield peer.ack(mav.MAV_MISSION_ERROR)
         elif self._completed.last == seq:
@@ -245,33 +245,33 @@ class MissionProtocol(Microservice):
             self._announce(TextSeverity.WARNING, f"Mission item not set. {denied.sentence}")
 
     def _handle_ack(self, peer: MissionPeer, result: int) -> Iterator[OutgoingMessage]:
-        """Handle the station's end of a transfer, successful or not."""
+        """Process the end of a transfer by the station, successful or not."""
         self._downloads.end(peer)
         upload = self._upload
         if upload is None or upload.peer != peer or result == mav.MAV_MISSION_ACCEPTED:
             return
         if upload.old_form and not upload.items and result == mav.MAV_MISSION_UNSUPPORTED:
-            # It does not know MISSION_ITEM, which was tried because it had not answered.
+            # The station does not support MISSION_ITEM, which was requested because it had not answered.
             upload.old_form, upload.retries = False, 0
             yield self._next_request(upload)
         else:
             self._upload = None
 
     def _objection(self, peer: MissionPeer) -> Denied | None:
-        """Return the reason why this station may not change the plan now; None when it may."""
+        """Return the reason why this station may not change the plan now, or None."""
         if self._upload is not None and self._upload.peer != peer:
             return Denied(f"A mission of {self._upload.peer.station} is coming in.", DenialKind.NOT_NOW)
         return self._run.objection(peer.station)
 
     def _refused(self, peer: MissionPeer, denied: Denied, mission_type: int = MISSION) -> Iterator[OutgoingMessage]:
-        """Refuse to change the plan; an upload of the same station is aborted."""
+        """Refuse to change the plan, and abort an upload of the same station."""
         if self._upload is not None and self._upload.peer == peer:
             self._upload = None
         self._announce(TextSeverity.WARNING, f"Mission refused. {denied.sentence}")
         yield peer.ack(mav.MAV_MISSION_DENIED, mission_type)
 
     def _begin(self, upload: _Upload) -> OutgoingMessage:
-        """Begin an upload; an earlier one of the same station is aborted."""
+        """Start an upload; an earlier upload of the same station is aborted."""
         self._upload, self._completed = upload, None
         return self._next_request(upload)
 

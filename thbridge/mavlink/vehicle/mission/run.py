@@ -1,4 +1,4 @@
-"""Mission of a robot: its plan, and the item that is executed.
+"""Mission of a robot: its plan, and the item in execution.
 
 Source: the MAVLink developer guide, "Mission Protocol".
 """
@@ -24,10 +24,10 @@ from thbridge.mavlink.wire.dialect import mav
 from thbridge.mavlink.wire.outgoing import OutgoingMessage
 
 _HOME = MissionItem(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL)
-"""Placeholder in a plan for the home position, which may change."""
+"""Placeholder in a plan for the home position, which can change."""
 
 _NO_TOTAL = 2**16 - 1
-"""Total number of items when there is no mission."""
+"""Total number of items if there is no mission."""
 
 _IN_MISSION_MODE, _SUSPENDED = 1, 2
 
@@ -40,15 +40,15 @@ class MissionRun:
         home: home position.
         earth: map projection.
         announce: sends texts about the mission to people.
-        ardupilot: read plans as ArduPilot does: the first item is home, whatever a station sends for it, headings at
-            waypoints are free, and a mission continues by itself, whatever `autocontinue` is.
-        visited_rooms: action at an item that leads into a room that was visited already.
+        ardupilot: treat plans as ArduPilot does: the first item is home, whatever a station sends for it; headings at
+            waypoints are free; a mission continues automatically, whatever `autocontinue` is.
+        visited_rooms: action at an item that leads into an already visited room.
 
     Attributes:
         plan: all items; the first of an ArduPilot plan is a placeholder for home.
         plan_id: id of the plan.
-        execution: of its items.
-        current_item: number of the item that is or will be executed.
+        execution: execution of its items.
+        current_item: number of the item that is executed or will be executed next.
     """
 
     def __init__(
@@ -74,16 +74,16 @@ class MissionRun:
 
     @property
     def readable(self) -> tuple[MissionItem, ...]:
-        """Items for download: those of the plan, with ArduPilot's home even when the plan is empty."""
+        """Items for download: those of the plan, with ArduPilot's home even if the plan is empty."""
         return (self._home_item(), *self.plan[1:]) if self._ardupilot else self.plan
 
     @property
     def running(self) -> bool:
-        """True while items are executed; it stops by itself at its end, and where an item fails."""
+        """True while items are executed; this ends with the mission, and when an item fails."""
         return self._state == mav.MISSION_STATE_ACTIVE
 
     def is_home(self, item: int) -> bool:
-        """Return True when this item is ArduPilot's home."""
+        """Return True if this item is ArduPilot's home."""
         return self._ardupilot and item == 0
 
     def current(self) -> MissionCurrent:
@@ -93,7 +93,7 @@ class MissionRun:
         return MissionCurrent(self.current_item, total, state, mode, self.plan_id)
 
     def objection(self, station: Station) -> Denied | None:
-        """Return a denial when the mission runs by the command of another station."""
+        """Return a denial if the mission runs for another station."""
         if self.running and self._commander not in (None, str(station)):
             return Denied(f"A mission of {self._commander} is under way.", DenialKind.NOT_NOW)
         return None
@@ -101,7 +101,7 @@ class MissionRun:
     def replace(self, plan: tuple[MissionItem, ...]) -> None:
         """Replace the plan.
 
-        A running or paused mission keeps its current item if both plans are equal up to that, and restarts otherwise.
+        A running or paused mission keeps its current item if both plans are equal up to it. Otherwise it restarts.
         """
         if self._ardupilot and plan:
             plan = (_HOME, *plan[1:])
@@ -119,8 +119,8 @@ class MissionRun:
         """Execute the mission.
 
         Args:
-            first: the item to begin with; None: the current one, and item 0 after the mission's end.
-            last: the item to end with; None: the last.
+            first: the first item. If None, the current one, or item 0 after the end of the mission.
+            last: the last item. If None, the last one of the plan.
         """
         if self._size <= 0:
             return Denied("There is no mission.", DenialKind.NOT_NOW)
@@ -137,13 +137,13 @@ class MissionRun:
         return None
 
     def pause(self) -> None:
-        """Stop the execution; the current item begins again when the mission continues."""
+        """Stop the execution; the current item begins again when the mission resumes."""
         if self.running:
             self._state = mav.MISSION_STATE_PAUSED
             self.execution.drop()
 
     def select(self, item: int) -> Denied | None:
-        """Continue with this item, now if the mission runs and else when it starts."""
+        """Make this item the next one: at once if the mission is running, otherwise at its start."""
         if item not in range(len(self.plan)):
             return Denied(f"The mission has no item {item}.")
         self._restart_at(item)
@@ -183,12 +183,12 @@ class MissionRun:
         return replace(_HOME, x=place.latitude, y=place.longitude, z=self._earth.altitude)
 
     def _restart_at(self, item: int) -> None:
-        """Make this item the current one, as if the mission began with it."""
+        """Make this item the current one, as if the mission started with it."""
         self.current_item = item
         self.execution.restart()
 
     def _proceed(self, item: MissionItem) -> Iterator[OutgoingMessage]:
-        """Go on with the next item, or end the mission."""
+        """Continue with the next item, or end the mission."""
         if self.current_item in (self._last, len(self.plan) - 1):
             self.execution.stand()
             self._state = mav.MISSION_STATE_COMPLETE

@@ -1,1 +1,1 @@
-"""Modes: the mode state machine, the station in command, driving by hand, the home position."""
+"""Modes: the mode state machine, the station in command, manual control, the home position."""

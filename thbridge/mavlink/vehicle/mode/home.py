@@ -1,7 +1,7 @@
-"""Home position of a robot: its start, until a ground station sets another.
+"""Home position of a robot: its start pose, until a ground station sets another.
 
 Source: MAVLink's `common.xml`, MAV_CMD_DO_SET_HOME, SET_HOME_POSITION and HOME_POSITION.
-Differs: a home position where the robot cannot stand is refused at once, and not when the robot returns to it.
+Differs: a home position where the robot cannot stand is refused at once, not when the robot returns to it.
 """
 
 import math
@@ -50,7 +50,7 @@ class HomePosition(Microservice):
         return self._earth.geo_point(self.target.x, self.target.y)
 
     def set_here(self) -> Denied | None:
-        """Set it to the robot's present pose."""
+        """Set it to the robot's current pose."""
         if self._readings.lost:
             return Denied("The robot does not know where it is.", DenialKind.NOT_NOW)
         here = self._readings.base_in_map

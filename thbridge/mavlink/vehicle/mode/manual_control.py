@@ -1,7 +1,8 @@
-"""Manual control: sticks or velocities that are sent repeatedly, and hold only for a short time.
+"""Manual control: stick positions or velocities that are sent repeatedly and are valid only for a short time.
 
-Source: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME, for its three seconds: scripts for it
-send a velocity once a second.
+Source: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME, for the three seconds: scripts for
+    ArduPilot
+send a velocity once per second.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from thbridge.mavlink.values.vehicle_interface import Denied, VehicleInterface
 from thbridge.mavlink.wire.coordinates import bounded, twist_towards
 
 _DEADMAN = {AutopilotIdentity.GENERIC: TICKS_PER_SECOND // 2, AutopilotIdentity.ARDUPILOT: 3 * TICKS_PER_SECOND}
-"""Ticks for which a command by hand holds."""
+"""Ticks for which a command by hand is valid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,7 @@ class ManualControl:
 
     Args:
         robot: interface to the robot.
-        identity: autopilot that the vehicle presents itself as.
+        identity: autopilot that the vehicle claims to have.
     """
 
     def __init__(self, robot: VehicleInterface, identity: AutopilotIdentity) -> None:
@@ -44,18 +45,18 @@ class ManualControl:
 
     @property
     def is_driving(self) -> bool:
-        """True while the last command holds."""
+        """True while the last command is valid."""
         return self._until is not None
 
     def follow(self, wanted: Twist | VelocitySetpoint) -> Denied | None:
-        """Drive like this, within the speed limits; a velocity is tracked anew in each tick."""
+        """Drive like this, within the speed limits; a velocity is tracked again in each tick."""
         denied = self._steer(wanted)
         if denied is None:
             self._wanted, self._until = wanted, self._tick + self._deadman
         return denied
 
     def release_control(self) -> None:
-        """Forget the last command; the robot itself is not stopped."""
+        """Forget the last command without stopping the robot."""
         self._wanted = self._until = None
 
     def step(self, tick: int, base_in_map: Pose2) -> None:

@@ -14,21 +14,23 @@ from thbridge.mavlink.values.vehicle_interface import (
 from thbridge.mavlink.vehicle.parts import Announce, TextSeverity
 
 _AWAY = TICKS_PER_SECOND
-"""Ticks of another's command after which control counts as taken away: the readings show the game's reaction to a
-vehicle's request some ticks late."""
+"""Ticks of another commander after which control counts as taken away.
+
+The readings show the game's reaction to a vehicle's request only some ticks later.
+"""
 
 
 class OperatorControl:
-    """Command of one robot, as its vehicle knows it.
+    """The vehicle's knowledge of who commands its robot.
 
     Args:
         robot: interface to the robot.
-        lost_after: seconds without a heartbeat after which a station counts as lost.
+        lost_after: seconds without a heartbeat after which a station is lost.
         announce: sends texts to people, about each change of command.
 
     Attributes:
-        lost_after: as above; may be changed.
-        station: the station in command; None when none is. It stays so while a researcher takes over for a time.
+        lost_after: as above; can be changed.
+        station: the station in command, or None. It stays the same while a researcher drives the robot for a time.
     """
 
     def __init__(self, robot: VehicleInterface, lost_after: float, announce: Announce) -> None:
@@ -43,19 +45,19 @@ class OperatorControl:
 
     @property
     def commander_id(self) -> int:
-        """Commander as one number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
+        """Commander as a number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
         if self.station is not None and not self.is_overruled:
             return self.station.system
         return BY_PARTICIPANT if self._readings.commanded_by == PARTICIPANT else BY_OTHERS
 
     @property
     def is_lost(self) -> bool:
-        """True when heartbeats of the station in command are overdue."""
+        """True if heartbeats of the station in command are overdue."""
         return self.station is not None and self._tick - self._last_heartbeat > self._timeout
 
     @property
     def is_overruled(self) -> bool:
-        """True while a person outside of the game, such as a researcher, drives the robot in place of the station."""
+        """True while a person outside the game, such as a researcher, drives the robot instead of the station."""
         ours, readings = str(self.station), self._readings
         if self.station is None or readings.commander not in (None, ours):
             return False
@@ -66,7 +68,7 @@ class OperatorControl:
         return round(self.lost_after * TICKS_PER_SECOND)
 
     def objection(self, station: Station) -> Denied | None:
-        """Return the reason why this station may not move the robot; None when it may."""
+        """Return the reason why this station may not move the robot, or None."""
         if self.station is None:
             return Denied(f"Commanded by {self._readings.commanded_by}: arm the robot to take command.")
         reserved = self.reserved(station)
@@ -75,13 +77,13 @@ class OperatorControl:
         return reserved
 
     def reserved(self, station: Station) -> Denied | None:
-        """Return a denial when another station is in command, for settings that take effect later; else None."""
+        """Return a denial if another station is in command, for settings that take effect later; otherwise None."""
         if self.station in (None, station):
             return None
         return Denied(f"Commanded by {self.station}.")
 
     def take(self, station: Station, by_force: bool = False) -> Denied | None:
-        """Put a station in command; in place of another one that is not lost only by force."""
+        """Put a station in command; force is needed to replace another station that is not lost."""
         if station == self.station:
             return None
         if self.station is not None and not by_force and not self.is_lost:
@@ -93,7 +95,7 @@ class OperatorControl:
         return denied
 
     def release(self) -> None:
-        """Give the command back to the participant if a station has it."""
+        """Return command to the participant if a station has it."""
         if self.station is not None:
             self.station = None
             self._robot.release()
@@ -105,7 +107,7 @@ class OperatorControl:
             self._last_heartbeat = self._tick
 
     def follow(self, tick: int, readings: RobotReadings) -> bool:
-        """Advance by one tick; return True when the command was taken from the station."""
+        """Advance by one tick; return True if command was taken from the station."""
         self._tick, self._readings = tick, readings
         if self.station is None or readings.commander == str(self.station) or self.is_overruled:
             self._away = 0

@@ -1,4 +1,4 @@
-"""Sticks and setpoints, which drive a robot without acknowledgement, many times a second."""
+"""Manual control and setpoints, which drive a robot without acknowledgement, many times per second."""
 
 import math
 from collections.abc import Iterable
@@ -24,7 +24,7 @@ from thbridge.mavlink.wire.mode_numbers import Mode
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 _NO_AXIS = 0x7FFF
-"""Value of a missing axis."""
+"""Value of an axis that is not used."""
 _FULL_STICK = 1000.0
 
 _RC_MIDDLE, _RC_FULL = 1500, 500.0
@@ -43,11 +43,11 @@ _Setpoint: TypeAlias = mav.MAVLink_set_position_target_local_ned_message | (
 
 
 class ControlInputs(Microservice):
-    """Sticks and setpoints of one vehicle.
+    """Manual control and setpoints of one vehicle.
 
-    They come many times a second, have no acknowledgement, and are sent even by stations that do not mean to drive just
-    now. So they are ignored without a warning unless the mode is the one for them; then a station that is not in
-    command gets a warning.
+    Stations send them many times per second without acknowledgement, even when they do not intend to drive. So they are
+    ignored without a warning unless the mode uses them. Then a station that is not in command gets a warning.
+
 
     Args:
         system: its system id; MANUAL_CONTROL names no component.
@@ -79,7 +79,7 @@ class ControlInputs(Microservice):
         self._readings = NO_READINGS
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
-        """Handle a stick or a setpoint; there is no answer."""
+        """Process a manual control message or a setpoint; there is no answer."""
         match message:
             case mav.MAVLink_manual_control_message():
                 if message.target == self._system:
@@ -94,15 +94,18 @@ class ControlInputs(Microservice):
         return ()
 
     def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
-        """Note the readings; no message is due."""
+        """Store the readings; no message is due."""
         self._readings = readings
         return ()
 
-    # -- sticks -------------------------------------------------------------------------------------------------------
+    # -- manual control
+    # -------------------------------------------------------------------------------------------------------
 
     def _stick(self, sender: Station, message: mav.MAVLink_manual_control_message) -> None:
-        """Drive by MANUAL_CONTROL: x is forward; r, or y when there is no r, is the turn. Positive is to the right,
-        against the standard's text on r: so all ground stations send it."""
+        """Drive by MANUAL_CONTROL: x is forward; r, or y if there is no r, is the turn.
+
+        Positive values turn right, as all ground stations send them, although the standard's text on r says otherwise.
+        """
         forward = message.x
         turn = message.y if message.r == _NO_AXIS else message.r
         if _NO_AXIS not in (forward, turn):
@@ -117,7 +120,7 @@ class ControlInputs(Microservice):
             )
             self._drive(sender, forward, turn)
         elif _RC_RELEASED in (steering, throttle) and self._hand.is_driving:
-            # Override released; there is no radio that would take over.
+            # The override is released, and there is no radio that could take over.
             self._drive(sender, 0.0, 0.0)
 
     def _drive(self, sender: Station, forward: float, turn: float) -> None:
@@ -150,7 +153,7 @@ class ControlInputs(Microservice):
         return self._modes.follow_velocity(velocity)
 
     def _point(self, message: _Setpoint) -> tuple[float, float] | None:
-        """Return the point of the map of a setpoint."""
+        """Return the point of the map in a setpoint."""
         if isinstance(message, mav.MAVLink_set_position_target_global_int_message):
             if message.coordinate_frame not in GLOBAL:
                 return None
@@ -160,7 +163,7 @@ class ControlInputs(Microservice):
         return point_in_map(message.coordinate_frame, message.x, message.y, self._readings.base_in_map)
 
     def _velocity(self, message: _Setpoint, yaw_rate: float) -> VelocitySetpoint | None:
-        """Return the velocity of a setpoint; a turn on the spot when it has a yaw rate only."""
+        """Return the velocity in a setpoint; a turn on the spot if it has a yaw rate only."""
         if message.type_mask & _IGNORE_VELOCITY == _IGNORE_VELOCITY:
             if message.type_mask & _IGNORE_YAW_RATE:
                 return None

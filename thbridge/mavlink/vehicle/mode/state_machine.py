@@ -1,6 +1,6 @@
-"""Mode state machine: the mode of a robot and its behavior in it.
+"""Mode state machine: the mode of a robot and its behavior in this mode.
 
-Callers check first, by `OperatorControl`, whether a station may move the robot.
+Callers first check by `OperatorControl` whether a station may move the robot.
 """
 
 from dataclasses import dataclass
@@ -24,16 +24,16 @@ from thbridge.mavlink.vehicle.parts import Announce, MissionControl, TextSeverit
 from thbridge.mavlink.wire.mode_numbers import Mode
 
 _STOPPING = TICKS_PER_SECOND
-"""Ticks after a stop in which a robot that still moves does so because it is stopping."""
+"""Ticks after a stop during which a robot may still move because it is stopping."""
 
 
 @dataclass(frozen=True, slots=True)
 class PausedMode:
-    """Activity that a pause broke off, to be resumed.
+    """Activity interrupted by a pause, to be resumed.
 
     Attributes:
         mode: mode at that time.
-        target: goal of the drive at that time; None when it did not drive to one.
+        target: goal of the drive at that time; None if it was not driving to one.
     """
 
     mode: Mode
@@ -53,7 +53,7 @@ class ModeStateMachine:
         announce: sends texts to people.
 
     Attributes:
-        drive: the last drive to a target that was started here.
+        drive: the last drive to a target that this state machine started.
         plan: as above.
         failsafe: as above; may be changed.
     """
@@ -85,7 +85,7 @@ class ModeStateMachine:
 
     @property
     def mode(self) -> Mode:
-        """Mode for ground stations: GUIDED while the robot drives for somebody else, such as the participant."""
+        """Mode for ground stations: GUIDED while the robot drives for another commander, such as the participant."""
         commanded = self._control.station is not None
         if self._is_moved() and (self._mode is Mode.HOLD or (not commanded and not self.drive.is_under_way)):
             return Mode.GUIDED
@@ -93,12 +93,14 @@ class ModeStateMachine:
 
     @property
     def armed(self) -> bool:
-        """True when a station is in command, or the robot moves."""
+        """True if a station is in command, or the robot moves."""
         return self._control.station is not None or self._is_moved()
 
     def arm(self, station: Station, by_force: bool) -> Denied | None:
-        """Put a station in command. The robot continues its activity, or begins that of a mode which was requested
-        while no station was in command."""
+        """Put a station in command.
+
+        The robot continues its activity, or starts in the mode that was requested while no station was in command.
+        """
         before = self._control.station
         denied = self._control.take(station, by_force)
         if denied is not None or before == station:
@@ -110,13 +112,16 @@ class ModeStateMachine:
         return None
 
     def disarm(self) -> None:
-        """Stop, and give the command back to the participant."""
+        """Stop, and return command to the participant."""
         self.stop()
         self._control.release()
 
     def request_mode(self, station: Station, mode: Mode) -> Denied | None:
-        """Change the mode for a station. Any station may choose HOLD; without a station in command, other modes are
-        only remembered until one arms the robot."""
+        """Change the mode for a station.
+
+        Any station may choose HOLD. While no station is in command, other modes are only stored until one arms the
+        robot.
+        """
         if mode is Mode.HOLD:
             self.stop()
             return None
@@ -127,7 +132,7 @@ class ModeStateMachine:
         return self._control.objection(station) or self.enter(mode)
 
     def enter(self, mode: Mode) -> Denied | None:
-        """Change the mode; when denied, it stays as it was, or becomes HOLD."""
+        """Change the mode; if denied, the mode stays the same or becomes HOLD."""
         match mode:
             case Mode.AUTO:
                 return self.start_mission(None, None)
@@ -141,7 +146,7 @@ class ModeStateMachine:
         return None
 
     def stop(self) -> None:
-        """Stop, whoever sent the robot, and enter HOLD."""
+        """Stop, regardless of who sent the robot, and enter HOLD."""
         self._leave()
         self._robot.stop_robot()
         self._mode = Mode.HOLD
@@ -152,7 +157,7 @@ class ModeStateMachine:
         if self._mode is Mode.AUTO and self.plan.running and first is None and last is None:
             return None
         if self._readings.under_way and not self.plan.running:
-            # A mission may begin with standing still.
+            # A mission may begin with an item that does not move the robot.
             self.stop()
         denied = self.plan.start(first, last)
         if denied is None:
@@ -161,7 +166,7 @@ class ModeStateMachine:
         return denied
 
     def go(self, target: Target, mode: Mode = Mode.GUIDED) -> Denied | None:
-        """Drive to a point, in this mode from now on."""
+        """Drive to a point, and change to this mode."""
         number = self._robot.go_to(target)
         if isinstance(number, Denied):
             return number
@@ -187,7 +192,7 @@ class ModeStateMachine:
         return denied
 
     def pause(self) -> None:
-        """Stop, and remember the activity."""
+        """Stop, and store the activity."""
         paused = self._paused
         if paused is None and self._mode is not Mode.HOLD:
             paused = PausedMode(self._mode, self.drive.target if self.drive.is_under_way else None)
@@ -195,7 +200,7 @@ class ModeStateMachine:
         self._paused = paused
 
     def resume(self) -> Denied | None:
-        """Continue the activity that a pause broke off; no effect when there was no pause."""
+        """Continue the activity interrupted by a pause; without a pause, nothing changes."""
         if self._mode is not Mode.HOLD:
             return None
         paused = self._paused
@@ -224,7 +229,7 @@ class ModeStateMachine:
 
     def _step_failsafe(self) -> None:
         if self._control.is_overruled:
-            # A lost station must not stop a researcher's drive; it only gives up its own command.
+            # A lost station must not stop a researcher's drive; it only loses its own command.
             self._leave()
             self._mode = Mode.HOLD
             self._control.release()
@@ -246,7 +251,7 @@ class ModeStateMachine:
         self._control.release()
 
     def _is_over(self) -> bool:
-        """Return True when the activity of the mode has ended."""
+        """Return True if the activity of the mode has ended."""
         if self._control.station is not None:
             return self._mode is Mode.AUTO and not self.plan.running
         return self._mode is Mode.RETURN and self.drive.number is not None and not self.drive.is_under_way
@@ -255,7 +260,7 @@ class ModeStateMachine:
         return self._readings.under_way and self._tick - self._stopped_at >= _STOPPING
 
     def _leave(self) -> None:
-        """Abort the activity of the mode; the robot itself is not stopped."""
+        """Abort the activity of the mode without stopping the robot."""
         if self.plan.running:
             self.plan.pause()
         self._forget_leg()

@@ -1,4 +1,4 @@
-"""Drive to a target for a mode: a leg of the robot, by its number."""
+"""Drive to a target for a mode: a leg of the robot, identified by its number."""
 
 from thbridge.mavlink.values.conventions import ARRIVED
 from thbridge.mavlink.values.vehicle_interface import NO_READINGS, HelmLeg, LegState, RobotReadings, Target
@@ -12,8 +12,8 @@ class TargetDrive:
         announce: sends texts to people.
 
     Attributes:
-        number: number of its leg; None when there was none, or it was aborted.
-        target: its goal; None likewise.
+        number: number of its leg; None if there was none or it was aborted.
+        target: its goal; None if there was none or it was aborted.
     """
 
     def __init__(self, announce: Announce) -> None:
@@ -24,27 +24,27 @@ class TargetDrive:
 
     @property
     def leg(self) -> HelmLeg | None:
-        """Its progress; None when another leg has replaced it."""
+        """Its progress; None if another leg has replaced it."""
         leg = self._readings.leg
         return leg if leg is not None and leg.number == self.number else None
 
     @property
     def is_under_way(self) -> bool:
-        """True while it lasts, or is about to begin: the readings show a new leg some ticks late."""
+        """True while it lasts or is about to begin, because the readings show a new leg some ticks late."""
         leg = self.leg
         return self.number is not None and (leg is None or leg.state is LegState.UNDER_WAY)
 
     def leads_to(self, target: Target) -> bool:
-        """Return True for its own target, unless it failed."""
+        """Return True if this is its target, and it has not failed."""
         leg = self.leg
         return target == self.target and (leg is None or leg.state is not LegState.FAILED)
 
     def begin(self, number: int, target: Target) -> None:
-        """Note the leg that leads to a target."""
+        """Store the leg that leads to a target."""
         self.number, self.target = number, target
 
     def abort(self) -> None:
-        """Forget the leg; the robot itself is not stopped."""
+        """Forget the leg without stopping the robot."""
         self.number = self.target = None
 
     def step(self, readings: RobotReadings) -> None:

@@ -1,7 +1,7 @@
-"""Parameters of the vehicle itself, system id and failsafe, under ArduPilot's names, before those of its robot.
+"""Parameters of the vehicle itself, system id and failsafe, under ArduPilot's names; those of its robot follow.
 
 Source: ArduPilot's parameter list of Rover: SYSID_THISMAV, FS_GCS_TIMEOUT, FS_ACTION.
-Differs: FS_ACTION has only these three values, and there is no FS_GCS_ENABLE beside it: 0 means to continue.
+Differs: FS_ACTION has only these three values, and there is no FS_GCS_ENABLE; 0 means to continue.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ TIMEOUT = "FS_GCS_TIMEOUT"
 ACTION = "FS_ACTION"
 
 ACTIONS: Mapping[Failsafe, int] = {Failsafe.CONTINUE: 0, Failsafe.HOME: 1, Failsafe.STOP: 2}
-"""Values of `FS_ACTION`: ArduPilot's nothing, RTL and hold."""
+"""Values of `FS_ACTION`, which correspond to ArduPilot's nothing, RTL and hold."""
 
 _SECTION, _GROUP = "mavlink", "vehicle"
 
@@ -35,8 +35,8 @@ class FailsafeParameters:
     Args:
         system: its system id, which is its robot's number and does not change.
         robot: parameters of its robot.
-        control: holder of the heartbeat timeout.
-        modes: holder of the failsafe action.
+        control: contains the heartbeat timeout.
+        modes: contains the failsafe action.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class FailsafeParameters:
             ParameterDescription(SYSTEM_ID, "the robot's number", "system id of MAVLink", _SECTION, _GROUP, fixed=True),
             ParameterDescription(
                 TIMEOUT,
-                "time without heartbeats after which a station counts as lost",
+                "time without heartbeats after which a station is lost",
                 "mavlink.lost_after of the study",
                 _SECTION,
                 _GROUP,
@@ -65,7 +65,7 @@ class FailsafeParameters:
             ),
             ParameterDescription(
                 ACTION,
-                "what a robot does whose ground station is lost",
+                "action of a robot after its ground station is lost",
                 "mavlink.failsafe of the study",
                 _SECTION,
                 _GROUP,

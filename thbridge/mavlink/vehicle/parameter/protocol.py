@@ -21,7 +21,7 @@ from thbridge.mavlink.wire.dialect import Message, mav
 from thbridge.mavlink.wire.outgoing import LinkId, OutgoingMessage
 
 VALUES_PER_TICK = 3
-"""Values of a list on each link: 150 a second."""
+"""Values of a list sent per tick on each link: 150 per second."""
 
 _BY_NAME = -1
 """Index of a request by name."""
@@ -42,7 +42,7 @@ class ParameterProtocol(Microservice):
     Args:
         settings: the parameters.
         announce: sends texts to people.
-        ardupilot: True: a value is the number itself, whatever type the station states; otherwise other types than
+        ardupilot: if True, a value is the number itself, whatever type the station states. If False, types other than
             floats are encoded as their bytes, and are refused.
     """
 
@@ -50,7 +50,7 @@ class ParameterProtocol(Microservice):
         self._settings = settings
         self._announce = announce
         self._ardupilot = ardupilot
-        # The value of each that stations got last.
+        # Value of each parameter that was last sent to stations.
         self._sent: dict[str, float] = {}
         self._lists: dict[LinkId, int] = {}
 
@@ -69,13 +69,13 @@ class ParameterProtocol(Microservice):
                     mav.MAVLink_param_ext_value_message(b"", b"", mav.MAV_PARAM_EXT_TYPE_REAL32, 0, 0), link
                 )
             case mav.MAVLink_param_ext_request_read_message():
-                # There is no answer that says "no such parameter"; a failed acknowledgement comes nearest.
+                # There is no answer for "no such parameter"; a failed acknowledgement is the closest one.
                 yield _unextended(link, message.param_id, "", mav.MAV_PARAM_EXT_TYPE_REAL32)
             case mav.MAVLink_param_ext_set_message():
                 yield _unextended(link, message.param_id, message.param_value, message.param_type)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Continue lists, and once a second send the values that others have changed to all links."""
+        """Continue lists, and once per second send the values changed by others to all links."""
         is_whole_second = tick % TICKS_PER_SECOND == 0
         if not self._lists and not is_whole_second:
             return
@@ -114,12 +114,12 @@ class ParameterProtocol(Microservice):
         if error is None:
             yield self._news(settings, number)
         else:
-            # The error goes first: a station that knows it does not try again because of the old value.
+            # The error is sent first, so that a station that supports it does not retry because of the old value.
             yield _error(link, sender, name, _BY_NAME, error)
             yield OutgoingMessage(_value(settings, number), link)
 
     def _changed(self, name: str, value: float, kind: int) -> int | None:
-        """Change a parameter; return a code of MAV_PARAM_ERROR when it keeps its value."""
+        """Change a parameter; return a code of MAV_PARAM_ERROR if it keeps its value."""
         if kind != mav.MAV_PARAM_TYPE_REAL32 and not self._ardupilot:
             return _TYPE_UNSUPPORTED
         if not math.isfinite(value):

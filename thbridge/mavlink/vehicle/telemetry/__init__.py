@@ -1,1 +1,1 @@
-"""Telemetry: the messages that a vehicle sends by itself, and their streams and rates."""
+"""Telemetry: the messages that a vehicle sends automatically, with their streams and rates."""

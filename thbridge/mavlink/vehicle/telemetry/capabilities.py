@@ -27,7 +27,7 @@ class Capabilities:
 
     Args:
         system: its system id.
-        identity: autopilot that it presents itself as.
+        identity: autopilot that it claims to have.
         earth: map projection.
         files: its metadata files.
     """
@@ -40,7 +40,7 @@ class Capabilities:
         self._files = files
 
     def makers(self) -> Mapping[int, Callable[[int], Message]]:
-        """Return the functions that make each message, by its id, from a tick."""
+        """Return for each message id the function that makes the message from a tick."""
         return {
             mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: self._gps_global_origin,
             mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: self._autopilot_version,
@@ -64,7 +64,8 @@ class Capabilities:
         return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, now)
 
     def _autopilot_version(self, tick: int) -> Message:
-        # No version: ground stations would compare it with versions of the autopilot whose numbers are used here.
+        # No version is sent: ground stations would compare it with versions of the autopilot that the robot claims to
+        # have.
         nothing = [0] * 8
         return mav.MAVLink_autopilot_version_message(
             _CAPABILITIES, 0, 0, 0, 0, nothing, nothing, nothing, 0, 0, self._system

@@ -1,7 +1,7 @@
-"""STATUSTEXT sentences for people: a few a second, and none repeated within three seconds.
+"""STATUSTEXT sentences for people: a few per second, and none repeated within three seconds.
 
-Source: the MAVLink developer guide, STATUSTEXT: longer sentences are sent in chunks of 50 bytes; a shorter chunk is the
-last.
+Source: the MAVLink developer guide, STATUSTEXT: longer sentences are sent in chunks of 50 bytes, and a shorter chunk is
+the last.
 """
 
 from collections import deque
@@ -14,7 +14,7 @@ from thbridge.mavlink.wire.outgoing import OutgoingMessage
 
 _MOST_WAITING = 8
 _BETWEEN = TICKS_PER_SECOND // 4
-"""Ticks between two sentences: four a second at most."""
+"""Ticks between two sentences: at most four per second."""
 _AGAIN = 3 * TICKS_PER_SECOND
 """Ticks after which the same sentence may be sent again."""
 
@@ -22,8 +22,8 @@ _AGAIN = 3 * TICKS_PER_SECOND
 class StatusTexts:
     """Queue of texts of one vehicle.
 
-    A full queue drops the oldest sentences. Equal ones within three seconds are sent once; a sentence with another
-    severity is not equal.
+    A full queue drops the oldest sentences. Equal sentences within three seconds are sent once; sentences of different
+    severity are not equal.
     """
 
     def __init__(self) -> None:
@@ -51,7 +51,7 @@ class StatusTexts:
             self._next = tick + _BETWEEN
             severity, sentence = self._waiting.popleft()
             for message in self._chunks(severity, sentence.encode("utf-8")):
-                # Critical texts go to inactive links, too: their stations may still receive.
+                # Critical texts also go to inactive links, because their stations may still receive.
                 yield OutgoingMessage(message, to_inactive=severity is TextSeverity.CRITICAL)
 
     def _chunks(self, severity: TextSeverity, text: bytes) -> Iterator[Message]:
@@ -59,6 +59,6 @@ class StatusTexts:
             yield mav.MAVLink_statustext_message(severity, text, 0, 0)
             return
         self._count = self._count % 0xFFFF + 1
-        # A sentence that fills its last chunk gets an empty one more, which ends it.
+        # After a sentence that fills its last chunk, an empty chunk marks the end.
         for chunk, start in enumerate(range(0, len(text) + 1, TEXT_SIZE)):
             yield mav.MAVLink_statustext_message(severity, text[start : start + TEXT_SIZE], self._count, chunk)

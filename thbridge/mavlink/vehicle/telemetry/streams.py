@@ -10,14 +10,14 @@ from thbridge.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
 from thbridge.mavlink.wire.outgoing import LinkId
 
 _LONGEST = 0x7FFFFFFF // MICROSECONDS_PER_TICK
-"""Ticks of the longest interval that fits into MESSAGE_INTERVAL: 35 minutes."""
+"""Longest interval that fits into MESSAGE_INTERVAL, in ticks: 35 minutes."""
 
 OFF = 0
 """Interval, in ticks, of a message that is not sent."""
 
 _SPREAD = 7
-"""Ticks between one message and the next at the same rate, and one vehicle and the next; it divides no usual interval,
-so messages with a rate of 1 Hz are spread over the second."""
+"""Ticks between two messages of the same rate, and between two vehicles. It divides no usual interval, so that messages
+at 1 Hz are spread over the second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,8 +26,8 @@ class DueMessage:
 
     Attributes:
         message: its id.
-        link: the only link it is for; None: all but `except_links`.
-        except_links: links with a rate of their own.
+        link: the only link it is for. If None, it is for all links except `except_links`.
+        except_links: links that have their own rate.
     """
 
     message: int
@@ -39,7 +39,8 @@ class Streams:
     """Rates of one vehicle's messages.
 
     Args:
-        defaults: interval of each message that can be requested, ticks; `OFF` for one that is sent on request only.
+        defaults: interval of each message that can be requested, ticks; `OFF` for messages that are sent on request
+            only.
         system: system id of the vehicle; vehicles send the same messages at different times.
     """
 

@@ -20,11 +20,11 @@ from thbridge.mavlink.wire.mode_numbers import Mode, custom_mode, standard_mode
 
 _UNKNOWN_16 = 0xFFFF
 _POSITION_ONLY = 0x0DF8
-"""Type mask of a target: velocity, acceleration, yaw and yaw rate are to be ignored."""
+"""Type mask of a target: ignore velocity, acceleration, yaw and yaw rate."""
 
 _KNOWS_WHERE = mav.MAV_SYS_STATUS_SENSOR_GPS | mav.MAV_SYS_STATUS_AHRS | mav.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
 _SENSORS = (
-    # Ground stations think a vehicle ready that claims gyroscope, accelerometer and compass to be well.
+    # Ground stations consider a vehicle ready if it reports a healthy gyroscope, accelerometer and compass.
     mav.MAV_SYS_STATUS_SENSOR_3D_GYRO
     | mav.MAV_SYS_STATUS_SENSOR_3D_ACCEL
     | mav.MAV_SYS_STATUS_SENSOR_3D_MAG
@@ -45,7 +45,7 @@ _KNOWS_ITS_PLACE = (
     | mav.EKF_PRED_POS_HORIZ_REL
     | mav.EKF_PRED_POS_HORIZ_ABS
 )
-"""Flags of a good estimate in ArduPilot; DroneKit waits for the last one to call a vehicle armable."""
+"""Flags of a good estimate in ArduPilot; DroneKit waits for the last one before it reports a vehicle as armable."""
 
 _SATELLITES = 12
 _ACCURACY = 50
@@ -60,7 +60,7 @@ class TelemetryState:
         tick: number of the tick.
         readings: readings of its robot.
         mode: mode for ground stations.
-        armed: True when a station is in command, or the robot moves.
+        armed: True if a station is in command, or the robot moves.
         commander: see `OperatorControl.commander_id`.
     """
 
@@ -88,7 +88,7 @@ def default_streams(position_rate: float, identity: AutopilotIdentity) -> dict[i
 
     Args:
         position_rate: rate of position, attitude and speed, Hz.
-        identity: autopilot that the vehicle presents itself as.
+        identity: autopilot that the vehicle claims to have.
     """
     often = max(1, round(TICKS_PER_SECOND / position_rate)) if position_rate > 0.0 else OFF
     return {
@@ -99,7 +99,7 @@ def default_streams(position_rate: float, identity: AutopilotIdentity) -> dict[i
         mav.MAVLINK_MSG_ID_MISSION_CURRENT: TICKS_PER_SECOND,
         mav.MAVLINK_MSG_ID_BATTERY_STATUS: TICKS_PER_SECOND,
         mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: TICKS_PER_SECOND,
-        # A message of ArduPilot's own.
+        # This message is specific to ArduPilot.
         mav.MAVLINK_MSG_ID_EKF_STATUS_REPORT: TICKS_PER_SECOND if identity is AutopilotIdentity.ARDUPILOT else OFF,
         mav.MAVLINK_MSG_ID_ATTITUDE: often,
         mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: often,
@@ -126,7 +126,7 @@ class Telemetry:
 
     Args:
         capabilities: its constant messages.
-        identity: autopilot that it presents itself as.
+        identity: autopilot that it claims to have.
         earth: map projection.
         home_position: makes HOME_POSITION for a tick.
         mission_current: makes MISSION_CURRENT.
@@ -147,7 +147,7 @@ class Telemetry:
         self._makers: dict[int, Callable[[TelemetryState], Message | None]] = {
             mav.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             mav.MAVLINK_MSG_ID_SYS_STATUS: self._sys_status,
-            # Simulated time is no time of day: the first field stays unknown.
+            # Simulated time is not the time of day, so the first field stays unknown.
             mav.MAVLINK_MSG_ID_SYSTEM_TIME: lambda now: mav.MAVLink_system_time_message(0, now.milliseconds),
             mav.MAVLINK_MSG_ID_GPS_RAW_INT: self._gps_raw_int,
             mav.MAVLINK_MSG_ID_MISSION_CURRENT: lambda _: mission_current(),
@@ -169,7 +169,7 @@ class Telemetry:
         }
 
     def message(self, number: int, state: TelemetryState) -> Message | None:
-        """Return a message of `default_streams`; None when it has no content, as for a goal when there is none."""
+        """Return a message of `default_streams`; None if it has no content, such as a goal while there is none."""
         constant = self._capabilities.get(number)
         return self._makers[number](state) if constant is None else constant(state.tick)
 
@@ -185,7 +185,7 @@ class Telemetry:
         )
 
     def _sys_status(self, now: TelemetryState) -> Message:
-        # There is no fence, but MAVProxy reports one that is not healthy as breached, present or not.
+        # There is no fence, but MAVProxy reports a fence that is not healthy as breached, even if it is not present.
         healthy = (_SENSORS & ~_KNOWS_WHERE if now.readings.lost else _SENSORS) | mav.MAV_SYS_STATUS_GEOFENCE
         remaining = _remaining(now.readings)
         return mav.MAVLink_sys_status_message(
@@ -311,7 +311,7 @@ def base_mode(now: TelemetryState) -> int:
 
 
 def _remaining(readings: RobotReadings) -> int:
-    """Return the remaining energy in per cent; -1 when it is unlimited or unknown."""
+    """Return the remaining energy in percent; -1 if it is unlimited or unknown."""
     if not 0.0 < readings.capacity < math.inf:
         return -1
     return _within(100.0 * readings.energy / readings.capacity, 0, 100)

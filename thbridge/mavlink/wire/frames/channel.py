@@ -1,6 +1,6 @@
-"""Bytes of one link: a stream or datagrams become complete frames, verified where there is a key; and back.
+"""Frame codec of one link: bytes of a stream or of datagrams to complete frames, verified if there is a key, and back.
 
-Without sockets and clocks.
+It uses no sockets and no clocks.
 """
 
 from dataclasses import dataclass
@@ -12,11 +12,11 @@ from thbridge.mavlink.wire.frames.signing import RejectedFrame, Signing
 
 @dataclass(slots=True)
 class ChannelCounts:
-    """Counts of what was received on a link.
+    """Counts of received data on a link.
 
     Attributes:
-        frames: number of good frames.
-        discarded_bytes: bytes that belonged to no good frame.
+        frames: number of valid frames.
+        discarded_bytes: number of bytes that belong to no valid frame.
         refused: number of complete frames without a valid signature.
     """
 
@@ -29,13 +29,13 @@ class Channel:
     """Frame codec of one link.
 
     Args:
-        signing: signs and verifies; None: frames are not signed, and signatures are ignored.
-        datagrams: True when each datagram holds complete frames; False for a stream.
+        signing: signs and verifies frames. If None, frames are not signed, and signatures are ignored.
+        datagrams: True if each datagram contains complete frames; False for a stream.
 
     Attributes:
-        counts: what was received so far.
-        bytes_since_good: bytes received since the last good frame.
-        last_fault: reason for the latest rejection; empty as long as nothing was rejected.
+        counts: counts of data received so far.
+        bytes_since_good: number of bytes received since the last valid frame.
+        last_fault: reason of the latest rejection; empty if nothing was rejected.
     """
 
     def __init__(self, signing: Signing | None, *, datagrams: bool) -> None:
@@ -46,7 +46,7 @@ class Channel:
         self._signing = signing
 
     def receive_data(self, data: bytes, now: float) -> list[Frame]:
-        """Return the good frames in received bytes, without signatures.
+        """Return the valid frames in received bytes, without signatures.
 
         Args:
             data: a datagram, or any piece of a stream.
@@ -69,7 +69,7 @@ class Channel:
         return good
 
     def encode(self, frame: Frame, now: float) -> bytes:
-        """Return a frame's bytes, signed when there is a key."""
+        """Return a frame's bytes, signed if there is a key."""
         return frame.to_bytes() if self._signing is None else self._signing.sign(frame, now)
 
     def _spoil(self, size: int, complaint: str) -> None:

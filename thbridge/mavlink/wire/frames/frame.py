@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import fastcrc
 
 V1, V2 = 0xFE, 0xFD
-"""First byte (magic) of a frame of version 1 and 2."""
+"""First byte (magic) of a frame of version 1 and of version 2."""
 
 SIGNED = 0x01
 """Bit of `incompat_flags`: a signature follows the checksum."""
@@ -24,24 +24,24 @@ HEADER_V2 = struct.Struct("<7BHB")
 """Magic, length of the payload, incompat and compat flags, sequence, system, component, message (16 bits, then 8)."""
 
 LARGEST = HEADER_V2.size + 255 + CHECKSUM_SIZE + SIGNATURE_SIZE
-"""Size of the longest frame, bytes."""
+"""Size of the longest frame in bytes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One frame. Its checksum is not a field: bytes with a wrong one are no frame.
+    """One frame. Its checksum is not a field, because bytes with a wrong checksum are not a frame.
 
     Attributes:
         system: system id of the sender, 1 to 255.
         component: component id of the sender.
-        sequence: the sender's count on this link, 0 to 255.
+        sequence: the sender's frame count on this link, 0 to 255.
         message_id: type of the message.
         payload: encoded fields.
         seed: CRC_EXTRA byte that the message's layout adds to the checksum (`dialect.crc_extra`).
         version: `V1` or `V2`.
-        incompat_flags: flags of version 2; a receiver that does not know one of them drops the frame.
+        incompat_flags: flags of version 2; a receiver drops frames with flags that it does not support.
         compat_flags: flags of version 2.
-        signature: link, timestamp and signature, 13 bytes; empty when unsigned.
+        signature: link, timestamp and signature, 13 bytes; empty if unsigned.
     """
 
     system: int
@@ -82,7 +82,7 @@ class Frame:
         """Encode the frame.
 
         Raises:
-            struct.error: a number is out of its range.
+            struct.error: a number is out of range.
         """
         head = self.head
         return head + checksum_of(head, self.seed).to_bytes(2, "little") + self.signature
@@ -93,7 +93,7 @@ class Frame:
 
 
 def checksum_of(head: bytes, seed: int) -> int:
-    """Return the checksum of a frame's header and payload; the first byte is left out."""
+    """Return the checksum of a frame's header and payload, without the first byte."""
     checksum: int = fastcrc.crc16.mcrf4xx(head[1:] + bytes((seed,)))
     return checksum
 
@@ -101,7 +101,7 @@ def checksum_of(head: bytes, seed: int) -> int:
 def missing_between(last: int, sequence: int) -> int:
     """Count the frames missing between two sequence numbers of one sender, 0 to 255.
 
-    A number up to 128 behind the last is a frame that came late or twice: nothing is missing.
+    A number up to 128 behind the last belongs to a frame that came late or twice: nothing is missing.
     """
     gap = (sequence - last - 1) % 256
     return gap if gap < 128 else 0

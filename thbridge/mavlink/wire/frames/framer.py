@@ -1,7 +1,7 @@
-"""Frame parser: finds the frames in a stream, however it is cut, or in datagrams.
+"""Frame parser: finds frames in a stream that may be cut anywhere, or in datagrams.
 
-No input raises an error. Bytes that form no frame are reported as discarded, and the search goes on behind their first
-byte: a good frame is never lost because a length before it was corrupt.
+No input raises an exception. Bytes that form no frame are reported as discarded, and the search continues after the
+first of them. So no valid frame is lost because of a corrupt length before it.
 
 Source: the MAVLink developer guide, "Packet Serialization" and "Incompatibility Flags".
 """
@@ -27,11 +27,11 @@ _MAGIC = re.compile(b"[\xfd\xfe]")
 """First byte of any frame."""
 
 _LIKELY = re.compile(rb"\xfe|\xfd(?:.[\x00\x01]|.?\Z)", re.DOTALL)
-"""First byte of a frame without unknown flags: skips a flood of frames with such flags more quickly."""
+"""Start of a frame without unknown flags, to skip a flood of frames with such flags faster."""
 
 
 class FrameFault(StrEnum):
-    """Reason why bytes are discarded, as the end of the sentence "thrown away: ..."."""
+    """Reason why bytes are discarded; completes the log message "thrown away: ..."."""
 
     GARBAGE = "no frame begins here"
     FLAGS = "a frame that asks for features nobody here has"
@@ -48,7 +48,7 @@ class DiscardedBytes:
 
     Attributes:
         size: number of bytes.
-        reason: fault of the first of them.
+        reason: fault of the first byte.
     """
 
     size: int
@@ -57,10 +57,10 @@ class DiscardedBytes:
 
 @dataclass(frozen=True, slots=True)
 class _Bad:
-    """Invalid frame, though its first byte is right.
+    """Invalid frame with a valid first byte.
 
     Attributes:
-        size: bytes that it claims.
+        size: size that its header gives, in bytes.
         reason: its fault.
     """
 
@@ -75,27 +75,27 @@ class FrameParser:
         self._held = b""
 
     def receive_data(self, data: bytes) -> list[Frame | DiscardedBytes]:
-        """Return frames and discarded bytes, in order, each as soon as it is certain.
+        """Return frames and discarded bytes in order, each as soon as it is certain.
 
-        The sizes add up to the bytes received. Only the division of discarded bytes into items depends on how the
-        stream was cut.
+        The sizes add up to the number of bytes received. Only the division of discarded bytes into items depends on how
+        the stream was cut.
         """
         found, self._held = _search(self._held + data, ended=False)
         return found
 
     def end(self) -> list[Frame | DiscardedBytes]:
-        """Return what is in the bytes held back, at the end of the stream; afterwards the parser is as new."""
+        """Return frames and discarded bytes from the bytes held back, at the end of a stream; reset the parser."""
         found, self._held = _search(self._held, ended=True)
         return found
 
 
 def parse_datagram(datagram: bytes) -> list[Frame | DiscardedBytes]:
-    """Return frames and discarded bytes of a datagram, which holds complete frames only."""
+    """Return frames and discarded bytes of a datagram, which contains complete frames only."""
     return _search(datagram, ended=True)[0]
 
 
 def frame_of(data: bytes) -> Frame | None:
-    """Return the frame that these bytes form exactly; None for anything else."""
+    """Return the frame that exactly these bytes form, or None."""
     match parse_datagram(data):
         case [Frame() as frame]:
             return frame
@@ -103,9 +103,9 @@ def frame_of(data: bytes) -> Frame | None:
 
 
 def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], bytes]:
-    """Return frames and discarded bytes, and the rest, which cannot be judged before more bytes follow."""
+    """Return frames and discarded bytes, and the rest, which needs more bytes to be decided."""
     found: list[Frame | DiscardedBytes] = []
-    # Start and fault of the pending discarded bytes, and the end that they claim.
+    # Start and fault of the pending discarded bytes, and the end that their header gives.
     lost, reason, claimed = 0, FrameFault.GARBAGE, 0
     place = 0
     while (magic := (_LIKELY if place < claimed else _MAGIC).search(held, place)) is not None:
@@ -123,7 +123,7 @@ def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], byt
             found.append(DiscardedBytes(what.size, FrameFault.SECRET) if secret else what)
             lost, reason, claimed, place = end, FrameFault.GARBAGE, end, end
             continue
-        # A good frame may lie inside an invalid one; further invalid ones inside it are not reported.
+        # A valid frame may be inside an invalid one; further invalid frames inside it are not reported.
         if start >= claimed:
             if start > lost:
                 found.append(DiscardedBytes(start - lost, reason))
@@ -146,7 +146,7 @@ def _frame_v1_at(held: bytes, start: int) -> Frame | _Bad | None:
     seed = crc_extra(message_id)
     if seed is None:
         return _Bad(size, FrameFault.UNKNOWN)
-    # Only version 2 lets a newer dialect make a message longer.
+    # Only in version 2 may a newer dialect extend a message.
     if length > longest_payload(message_id):
         return _Bad(size, FrameFault.LENGTH)
     if len(held) < start + size:
@@ -180,5 +180,5 @@ def _frame_v2_at(held: bytes, start: int) -> Frame | _Bad | None:
 
 
 def _is_intact(held: bytes, start: int, end: int, seed: int) -> bool:
-    """Return True when the two bytes behind the payload are the frame's checksum."""
+    """Return True if the two bytes after the payload are the frame's checksum."""
     return checksum_of(held[start:end], seed) == int.from_bytes(held[end : end + CHECKSUM_SIZE], "little")

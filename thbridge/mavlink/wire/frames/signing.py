@@ -2,10 +2,10 @@
 
 Source: the MAVLink developer guide, "Message Signing".
 
-Differs: no unsigned frame is accepted. Others accept RADIO_STATUS, which radios send without a key; here no radio is in
-between, and a frame forwarded under our signature would look as if the holder of the key had sent it. A key is never
-taken from the wire (SETUP_SIGNING). A timestamp from the last few months that 48 bits can hold is refused, because no
-later frame could have a newer one.
+Differs: no unsigned frame is accepted. Other programs accept RADIO_STATUS, which radios send without a key. Here is no
+radio in between, and a frame forwarded under our signature would look as if the key's owner had sent it. Keys are never
+accepted from the network (SETUP_SIGNING). Timestamps from the last few months of the 48-bit range are refused,
+because no later frame could have a newer one.
 """
 
 import hashlib
@@ -27,13 +27,13 @@ EPOCH = 1_420_070_400
 """Unix time from which timestamps count: 1 January 2015."""
 
 FIRST_TIMESTAMP_TOLERANCE = 60 * UNITS_PER_SECOND
-"""Most units by which the first timestamp of a stream may be behind ours."""
+"""Largest number of units by which the first timestamp of a stream may be behind ours."""
 
 LATEST = (1 << 48) - (1 << 40)
 """Latest timestamp that is accepted; the rest of the range lasts four months at 100,000 frames a second."""
 
 MAX_STREAMS = 1024
-"""Most senders whose timestamps are kept."""
+"""Largest number of senders with stored timestamps."""
 
 _HEX_KEY = re.compile(r"[0-9a-fA-F]{64}")
 _STAMP_SIZE = 6
@@ -45,7 +45,7 @@ class SigningKey:
     """Secret that both sides of a link share; `repr` does not show it.
 
     Raises:
-        ValueError: it is not of 32 bytes.
+        ValueError: it does not have 32 bytes.
     """
 
     secret: bytes = field(repr=False)
@@ -57,17 +57,17 @@ class SigningKey:
 
 @dataclass(frozen=True, slots=True)
 class InvalidKey:
-    """Content of a key file that is no key.
+    """Content of a key file that is not a key.
 
     Attributes:
-        problem: the reason, as a clause without its full stop.
+        problem: the reason, as a clause without a full stop.
     """
 
     problem: str
 
 
 class SignatureFault(StrEnum):
-    """Reason why a frame is rejected, as the end of the sentence "refused: ..."."""
+    """Reason why a frame is rejected; completes the log message "refused: ..."."""
 
     UNSIGNED = "it is not signed"
     WRONG = "its signature is wrong"
@@ -80,7 +80,7 @@ class SignatureFault(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RejectedFrame:
-    """Frame that is rejected because of its signature."""
+    """Frame rejected because of its signature."""
 
     reason: SignatureFault
 
@@ -88,11 +88,11 @@ class RejectedFrame:
 def parse_key(content: bytes) -> SigningKey | InvalidKey:
     """Return the key in a file: 32 raw bytes, 64 hexadecimal digits, or a passphrase.
 
-    A line of text is a passphrase, and its SHA-256 the key, as in MAVProxy and Mission Planner; QGroundControl has
-    derived keys from passphrases in its own manner since 2025, but shows them as 64 digits.
+    A line of text is a passphrase, and its SHA-256 is the key, as in MAVProxy and Mission Planner. QGroundControl has
+    derived keys from passphrases differently since 2025, but shows them as 64 digits.
 
     Args:
-        content: all of the file. Anything printable is text, with or without an end of line.
+        content: whole content of the file. Printable characters are text, with or without a line end.
     """
     try:
         text = content.decode().removesuffix("\n").removesuffix("\r")
@@ -111,11 +111,11 @@ def parse_key(content: bytes) -> SigningKey | InvalidKey:
 
 @dataclass(frozen=True, slots=True)
 class KnownTimestamps:
-    """Timestamps that an earlier program with the same key knew when it ended.
+    """Timestamps of an earlier run with the same key, at its end.
 
     Attributes:
-        latest: latest of all, ours included.
-        streams: last accepted one of each stream (link, system, component).
+        latest: the latest timestamp, including our own.
+        streams: last accepted timestamp of each stream (link, system, component).
     """
 
     latest: int
@@ -123,37 +123,37 @@ class KnownTimestamps:
 
 
 class SignatureTimestamps:
-    """Timestamps used so far, by us and by others, on all links with one key.
+    """Timestamps used so far by us and by other senders, on all links with one key.
 
     The links share them so that a frame from one link is not accepted again on another.
 
     Args:
-        known: timestamps of an earlier program.
-        not_before: seconds of Unix time before which no frame is accepted: where nothing is known, the program's start,
-            since an earlier one may have accepted whatever is older.
+        known: timestamps of an earlier run.
+        not_before: seconds of Unix time before which no frame is accepted. If nothing is known, this is the start of
+            the program, because an earlier run may have accepted older frames.
     """
 
     def __init__(self, known: KnownTimestamps | None = None, not_before: float = 0.0) -> None:
         self._latest = 0 if known is None else known.latest
         self._streams: dict[tuple[int, int, int], int] = {}
         if known is not None:
-            # Where there are many, those go that would be refused as new ones, too, with whatever they said so far.
+            # If there are too many senders, drop those whose frames would be refused even as frames of new senders.
             kept = 0 if len(known.streams) <= MAX_STREAMS // 2 else known.latest - FIRST_TIMESTAMP_TOLERANCE
             self._streams = {stream: last for stream, last in known.streams.items() if last >= kept}
         self._not_before = _timestamp_at(not_before)
 
     @property
     def known(self) -> KnownTimestamps:
-        """Present timestamps, for the next program."""
+        """Current timestamps, for the next run."""
         return KnownTimestamps(self._latest, dict(self._streams))
 
     def next(self, now: float) -> int:
-        """Return a timestamp to sign with; each is newer than all before, ours and the accepted ones."""
+        """Return a timestamp for signing; it is newer than all earlier ones, our own and the accepted ones."""
         self._latest = max(self._latest + 1, _timestamp_at(now))
         return self._latest
 
     def check(self, stream: tuple[int, int, int], timestamp: int, now: float) -> SignatureFault | None:
-        """Return the reason to reject a timestamp of a stream (link, system, component); None to accept it."""
+        """Return the reason to reject a timestamp of a stream (link, system, component), or None to accept it."""
         if timestamp > LATEST:
             return SignatureFault.FAR_AHEAD
         last = self._streams.get(stream)
@@ -166,7 +166,7 @@ class SignatureTimestamps:
         return SignatureFault.CROWDED if len(self._streams) >= MAX_STREAMS else None
 
     def accept(self, stream: tuple[int, int, int], timestamp: int) -> None:
-        """Record the timestamp of a frame whose signature was right."""
+        """Store the timestamp of a frame with a valid signature."""
         self._streams[stream] = timestamp
         self._latest = max(self._latest, timestamp)
 
@@ -176,7 +176,7 @@ class Signing:
 
     Args:
         key: key of both sides.
-        link_id: our number of this link, 0 to 255, which is part of the signature.
+        link_id: our number of this link, 0 to 255; part of the signature.
         timestamps: timestamps of all links with this key.
     """
 
@@ -186,7 +186,7 @@ class Signing:
         self._timestamps: Final = timestamps
 
     def verify(self, frame: Frame, now: float) -> Frame | RejectedFrame:
-        """Return the frame without its signature, if that is right and new.
+        """Return the frame without its signature if the signature is valid and new.
 
         Args:
             frame: frame as received.
@@ -206,7 +206,7 @@ class Signing:
         return frame.unsigned()
 
     def sign(self, frame: Frame, now: float) -> bytes:
-        """Sign and encode a frame; one of version 1 becomes version 2, since only that can be signed.
+        """Sign and encode a frame; version 1 becomes version 2, because only version 2 can be signed.
 
         Args:
             frame: unsigned frame.
