@@ -43,7 +43,7 @@ These three come before the parameters of the robot, under the names that ArduPi
 |---|---|---|---|
 | `SYSID_THISMAV` | | the robot's number | fixed |
 | `FS_GCS_TIMEOUT` | `mavlink: lost_after` | time without heartbeats after which a station is lost | 1 to 600 s |
-| `FS_ACTION` | `mavlink: failsafe` | action of a robot after its ground station is lost | 0: continue, 1: home, 2: stop |
+| `FS_ACTION` | `mavlink: failsafe` | action of a robot after the loss of its station | 0: continue, 1: home, 2: stop |
 """
 
 

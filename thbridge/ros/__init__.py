@@ -1,1 +1,1 @@
-"""The team and the game as ROS 1 messages: names, frames, message types and their bytes. No installed ROS is needed."""
+"""The team and the game as ROS 1 messages: names, frames, message types and bytes. No installation of ROS is needed."""

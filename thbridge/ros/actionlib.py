@@ -1,16 +1,17 @@
-"""The action server move_base of one robot, as clients see it: the list of all goals with their states.
+"""The action server move_base of one robot for its clients: the list of all goals with their states.
 
-Clients set and cancel goals; the game sets goals, too, as one client among them. The newest goal wins. The server is
-called twice a tick: `take` turns the requests of clients into inputs of the navigator, `follow` reads what the
-navigator did and returns the messages to publish. The same requests and the same navigation give the same messages,
-so the program that moves the robot and the one that records it may each have a server of their own.
+Clients set and cancel goals; the game is one of these clients. The newest goal wins. The server is called twice per
+tick: `take` turns the requests of clients into inputs of the navigator, and `follow` reads the actions of the navigator
+and returns the messages to publish. The same requests and the same navigation give the same messages, so the program
+that moves the robot and the program that records it may each have a server of their own.
 
 Source: actionlib, action_server.py, simple_action_server.py and server_goal_handle.py; ros-planning/navigation,
 move_base.cpp.
-Differs: there are no threads; within a tick requests are read first, then the newest goal is accepted. A goal of the
-game is active whatever its time stamp is, because the navigator has taken it. A simple goal (a pose without an id)
-gets its id before it is published, so that its result can be found. While a robot is dead its server is, too; active
-goals end when it revives. The list of ended goals has a limit, however many goals clients set.
+Differs: there are no threads; within a tick, requests are read first, then the newest goal is accepted. A goal of the
+    game
+is active whatever its time stamp is, because the navigator has accepted it. A simple goal (a pose without an id) gets
+its id before it is published, so that its result can be found. While a robot is dead, its server is dead too; active
+goals end when the robot is revived. The list of ended goals is limited, however many goals clients set.
 """
 
 from collections.abc import Iterable
@@ -47,7 +48,7 @@ _DIED = "the robot stopped working"
 
 @dataclass(frozen=True, slots=True)
 class GoalSet:
-    """A goal that did not come from a client of the action: one of the game, or a simple goal."""
+    """A goal that is not from a client of the action: a goal of the game, or a simple goal."""
 
     goal: GoalId
     base_in_map: Pose2
@@ -55,21 +56,21 @@ class GoalSet:
 
 @dataclass(frozen=True, slots=True)
 class StatusList:
-    """The states of all goals, with those that ended recently."""
+    """States of all goals, including those that ended recently."""
 
     entries: tuple[GoalStatus, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Feedback:
-    """News of a goal that the base drives to; the robot's pose goes with it."""
+    """Progress of the goal to which the base is driving; it is sent with the robot's pose."""
 
     entry: GoalStatus
 
 
 @dataclass(frozen=True, slots=True)
 class GoalEnded:
-    """The final state of a goal."""
+    """Final state of a goal."""
 
     entry: GoalStatus
 
@@ -84,11 +85,11 @@ class _Entry:
     Attributes:
         goal: its id and time stamp.
         status: its state.
-        text: the reason for this state, for people.
-        target: the navigator's goal; None where the pose cannot be used.
-        refusal: the reason why the pose cannot be used.
-        came: True when the goal itself was received; its cancel request may come first.
-        left_ns: time of its end, after which it stays listed for `LISTED_NS`; None before its end.
+        text: reason for this state, for people.
+        target: the navigator's goal; None if the pose cannot be used.
+        refusal: reason why the pose cannot be used.
+        came: True if the goal itself was received; its cancel request may arrive first.
+        left_ns: time of its end, after which it stays in the list for `LISTED_NS`; None before its end.
     """
 
     goal: GoalId
@@ -132,11 +133,11 @@ class MoveBaseServer:
         """Read the requests of clients, before the robots' tick.
 
         Args:
-            tick: the step in which the robot's navigator obeys the returned inputs.
-            requests: the requests to this robot, in their order.
+            tick: tick in which the robot's navigator executes the returned inputs.
+            requests: requests to this robot, in their order.
 
         Returns:
-            Inputs of the navigator; none of a dead robot.
+            Inputs of the navigator; empty for a dead robot.
         """
         if self._dead:
             return []
@@ -159,11 +160,11 @@ class MoveBaseServer:
         return self._execute()
 
     def follow(self, tick: int, navigation: Navigation | None) -> list[ActionServerMessage]:
-        """Read what the navigator did in the tick, and return the messages to publish.
+        """Process the actions of the navigator in a tick, and return the messages to publish.
 
         Args:
             tick: the number of the tick.
-            navigation: the navigator's output of this tick; None when the robot is dead.
+            navigation: the navigator's output of this tick; None if the robot is dead.
         """
         if navigation is None:
             self._dead = True
@@ -189,7 +190,7 @@ class MoveBaseServer:
     def _receive_goal(self, goal: GoalId, target: Goal | None, refusal: str) -> None:
         known = next((entry for entry in self._listed if entry.goal.id == goal.id), None)
         if known is not None:
-            # A goal whose cancel request came first ends at once; a known goal that comes again is ignored.
+            # A goal with an earlier cancel request ends at once; a known goal that arrives again is ignored.
             if known.status is GoalStatusCode.RECALLING:
                 self._end(known, GoalStatusCode.RECALLED, known.text)
             elif not known.came:
@@ -198,7 +199,8 @@ class MoveBaseServer:
         named = GoalId(goal.id or self._new_name(), goal.stamp_ns or self._now)
         entry = _Entry(named, GoalStatusCode.PENDING, target=target, refusal=refusal)
         self._listed.append(entry)
-        # A goal without a time stamp is never too old: here counts the client's stamp, not the one that we fill in.
+        # A goal without a time stamp is never too old. This uses the client's stamp, not the one that the server fills
+        # in.
         if 0 < goal.stamp_ns <= self._last_cancel_ns:
             self._end(entry, GoalStatusCode.RECALLED, _TAKEN_BACK)
         elif any(other is not None and named.stamp_ns < other.goal.stamp_ns for other in (self._current, self._next)):
@@ -227,7 +229,7 @@ class MoveBaseServer:
                 entry.status = GoalStatusCode.PREEMPTING
                 self._publish_status()
         if cancelled.id and not found:
-            # A cancel request can overtake its goal.
+            # A cancel request may arrive before its goal.
             self._listed.append(_Entry(cancelled, GoalStatusCode.RECALLING, came=False, left_ns=self._now))
         self._last_cancel_ns = max(self._last_cancel_ns, cancelled.stamp_ns)
 
@@ -246,8 +248,8 @@ class MoveBaseServer:
                 self._cancelled = current
                 return [CancelGoal(self._robot)]
             return []
-        # A new goal preempts the present one. If it cannot be driven to, the robot must stop all the same, because
-        # the goal before it has ended.
+        # A new goal preempts the current one. If it cannot be driven to, the robot must stop anyway, because
+        # the earlier goal has ended.
         drives = current is not None and current.is_active
         self._replace_current(entry)
         entry.status = GoalStatusCode.ACTIVE if entry.status is GoalStatusCode.PENDING else GoalStatusCode.PREEMPTING
@@ -267,14 +269,14 @@ class MoveBaseServer:
         self._current = self._next = entry
 
     def _end_driven(self, result: GoalResult) -> None:
-        """Take in the navigator's result of a goal."""
+        """Process the navigator's result of a goal."""
         known = [entry for entry in self._listed if entry.target == result.goal]
         entry = next((entry for entry in known if entry.is_active), None)
         if entry is None and not known:
-            entry = self._adopt(result.goal)  # set and given up within one tick
+            entry = self._adopt(result.goal)  # set and ended within one tick
         self._driven = None
         if entry is None:
-            return  # its end was published before
+            return  # its end is already published
         match result:
             case GoalReached():
                 self._end(entry, GoalStatusCode.SUCCEEDED, "Goal reached.")
@@ -286,7 +288,7 @@ class MoveBaseServer:
                 assert_never(result)
 
     def _adopt(self, goal: Goal) -> _Entry | None:
-        """Add a goal that the navigator took from the game; None when it is a known goal of a client."""
+        """Add a goal that the navigator accepted from the game; None if it is a known goal of a client."""
         if any(entry.target == goal and entry.is_active for entry in self._listed):
             return None
         named = GoalId(f"{self._names.namespace[1:]}-{recorded_number(goal.owner, goal.id)}", self._now)

@@ -1,6 +1,6 @@
 """Messages of ROS clients to robots, decoded: pose estimates, goals, velocities, plan requests.
 
-Clients are not ours: any bytes give a value or an `InvalidMessage`, whose sentence is for the client's log.
+Messages of clients may be invalid: any bytes give a value or an `InvalidMessage` with a sentence for the client's log.
 """
 
 import functools
@@ -25,23 +25,23 @@ T = TypeVar("T")
 _GOAL_ID_LENGTH = 512
 """actionlib's goal ids consist of node, number and time; every status list repeats them."""
 _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
-"""x, y and yaw among x, y, z, roll, pitch, yaw."""
+"""Indices of x, y and yaw among x, y, z, roll, pitch, yaw."""
 FARTHEST = 1e6
-"""Meters: no map is that large, and the squares of larger numbers lose their precision."""
+"""Largest coordinate in meters: no map is that large, and squares of larger numbers lose precision."""
 _FLAT = elementary.cos(math.radians(10.0))
-"""Cosine of the largest tilt of a goal: move_base, too, takes a few degrees for noise and more for a mistake."""
+"""Cosine of the largest tilt of a goal: move_base also takes a few degrees for noise and more for an error."""
 
 
 @dataclass(frozen=True, slots=True)
 class InvalidMessage:
-    """A message that cannot be used, and why."""
+    """A message that cannot be used, and the reason."""
 
     sentence: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseEstimate:
-    """A robot's pose with its (3, 3) covariance of x, y, theta."""
+    """Pose of a robot with its (3, 3) covariance of x, y, theta."""
 
     base_in_map: Pose2
     covariance: FloatArray
@@ -65,7 +65,7 @@ class LoggerLevel:
 
 @dataclass(frozen=True, slots=True)
 class ActionGoal:
-    """A goal with the id and the time stamp that its client gave it; `pose` is invalid if it cannot be driven to."""
+    """A goal with the id and time stamp of its client; `pose` is invalid if the goal cannot be driven to."""
 
     goal_id: str
     stamp_ns: int
@@ -74,7 +74,7 @@ class ActionGoal:
 
 @dataclass(frozen=True, slots=True)
 class ActionCancel:
-    """Goals to cancel: the one with this id, and all up to this time; all goals when both are empty."""
+    """Goals to cancel: the goal with this id, and all goals up to this time; all goals if both are empty."""
 
     goal_id: str
     stamp_ns: int
@@ -82,7 +82,7 @@ class ActionCancel:
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """nav_msgs/GetPlan: start (None: the robot's own pose), goal, and tolerance around the goal in meters."""
+    """nav_msgs/GetPlan: start (None for the robot's own pose), goal, and tolerance around the goal in meters."""
 
     start: Pose2 | None
     goal: Pose2
@@ -90,7 +90,7 @@ class PlanRequest:
 
 
 def _decoder(decode: Callable[[Cursor], T | InvalidMessage]) -> Callable[[bytes], T | InvalidMessage]:
-    """Make a decoder of bytes: those that are no such message give an `InvalidMessage`."""
+    """Return a decoder of bytes; bytes that are not such a message give an `InvalidMessage`."""
 
     @functools.wraps(decode)
     def of_bytes(data: bytes) -> T | InvalidMessage:
@@ -104,13 +104,13 @@ def _decoder(decode: Callable[[Cursor], T | InvalidMessage]) -> Callable[[bytes]
 
 @_decoder
 def pose_estimate(cursor: Cursor) -> PoseEstimate | InvalidMessage:
-    """geometry_msgs/PoseWithCovarianceStamped, of `initialpose` and of robot_localization's `set_pose`."""
+    """Decode geometry_msgs/PoseWithCovarianceStamped of `initialpose` or of robot_localization's `set_pose`."""
     return _pose_estimate(cursor)
 
 
 @_decoder
 def map_request(cursor: Cursor) -> MapRequest | InvalidMessage:
-    """The request of nav_msgs/SetMap."""
+    """Return the request of nav_msgs/SetMap."""
     grid = read_grid(cursor)
     estimate = _pose_estimate(cursor)
     return estimate if isinstance(estimate, InvalidMessage) else MapRequest(grid, estimate)
@@ -128,10 +128,10 @@ def _pose_estimate(cursor: Cursor) -> PoseEstimate | InvalidMessage:
 
 
 def is_covariance(matrix: FloatArray) -> bool:
-    """Return True when a (3, 3) matrix is a covariance of a pose: positive semi-definite, and not too large."""
+    """Return True if a (3, 3) matrix is a covariance of a pose: positive semi-definite, and not too large."""
     if matrix.shape != (3, 3) or not bool((np.abs(matrix) <= FARTHEST * FARTHEST).all()):
         return False
-    # With a little more on the diagonal than rounding takes, all leading minors must be positive (Sylvester).
+    # With slightly more than the rounding error added to the diagonal, all leading minors must be positive (Sylvester).
     more = 1e-9 * max(1.0, float(np.trace(matrix)))
     (xx, xy, xa), (_, yy, ya), (_, _, aa) = (0.5 * (matrix + matrix.T) + more * np.eye(3)).tolist()
     plane = xx * yy - xy * xy
@@ -141,14 +141,14 @@ def is_covariance(matrix: FloatArray) -> bool:
 
 @_decoder
 def goal_pose(cursor: Cursor) -> Pose2 | InvalidMessage:
-    """geometry_msgs/PoseStamped."""
+    """Decode geometry_msgs/PoseStamped."""
     _, frame = cursor.header()
     return _pose_in_map(cursor, frame)
 
 
 @_decoder
 def action_goal(cursor: Cursor) -> ActionGoal | InvalidMessage:
-    """move_base_msgs/MoveBaseActionGoal."""
+    """Decode move_base_msgs/MoveBaseActionGoal."""
     cursor.header()
     stamp_ns, goal_id = cursor.stamp(), _goal_id(cursor)
     _, frame = cursor.header()
@@ -157,14 +157,14 @@ def action_goal(cursor: Cursor) -> ActionGoal | InvalidMessage:
 
 @_decoder
 def action_cancel(cursor: Cursor) -> ActionCancel | InvalidMessage:
-    """actionlib_msgs/GoalID."""
+    """Decode actionlib_msgs/GoalID."""
     stamp_ns = cursor.stamp()
     return ActionCancel(_goal_id(cursor), stamp_ns)
 
 
 @_decoder
 def velocity(cursor: Cursor) -> Twist | InvalidMessage:
-    """geometry_msgs/Twist; a robot with two wheels uses only linear x and angular z."""
+    """Decode geometry_msgs/Twist; a robot with two wheels uses only linear x and angular z."""
     six = cursor.reals(6)
     if not np.isfinite(six).all():
         return InvalidMessage("it is not finite")
@@ -173,13 +173,13 @@ def velocity(cursor: Cursor) -> Twist | InvalidMessage:
 
 @_decoder
 def logger_level(cursor: Cursor) -> LoggerLevel | InvalidMessage:
-    """The request of roscpp/SetLoggerLevel."""
+    """Return the request of roscpp/SetLoggerLevel."""
     return LoggerLevel(cursor.string(), cursor.string())
 
 
 @_decoder
 def plan_request(cursor: Cursor) -> PlanRequest | InvalidMessage:
-    """The request of nav_msgs/GetPlan; a start without a frame means the robot's own pose, as in move_base."""
+    """Return the request of nav_msgs/GetPlan; a start without a frame means the robot's own pose, as in move_base."""
     _, start_frame = cursor.header()
     start: Pose2 | InvalidMessage | None = None
     if start_frame:

@@ -1,4 +1,4 @@
-"""Stamps of a recording that jump because a clock was set, and single stamps that are wrong."""
+"""Time stamps of a recording that jump because a clock was set, and single wrong time stamps."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 CLOCK_STEP_NS = 1_000_000_000
-"""Least change of a clock that counts. Smaller ones are reordered messages, or messages that took longer to come."""
+"""Smallest change of a clock that counts. Smaller ones are reordered or delayed messages."""
 
 
 class Stamped(Protocol):
-    """Anything with a stamp and a time of recording, nanoseconds."""
+    """An object with a time stamp and a time of recording, nanoseconds."""
 
     @property
     def stamp_ns(self) -> int:
-        """Its own stamp."""
+        """Its own time stamp."""
 
     @property
     def received_ns(self) -> int:
@@ -31,8 +31,8 @@ class ClockRun(Generic[Message]):
     """Messages between two changes of their clock, in the order of recording.
 
     Attributes:
-        messages: at least one.
-        changed_ns: change of the clock before the first message, ahead positive; 0 for the first run.
+        messages: the messages, at least one.
+        changed_ns: change of the clock before the first message, positive if set ahead; 0 for the first run.
     """
 
     messages: list[Message]
@@ -45,9 +45,9 @@ class ClockRun(Generic[Message]):
         self._latest_ns, self._ahead_ns = first.stamp_ns, first.stamp_ns - first.received_ns
 
     def continues_with(self, message: Message) -> bool:
-        """Return True where a message can have been stamped by the clock as it is in this run.
+        """Return True if a message can have been stamped by the clock of this run.
 
-        A message is stamped before it is recorded: how far stamps are ahead of the recording has an upper limit.
+        A message is stamped before it is recorded, so time stamps have an upper limit ahead of the time of recording.
         """
         back = message.stamp_ns < self._latest_ns - CLOCK_STEP_NS
         return not back and message.stamp_ns - message.received_ns <= self._ahead_ns + CLOCK_STEP_NS
@@ -60,14 +60,14 @@ class ClockRun(Generic[Message]):
 
 
 def split_by_clock(messages: Iterable[Message]) -> tuple[list[ClockRun[Message]], list[Message]]:
-    """Return the runs of a clock, and the messages whose stamps fit neither those before nor those after them.
+    """Return the runs of a clock, and the messages with time stamps that fit neither the run before nor the run after.
 
     Args:
-        messages: in the order of recording.
+        messages: messages in the order of recording.
     """
     runs: list[ClockRun[Message]] = []
     odd: list[Message] = []
-    waiting: ClockRun[Message] | None = None  # one message that does not fit, until the next one shows which is odd
+    waiting: ClockRun[Message] | None = None  # a message that does not fit, until the next one shows which is wrong
     for message in messages:
         if not runs:
             runs.append(ClockRun([message]))
@@ -92,7 +92,7 @@ def split_by_clock(messages: Iterable[Message]) -> tuple[list[ClockRun[Message]]
 
 
 class StampedIndex(NamedTuple):
-    """Stamp, time of recording, and place of a message."""
+    """Time stamp, time of recording, and index of a message."""
 
     stamp_ns: int
     received_ns: int
@@ -102,7 +102,7 @@ class StampedIndex(NamedTuple):
 def stamps_by_clock(
     stamps: NDArray[np.int64], received: NDArray[np.int64]
 ) -> tuple[list[tuple[NDArray[np.int64], int]], NDArray[np.int64]]:
-    """Return the indices of each run of a clock with its change before it, and those of odd stamps: `split_by_clock`.
+    """Return the indices of each run of a clock with the change before it, and those of wrong stamps: `split_by_clock`.
 
     Args:
         stamps: (n,) nanoseconds, in the order of recording.

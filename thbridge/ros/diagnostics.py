@@ -1,4 +1,4 @@
-"""The log and the diagnostics of a team: a line for each event that people should know, and each part's state."""
+"""Log and diagnostics of a team: a line for each event that people should know, and the state of each part."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -16,9 +16,9 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest, LogLevel, 
 from thbridge.ros.names import CALLER, MAKES_WAY_FOR, NAVIGATION, RobotNames
 
 SPREAD = 0.5
-"""Standard deviation of the position above which a robot counts as unsure, meters."""
+"""Standard deviation of the position above which a robot is unsure, meters."""
 LOW_CHARGE = 0.2
-"""Share of the energy below which a robot gets a warning."""
+"""Fraction of the energy below which a robot gets a warning."""
 
 _ENDS = {
     GoalStatusCode.SUCCEEDED: (LogLevel.INFO, "is reached"),
@@ -35,13 +35,13 @@ _STATES: dict[NavigatorState, tuple[DiagnosticLevel, str]] = {
 
 
 class RobotDiagnostics:
-    """The log lines and diagnostics of one robot.
+    """Log lines and diagnostics of one robot.
 
     Args:
         robot: its index in the team.
 
     Attributes:
-        changed: True where the robot begins or ends to make way in the last tick: its diagnoses are told at once.
+        changed: True if the robot began or stopped to make way in the last tick; its diagnostics are then sent at once.
     """
 
     def __init__(self, robot: int) -> None:
@@ -81,12 +81,12 @@ class RobotDiagnostics:
         yield from self._way_made(snapshot.tick, None if dead else output.navigation.makes_way_for)
         if dead:
             return
-        # Carried on are only robots that know where they are, as in the tick before.
+        # Extrapolated output exists only for robots that know where they are, as in the tick before.
         if not isinstance(output, PropagatedOutput) and output.estimate.lost != self._lost:
             self._lost = output.estimate.lost
             text = "the robot does not know where it is" if self._lost else "the robot knows where it is"
             yield LogLine(LogLevel.WARN if self._lost else LogLevel.INFO, self._localiser, text)
-        # Carried on are only robots whose localizers work, as in the tick before.
+        # Extrapolated output exists only for robots with a working localizer, as in the tick before.
         fault = "" if isinstance(output, PropagatedOutput) else output.estimate.fault
         if fault and fault != self._fault:
             yield LogLine(LogLevel.ERROR, self._localiser, fault)
@@ -101,7 +101,7 @@ class RobotDiagnostics:
             yield from self._goal(message)
 
     def _way_made(self, tick: int, robot: int | None) -> Iterator[LogLine]:
-        """Yield a line where the robot begins to make way for another one, and where it ends."""
+        """Yield a line if the robot begins or stops to make way for another robot."""
         before, since = self._makes_way_for, self._makes_way_since
         self.changed = robot != before
         if not self.changed:
@@ -114,7 +114,7 @@ class RobotDiagnostics:
             yield LogLine(LogLevel.INFO, self._navigator, f"makes way for {robot_name(robot)}")
 
     def log_request(self, request: ActionRequest) -> Iterator[LogLine]:
-        """Yield a line for a client's request; none for a dead robot, which does not receive it."""
+        """Yield a line for a client's request; nothing for a dead robot, which does not receive it."""
         match request:
             case GoalRequest(_, goal_id, _, Pose2() as base) if not self._dead:
                 yield LogLine(

@@ -1,6 +1,6 @@
-"""A layout of Foxglove that shows a whole team: map, robots, scans, particle clouds, costmaps, plans, plots, log.
+"""Foxglove layout that shows a whole team: map, robots, scans, particle clouds, costmaps, plans, plots, log.
 
-Source: layouts exported by Foxglove; it has defaults for all that is left out here.
+Source: layouts exported by Foxglove; it has defaults for everything that is omitted here.
 """
 
 import json
@@ -19,19 +19,19 @@ Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Va
 Section: TypeAlias = dict[str, Value]
 
 _SCENE, _ERRORS, _ENERGY, _LOG = "3D!team", "Plot!errors", "Plot!energy", "RosOut!log"
-"""Panels: their kind in Foxglove, and a name of ours."""
+"""Panels: their type in Foxglove, and our name."""
 _SHARE_OF_SCENE = 0.9
-"""Share of the scene that the map fills."""
+"""Fraction of the scene that the map fills."""
 _ASPECT = 1.2
-"""Width of the scene by its height, about, where the window fills a screen."""
+"""Approximate ratio of width to height of the scene in a full-screen window."""
 
 
 def foxglove_layout(software: Sequence[RobotParameters], grid: OccupancyGrid) -> str:
-    """The layout file for a team on this map, seen from above.
+    """Return the layout file for a team on this map, seen from above.
 
     Args:
-        software: the parameters of each robot, whose planners name the topics of its plans.
-        grid: the map, which sets center and distance of the view.
+        software: parameters of each robot; the planners in them name the topics of its plans.
+        grid: the map, which determines center and distance of the view.
     """
     team = [RobotNames.of(number) for number in range(len(software))]
     topics = [RobotTopics(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
@@ -46,7 +46,7 @@ def foxglove_layout(software: Sequence[RobotParameters], grid: OccupancyGrid) ->
     whole: Section = {
         "configById": {
             _SCENE: _scene(team, topics, grid),
-            _ERRORS: _plot("position error, metres", errors),
+            _ERRORS: _plot("position error, meters", errors),
             _ENERGY: _plot("energy, score", [*energy, score]),
             _LOG: {"topicToRender": names.ROSOUT, "minLogLevel": 1, "searchTerms": []},
         },
@@ -121,12 +121,12 @@ def _plot(title: str, lines: Sequence[Section]) -> Section:
 
 
 def _hex(robot: int) -> str:
-    """A robot's color as Foxglove writes it."""
+    """Return a robot's color as Foxglove writes it."""
     return "#" + "".join(f"{int(part):02x}" for part in colour_of(robot).split("; "))
 
 
 def _from_above(grid: OccupancyGrid) -> Section:
-    """The camera above the middle of the map, with a view as high as `distance`, meters."""
+    """Return the camera above the middle of the map, with a view as high as `distance`, meters."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     middle = grid.origin.compose(Pose2(width / 2, height / 2, 0.0))
     return {

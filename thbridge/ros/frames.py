@@ -1,4 +1,4 @@
-"""The tree of frames that tf messages describe, with the poses of children in their parents, in three dimensions."""
+"""The tree of frames in tf messages, with the three-dimensional pose of each child in its parent."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from thbridge.ros.names import frame_name
 
 
 def matrix(transform: SpatialTransform) -> FloatArray:
-    """(4, 4) homogeneous transform from the child's coordinates to the parent's."""
+    """Return the (4, 4) homogeneous transform from the child's coordinates to the parent's."""
     x, y, z, w = transform.orientation
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     # Drivers that leave the quaternion all zero mean no rotation.
@@ -30,16 +30,16 @@ def matrix(transform: SpatialTransform) -> FloatArray:
 
 
 class FrameTree:
-    """Frames with the first transform received of each; names without leading slash.
+    """Frames with the first received transform of each; names have no leading slash.
 
-    Later transforms of the same frame are ignored: amcl, too, looks up the pose of a laser once and keeps it.
+    Later transforms of the same frame are ignored; amcl also looks up the pose of a laser once and keeps it.
     """
 
     def __init__(self) -> None:
         self._above: dict[str, tuple[str, FloatArray]] = {}
 
     def add(self, transform: SpatialTransform) -> bool:
-        """Take in one transform. Return True when it was new and valid."""
+        """Add one transform. Return True if it was new and valid."""
         child = frame_name(transform.child)
         if child in self._above or not np.isfinite((*transform.position, *transform.orientation)).all():
             return False
@@ -47,11 +47,11 @@ class FrameTree:
         return True
 
     def edges(self) -> list[tuple[str, str]]:
-        """Every (parent, child)."""
+        """Return every (parent, child)."""
         return [(parent, child) for child, (parent, _) in self._above.items()]
 
     def chain(self, frame: str) -> list[str]:
-        """The frame and its ancestors, nearest first."""
+        """Return the frame and its ancestors, nearest first."""
         chain = [frame_name(frame)]
         while chain[-1] in self._above:
             parent = self._above[chain[-1]][0]
@@ -61,7 +61,7 @@ class FrameTree:
         return chain
 
     def pose(self, frame: str, reference: str) -> FloatArray | None:
-        """(4, 4) pose of a frame in a reference frame by way of their common ancestor; None without one."""
+        """Return the (4, 4) pose of a frame in a reference frame through their common ancestor; None without one."""
         up, down = self.chain(frame), self.chain(reference)
         common = next((name for name in up if name in down), None)
         if common is None:
@@ -78,13 +78,13 @@ class FrameTree:
 
 
 def _product(a: FloatArray, b: FloatArray) -> FloatArray:
-    """(4, 4) product, added up in a fixed order, as numpy's own is not."""
+    """Return the (4, 4) product, added up in a fixed order, because NumPy's own order may vary."""
     product: FloatArray = (a[:, :, np.newaxis] * b[np.newaxis]).sum(axis=1)
     return product
 
 
 def _inverse(rigid: FloatArray) -> FloatArray:
-    """(4, 4) inverse of a rotation with a translation."""
+    """Return the (4, 4) inverse of a rotation with a translation."""
     inverse = np.eye(4)
     inverse[:3, :3] = rigid[:3, :3].T
     inverse[:3, 3] = -(inverse[:3, :3] * rigid[:3, 3]).sum(axis=1)
@@ -93,11 +93,11 @@ def _inverse(rigid: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class PlanarMount:
-    """The mounting of a planar laser on a base.
+    """Mounting of a planar laser on a base.
 
     Attributes:
         laser_in_base: pose of the laser in the base frame, seen from above.
-        upside_down: True when its z axis points to the ground, so that its beams turn clockwise.
+        upside_down: True if its z axis points to the ground, so that its beams turn clockwise.
         tilt: angle between its plane and the base's, radians in [0, pi/2].
     """
 
@@ -107,7 +107,7 @@ class PlanarMount:
 
     @classmethod
     def of(cls, pose: FloatArray) -> "PlanarMount":
-        """The mounting for a (4, 4) pose of the laser in the base frame."""
+        """Return the mounting for a (4, 4) pose of the laser in the base frame."""
         yaw = elementary.atan2(pose[1, 0], pose[0, 0])
         upward = float(pose[2, 2])
         return cls(

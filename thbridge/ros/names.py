@@ -6,7 +6,7 @@ from sim.common.robot_numbers import namespace_of
 
 MAP_FRAME = "map"
 CALLER = "/thbridge"
-"""Name of our node, the only publisher in bags and in a live graph."""
+"""Name of thbridge's node, the only publisher in bags and on a live graph."""
 
 TF = "/tf"
 TF_STATIC = "/tf_static"
@@ -27,10 +27,10 @@ THINGS = "/things"
 ROSOUT = "/rosout"
 DIAGNOSTICS = "/diagnostics"
 NAVIGATION, MAKES_WAY_FOR = "navigation", "makes way for"
-"""The part in /diagnostics that drives a robot, and the key there with the robot that it makes way for."""
+"""The part in /diagnostics that drives a robot, and the key in it for the robot that it makes way for."""
 CLOCK = "/clock"
 GRAPH_LINK = "ros"
-"""Name of the MAVLink link of ROS clients, by the topic mavlink/to."""
+"""Name of the MAVLink link of ROS clients, who use the topic mavlink/to."""
 STATIC_MAP = "/static_map"
 """Name of a service."""
 USE_SIM_TIME = "/use_sim_time"
@@ -38,36 +38,36 @@ USE_SIM_TIME = "/use_sim_time"
 
 
 def frame_name(name: str) -> str:
-    """A frame's name without the leading slash that tf of old wrote and tf2 forbids."""
+    """Return a frame's name without the leading slash, which old tf wrote and tf2 forbids."""
     return name.lstrip("/")
 
 
 @dataclass(frozen=True, slots=True)
 class RobotNames:
-    """One robot's namespace, frames and topics; frames carry no leading slash (tf2 forbids it).
+    """Namespace, frames and topics of one robot; frames have no leading slash (tf2 forbids it).
 
     Attributes:
-        namespace: "/robot1" for the first robot.
+        namespace: namespace, "/robot1" for the first robot.
     """
 
     namespace: str
 
     @classmethod
     def of(cls, robot: int) -> "RobotNames":
-        """The names of a robot by its index in the team."""
+        """Return the names of a robot by its index in the team."""
         return cls(f"/{namespace_of(robot)}")
 
     def frame(self, name: str) -> str:
-        """This robot's frame `name`: "odom" gives "robot1/odom"."""
+        """Return this robot's frame `name`; "odom" gives "robot1/odom"."""
         return f"{self.namespace[1:]}/{name}"
 
     def topic(self, name: str) -> str:
-        """This robot's topic `name`: "scan" gives "/robot1/scan"."""
+        """Return this robot's topic `name`; "scan" gives "/robot1/scan"."""
         return f"{self.namespace}/{name}"
 
     @property
     def odom(self) -> str:
-        """Frame of the wheels' odometry."""
+        """Frame of the wheel odometry."""
         return self.frame("odom")
 
     @property

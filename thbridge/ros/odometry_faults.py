@@ -1,11 +1,11 @@
 """Odometry that cannot be true: outliers, resets of its origin, changes of its clock.
 
-A robot cannot be elsewhere at once. The speeds around a message in the recording itself say how far the robot can have
-driven since the message before; whatever is farther is no motion. Where the messages after it come back, it was an
-outlier. Where they go on from there, the odometry was reset, and only its increments count from then on.
+A robot cannot jump. The speeds around a message in the recording show how far the robot can have driven since the
+previous message; a larger distance is not motion. If the next messages return, the message was an outlier. If they
+continue from there, the odometry was reset, and only its increments are used from then on.
 
 Source: Hampel, The influence curve and its role in robust estimation (1974), for limits by median and median absolute
-deviation: they hold while less than half of the values around are wrong.
+deviation: they are valid while less than half of the surrounding values are wrong.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -26,23 +26,23 @@ from thbridge.ros.clock_changes import ClockRun, Message, stamps_by_clock
 from thbridge.ros.messages.plausible import LARGEST
 
 WINDOW = 51
-"""Steps between messages whose speeds say what is usual: the 25 before, and the 25 after."""
+"""Number of steps between messages that determine the usual speed: the 25 before and the 25 after."""
 TOGETHER = 8192
-"""Steps whose medians are found together: it bounds memory."""
+"""Number of steps with medians computed together, to limit memory."""
 DEVIATIONS = 10.0
-"""Median absolute deviations above the median speed that a robot may still drive."""
+"""Number of median absolute deviations above the median speed that a robot may still drive."""
 LEAST_ABOVE_USUAL = (2.0, 3.0)
-"""m/s and rad/s above the median speed that a robot may drive in any case: it may start while it stands."""
+"""m/s and rad/s above the median speed that a robot may always drive, because a standing robot may start."""
 FASTEST = (50.0, 50.0)
-"""m/s and rad/s that no robot exceeds, however many values around are wrong."""
+"""m/s and rad/s that no robot exceeds, however many surrounding values are wrong."""
 RETURN_NS = 1_000_000_000
-"""Time within which odometry comes back from outliers."""
+"""Time within which odometry returns from outliers."""
 LEAST_MESSAGES = 3
-"""Messages in a row that odometry must go on with, for a jump to be more than an outlier."""
+"""Number of consecutive messages that must continue after a jump for it to be more than an outlier."""
 AT_ORIGIN = 0.5
-"""Meters and radians from 0 within which odometry that jumps is reset."""
+"""Distance from 0 in meters and radians within which odometry that jumps counts as reset."""
 MISSED = ((0.05, 0.03), (1.0, 0.5))
-"""Least and greatest standard deviations, in meters and radians, of what the robot drives unseen during a reset."""
+"""Smallest and largest standard deviations, in meters and radians, of the unseen motion during a reset."""
 
 
 class FaultKind(StrEnum):
@@ -58,7 +58,7 @@ class FaultKind(StrEnum):
 
 
 class OdometrySample(NamedTuple):
-    """One odometry message: stamp of recording, its own stamp, pose of the base in odom."""
+    """One odometry message: time of recording, its own time stamp, pose of the base in odom."""
 
     received_ns: int
     stamp_ns: int
@@ -67,15 +67,15 @@ class OdometrySample(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RecordedFault:
-    """One fault.
+    """A fault of a recorded message.
 
     Attributes:
         kind: its kind.
-        received_ns: stamp of recording of the message.
-        stamp_ns: its own stamp.
-        distance: meters from the message before that can be true; 0 for faults of stamps.
-        turn: radians from it, not negative.
-        seconds: change of the clock, ahead positive; 0 for other faults.
+        received_ns: time of recording of the message.
+        stamp_ns: its own time stamp.
+        distance: meters from the previous message that can be true; 0 for faults of time stamps.
+        turn: radians from that message, not negative.
+        seconds: change of the clock, positive if set ahead; 0 for other faults.
     """
 
     kind: FaultKind
@@ -87,7 +87,7 @@ class RecordedFault:
 
 
 class MissedMotion(NamedTuple):
-    """Motion that odometry does not report because it was reset: time of recording, standard deviations (m, rad)."""
+    """Motion that odometry does not report because of a reset: time of recording, standard deviations (m, rad)."""
 
     received_ns: int
     distance: float
@@ -96,12 +96,12 @@ class MissedMotion(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OdometryRun:
-    """Sound odometry between two changes of the clock.
+    """Valid odometry between two changes of the clock.
 
     Attributes:
-        received_ns: stamp of recording of its first message.
-        stamps: (n,) int64 nanoseconds, strictly increasing; n at least 1.
-        poses: (n, 3) poses of the base in odom as it began: jumps of its origin are taken out.
+        received_ns: time of recording of its first message.
+        stamps: (n,) int64 nanoseconds, strictly increasing; n is at least 1.
+        poses: (n, 3) poses of the base in odom as it was at the start; jumps of its origin are removed.
     """
 
     received_ns: int
@@ -114,12 +114,12 @@ class SoundOdometry:
     """Odometry without its faults.
 
     Attributes:
-        runs: in the order of recording.
-        faults: all of them, in the order of recording.
+        runs: runs in the order of recording.
+        faults: all faults, in the order of recording.
         missed: motions that it does not report.
-        kept: (n,) indices of the sound samples among those that were judged, run by run in the order of their stamps.
+        kept: (n,) indices of the valid samples among all samples, run by run in the order of their time stamps.
         outliers: (o,) indices of the outliers.
-        cuts: (k,) places in `kept` from which poses are seen from another origin, or stamped by a changed clock.
+        cuts: (k,) positions in `kept` from which poses have another origin or time stamps of a changed clock.
     """
 
     runs: tuple[OdometryRun, ...]
@@ -131,7 +131,7 @@ class SoundOdometry:
 
 
 MOST_EXAMPLES = 5
-"""Faults of one kind that a sentence describes one by one."""
+"""Largest number of faults of a kind that a sentence describes one by one."""
 _WORDS = {
     FaultKind.NOT_FINITE: "left out, since they are not finite or too large",
     FaultKind.OUTLIER: "left out as outliers, since the robot cannot have driven there",
@@ -144,11 +144,11 @@ _WORDS = {
 
 
 def fault_sentences(topic: str, faults: Iterable[RecordedFault], begin_ns: int) -> Iterator[str]:
-    """Yield a sentence for each kind of fault: how many, when (seconds after the beginning), and by how much.
+    """Yield a sentence for each kind of fault: number, times (seconds after the beginning), and sizes.
 
     Args:
-        topic: its name, or its frames in tf.
-        faults: in the order of recording.
+        topic: name of the topic, or its frames in tf.
+        faults: faults in the order of recording.
         begin_ns: time of recording at the beginning.
     """
     of_kind: dict[FaultKind, list[RecordedFault]] = {}
@@ -173,11 +173,11 @@ def _example(fault: RecordedFault, begin_ns: int) -> str:
 
 
 def sound_odometry(samples: Iterable[OdometrySample], max_speed: float | None) -> SoundOdometry:
-    """Leave out what cannot be true, and join what was reset.
+    """Remove odometry that cannot be true, and join what was reset.
 
     Args:
-        samples: in the order of recording.
-        max_speed: m/s that the robot cannot exceed; None takes it from the speeds around each message.
+        samples: samples in the order of recording.
+        max_speed: largest possible speed of the robot in m/s. If None, the speeds around each message determine it.
     """
     samples = list(samples)
     received = np.array([sample.received_ns for sample in samples], dtype=np.int64)
@@ -189,15 +189,15 @@ def sound_odometry(samples: Iterable[OdometrySample], max_speed: float | None) -
 def sound_poses(
     received: NDArray[np.int64], stamps: NDArray[np.int64], poses: FloatArray, max_speed: float | None = None
 ) -> SoundOdometry:
-    """Leave out what cannot be true, and join what was reset.
+    """Remove poses that cannot be true, and join what was reset.
 
     Args:
         received: (n,) times of recording, nanoseconds, in their order.
-        stamps: (n,) stamps.
+        stamps: (n,) time stamps.
         poses: (n, 3) poses of the base.
         max_speed: as for `sound_odometry`.
     """
-    plausible = (np.abs(poses) <= LARGEST).all(axis=1)  # NaN fails it
+    plausible = (np.abs(poses) <= LARGEST).all(axis=1)  # False for NaN
     finite = np.flatnonzero(plausible)
 
     def faults_of(kind: FaultKind, indices: NDArray[np.int64]) -> Iterator[RecordedFault]:
@@ -234,17 +234,17 @@ def _clock_fault(received_ns: int, stamp_ns: int, changed_ns: int) -> RecordedFa
 
 
 class _Piece(NamedTuple):
-    """Samples from `begin` to `end` (excluded) between which the robot can have driven."""
+    """Samples from `begin` to `end` (excluded), between which the robot can have driven."""
 
     begin: int
     end: int
 
 
 class _Judge:
-    """Finds outliers and resets among the samples of all runs of a clock, put end to end.
+    """Search for outliers and resets among the samples of all runs of a clock, one run after the other.
 
     Attributes:
-        faults: outliers, resets and jumps, once judged.
+        faults: outliers, resets and jumps, after `judge`.
         missed: see `SoundOdometry`.
     """
 
@@ -256,7 +256,7 @@ class _Judge:
         poses: FloatArray,
         max_speed: float | None,
     ) -> None:
-        # Of equal stamps the last is kept, as in tf.
+        # Of equal time stamps, the last is kept, as in tf.
         newest = [run[len(run) - 1 - np.unique(stamps[run][::-1], return_index=True)[1]] for run in runs]
         self._begins = [int(received[run[0]]) for run in runs]
         self._index = np.concatenate(newest)
@@ -269,10 +269,10 @@ class _Judge:
         self.missed: list[MissedMotion] = []
 
     def _measure(self, max_speed: float | None) -> None:
-        """Set the usual period, and speeds and limits of each step to the next sample; cut where that is too far."""
+        """Compute the usual period, and speed and limit of each step to the next sample; cut at steps too far."""
         same = np.diff(self._run_of) == 0
         seconds = np.maximum(np.where(same, np.diff(self._stamps), np.diff(self._received)) / 1e9, 0.0)
-        # A mean, since messages may come in bursts; without the gaps of a recording.
+        # The mean is used, because messages may arrive in bursts; gaps of the recording are excluded.
         usual = seconds[seconds <= RETURN_NS / 1e9]
         self._period = float(usual.mean()) if len(usual) else 0.0
         steps = np.diff(self._poses, axis=0)
@@ -289,7 +289,7 @@ class _Judge:
         self._pieces = [_Piece(*ends) for ends in pairwise([0, *cuts.tolist(), len(self._index)])]
 
     def _seconds(self, before: int, after: int) -> float:
-        """Time between two samples; by the time of recording where the clock was changed."""
+        """Return the time between two samples, by the time of recording if the clock was changed."""
         times = self._stamps if self._run_of[before] == self._run_of[after] else self._received
         return max(0.0, float(times[after] - times[before]) / 1e9)
 
@@ -297,12 +297,12 @@ class _Judge:
         return Pose2(*self._poses[i].tolist())
 
     def _moved(self, before: int, after: int) -> tuple[float, float]:
-        """Meters and radians, not negative, from one sample to another."""
+        """Return the distance from one sample to another in meters and radians, not negative."""
         one, other = self._pose(before), self._pose(after)
         return one.distance(other), abs(wrap_angle(other.theta - one.theta))
 
     def _effort(self, before: int, after: int) -> float:
-        """Way from one sample to another as a share of what the robot can drive; stamps may be off by a period."""
+        """Return the motion between two samples as a fraction of the possible motion; stamps may be off by a period."""
         seconds = max(self._seconds(before, after) + self._period, 1e-9)
         distance, turn = self._moved(before, after)
         most, most_turn = (self._limits[after - 1] * seconds).tolist()
@@ -312,7 +312,7 @@ class _Judge:
         return self._effort(before, after) <= 1.0
 
     def judge(self) -> None:
-        """Go through the pieces: keep, leave out, or join them."""
+        """Process the pieces: keep, remove or join them."""
         last, correction = None, IDENTITY
         pieces = self._pieces
         number = 0
@@ -340,9 +340,9 @@ class _Judge:
             number += 1
 
     def _return_within(self, piece: _Piece, last: int) -> int:
-        """First sample of a piece that is nearer to the last sound one than to the piece's beginning; see `_return`.
+        """Return the first sample of a piece that is nearer to the last valid one than to the start of the piece.
 
-        A way just too long into an outlier may not be too long out of it.
+        See `_return`: a distance just too long into an outlier may not be too long out of it.
         """
         for later in range(piece.begin + 1, min(piece.begin + LEAST_MESSAGES, piece.end)):
             if self._effort(last, later) < min(1.0, self._effort(piece.begin, later)):
@@ -350,7 +350,7 @@ class _Judge:
         return piece.begin
 
     def _return(self, number: int, last: int) -> int:
-        """Number of the piece that soon comes back to where the last sound sample was; the given one if none does."""
+        """Return the number of the piece that soon returns to the last valid sample, or the given number."""
         for later in range(number + 1, len(self._pieces)):
             begin = self._pieces[later].begin
             if self._seconds(last, begin) * 1e9 > RETURN_NS:
@@ -366,7 +366,7 @@ class _Judge:
                 self._outliers.append(i)
 
     def _reset(self, last: int, begin: int, correction: Pose2) -> Pose2:
-        """Record a jump of the odometry's origin; return the pose of the new origin in the first."""
+        """Record a jump of the odometry's origin; return the pose of the new origin in the first one."""
         x, y, theta = np.abs(self._poses[begin]).tolist()
         kind = FaultKind.RESET if max(x, y, theta) <= AT_ORIGIN else FaultKind.JUMP
         self.faults.append(self._fault(kind, begin, last))
@@ -382,7 +382,7 @@ class _Judge:
         return RecordedFault(kind, int(self._received[i]), int(self._stamps[i]), *self._moved(sound, i))
 
     def sound(self) -> Iterator[OdometryRun]:
-        """Yield the sound odometry of each run of the clock that has any."""
+        """Yield the valid odometry of each run of the clock that has any."""
         for number, begins in enumerate(self._begins):
             parts = [(piece, to) for piece, to in self._corrections if self._run_of[piece.begin] == number]
             if parts:
@@ -391,7 +391,7 @@ class _Judge:
                 yield OdometryRun(begins, stamps, poses)
 
     def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-        """The sound samples, the outliers, and where among the sound poses go on elsewhere, see `SoundOdometry`."""
+        """Return the valid samples, the outliers, and the cuts among the valid samples; see `SoundOdometry`."""
         places = np.concatenate([np.arange(*piece) for piece, _ in self._corrections])
         changed = self._run_of[places[1:]] != self._run_of[places[:-1]]
         origins = np.repeat(
@@ -403,7 +403,7 @@ class _Judge:
 
 
 def _moving_median(values: FloatArray) -> FloatArray:
-    """(n, 2) medians of the values around each; before the first and after the last, those are repeated."""
+    """Return (n, 2) medians of the values around each; the first and last medians are repeated at the ends."""
     medians = np.empty_like(values)
     if len(values):
         padded = np.pad(values, ((WINDOW // 2, WINDOW // 2), (0, 0)), mode="edge")
@@ -415,7 +415,7 @@ def _moving_median(values: FloatArray) -> FloatArray:
 
 
 def _moved_by(correction: Pose2, poses: FloatArray) -> FloatArray:
-    """(n, 3) poses seen from another origin; the very same ones from the first."""
+    """Return (n, 3) poses seen from another origin; for the first origin, the same object."""
     if correction == IDENTITY:
         return poses
     headings = [wrap_angle(correction.theta + theta) for theta in poses[:, 2].tolist()]

@@ -37,14 +37,14 @@ LOCAL_FOOTPRINT_PERIOD = TICKS_PER_SECOND // 5
 """Ticks between two footprints; move_base publishes them with every update of a costmap."""
 
 SHARED_PERIODS = (FEEDBACK_PERIOD, STATUS_PERIOD, TICKS_PER_SECOND)
-"""Ticks between two turns of what all robots say in the same ticks: feedback, status lists, batteries."""
+"""Periods in ticks of messages that all robots send in the same ticks: feedback, status lists, batteries."""
 
 UNMEASURED = 1e6
-"""Variance of z, roll and pitch, which a planar robot does not measure, as ROS drivers give it."""
+"""Variance of z, roll and pitch, which a planar robot does not measure, as in ROS drivers."""
 
 ODOMETRY_COVARIANCE = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
-"""Nominal and constant, as drivers of real bases give them: filters that fuse odometry (robot_pose_ekf,
-robot_localization) use its increments, and a covariance that grows with the distance would make them distrust each."""
+"""Nominal constant covariances, as in drivers of real bases. Filters that fuse odometry (robot_pose_ekf,
+robot_localization) use its increments, and would distrust each increment if the covariance grew with the distance."""
 
 
 class Motion(NamedTuple):
@@ -52,9 +52,9 @@ class Motion(NamedTuple):
 
     Attributes:
         truth: true poses and twists, as nav_msgs/Odometry.
-        odometry: what the wheels measured, likewise.
+        odometry: poses and twists measured by the wheels, as nav_msgs/Odometry.
         poses: x, y, theta of the true poses.
-        commands: what the motors are given, m/s and rad/s.
+        commands: commands to the motors, m/s and rad/s.
         charges: energy left.
     """
 
@@ -66,7 +66,7 @@ class Motion(NamedTuple):
 
 
 class RobotPublisher:
-    """Makes one robot's messages; keeps the last of those that are published only when they change.
+    """Source of one robot's messages; it keeps the last of those that are published only when they change.
 
     Args:
         robot: its index in the team.
@@ -76,11 +76,11 @@ class RobotPublisher:
     Attributes:
         names: its namespace and frames.
         topics: all topics that it publishes.
-        odom_in_map: the pose of its frame odom by its last estimate; None before the first.
-        map_to_odom: that transform but for its head, packed; to be set with `odom_in_map`.
-        map_to_base: the frames of its true pose, packed.
-        odom_to_base: the frames of its odometry, packed.
-        transform_bytes: length of head, frames and pose in a message of its odometry: its transform.
+        odom_in_map: pose of its frame odom by its last estimate; None before the first.
+        map_to_odom: that transform without its head, packed; to be set together with `odom_in_map`.
+        map_to_base: frames of its true pose, packed.
+        odom_to_base: frames of its odometry, packed.
+        transform_bytes: length of head, frames and pose in a message of its odometry, which form its transform.
     """
 
     def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:
@@ -104,7 +104,7 @@ class RobotPublisher:
         self._local_plan: FloatArray = self._plan
 
     def received(self, stamp_ns: int, tick: int, request: ActionRequest) -> Iterator[RosMessage]:
-        """Yield the message of a client's request; none when it cannot be written as one."""
+        """Yield the message of a client's request; none if it cannot be written as a message."""
         match request:
             case GoalRequest(_, goal_id, goal_stamp_ns, Pose2() as base):
                 data = pack.move_base_goal(tick, GoalId(goal_id, goal_stamp_ns), MAP_FRAME, base)
@@ -121,15 +121,15 @@ class RobotPublisher:
     def goals(
         self, tick: int, requests: Sequence[ActionRequest], output: RobotOutput, dead: bool
     ) -> Sequence[ActionServerMessage]:
-        """Return the action server's messages in a tick, given the clients' requests in that tick."""
+        """Return the action server's messages of a tick, given the clients' requests in that tick."""
         self._server.take(tick, requests)
         return self._server.follow(tick, None if dead else output.navigation)
 
     def is_quiet(self, tick: int, motion: Motion, output: PropagatedOutput) -> bool:
-        """Return True when this output gives no message but truth and odometry.
+        """Return True if this output gives no messages except truth and odometry.
 
-        That is so between two turns of what is said periodically, while the navigator goes on as before; the caller
-        looks after what many robots share: `SHARED_PERIODS`, requests, and what is true of them.
+        This is the case between two periodic messages while the navigator continues as before. The caller checks what
+        robots share: `SHARED_PERIODS`, requests, and their true state.
         """
         navigation = output.navigation
         return (
@@ -144,15 +144,14 @@ class RobotPublisher:
     ) -> Iterator[tuple[Topic, bytes]]:
         """Yield the messages of a robot in one tick; it must not be dead.
 
-        Parts of a propagated output are made when they are looked at, and are looked at only where a message
-        needs them.
+        Parts of an extrapolated output are computed on access, so they are accessed only if a message needs them.
 
         Args:
-            tick: the number of the tick.
-            motion: of all robots.
-            base: where the robot believes to be, as geometry_msgs/Pose; empty where no message tells it.
-            output: the output of its software.
-            goals: the messages of its action server.
+            tick: number of the tick.
+            motion: motions of all robots.
+            base: the believed pose, as geometry_msgs/Pose; empty if no message contains it.
+            output: output of its software.
+            goals: messages of its action server.
         """
         topics, robot, navigation = self.topics, self._robot, output.navigation
         believed = pack.header(tick, MAP_FRAME) + base if base else b""
@@ -179,7 +178,7 @@ class RobotPublisher:
             yield from self._footprints(tick, output.neighbour)
 
     def _errors(self, true: Sequence[float], output: RobotOutput, believed: bytes) -> Iterator[tuple[Topic, bytes]]:
-        """Yield at every scan the believed pose and its errors, and that the robot is lost, when that changes."""
+        """Yield the believed pose and its errors at every scan, and the lost state when it changes."""
         topics, estimate = self.topics, output.estimate
         if estimate.lost is not self._lost:
             self._lost = estimate.lost
@@ -238,13 +237,13 @@ class RobotPublisher:
 
 
 def _moved(pose: Pose2, corners: FloatArray) -> list[tuple[float, float]]:
-    """`Pose2.transform` of (v, 2) points, to the bit; so few are moved sooner one by one."""
+    """Compute `Pose2.transform` of (v, 2) points, bit-identical; for so few points, one by one is faster."""
     c, s = elementary.cos_sin(pose.theta)
     return [(pose.x + c * x - s * y, pose.y + s * x + c * y) for x, y in corners.tolist()]
 
 
 def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
-    """True when a plan is the last one, or its rest from the present pose; such a plan is not published again."""
+    """Return True if a plan is the last one, or its rest from the current pose; such a plan is not published again."""
     if plan is last:
         return True
     if not len(plan):
@@ -254,7 +253,7 @@ def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
 
 
 def _equal(poses: FloatArray, others: FloatArray) -> bool:
-    """True when (n, 3) and (m, 3) poses are the same; most that are not differ in the last one."""
+    """Return True if (n, 3) and (m, 3) poses are equal; most unequal ones differ in the last pose."""
     if len(poses) != len(others):
         return False
     return not len(poses) or (poses[-1, 0] == others[-1, 0] and bool((poses == others).all()))

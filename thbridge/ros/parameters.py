@@ -1,7 +1,7 @@
 """The study's parameters under their names on ROS's parameter server.
 
-Parameters of `amcl` are `/robot1/amcl/...`; those of move_base and of all that runs inside it (costmaps, planners) are
-`/robot1/move_base/...`; the rest of the study is `/thbridge/...`.
+Parameters of `amcl` are `/robot1/amcl/...`. Parameters of move_base and everything inside it (costmaps, planners) are
+`/robot1/move_base/...`. The rest of the study is `/thbridge/...`.
 """
 
 import dataclasses
@@ -23,7 +23,7 @@ NODES = ("amcl", "ekf", "ukf", "fake_localization")
 """Sections that are separate nodes in ROS."""
 MOVE_BASE = "move_base"
 DEFAULT_RECOVERY = ("conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery")
-"""move_base's recovery behaviors by default (move_base.cpp, loadDefaultRecoveryBehaviors)."""
+"""move_base's default recovery behaviors (move_base.cpp, loadDefaultRecoveryBehaviors)."""
 
 
 _LAYERS = {
@@ -31,7 +31,7 @@ _LAYERS = {
     "obstacle_layer": "costmap_2d::ObstacleLayer",
     "inflation_layer": "costmap_2d::InflationLayer",
 }
-"""Layers that ROS's costmaps have, too, in their order, with the classes of their plugins."""
+"""Layers that ROS's costmaps also have, in their order, with the classes of their plugins."""
 _RECOVERIES = {
     "conservative_reset": "clear_costmap_recovery/ClearCostmapRecovery",
     "rotate_recovery": "rotate_recovery/RotateRecovery",
@@ -41,21 +41,21 @@ _DRIVES_AHEAD: Mapping[str, Tree] = {
     "TrajectoryPlannerROS": {"holonomic_robot": False},
     "DWAPlannerROS": {"max_vel_y": 0.0, "min_vel_y": 0.0, "vy_samples": 1},
 }
-"""Parameters by which ROS's planners know that a robot cannot drive sideways: by default they think it can."""
+"""Parameters for ROS's planners, saying that a robot cannot drive sideways; by default they assume it can."""
 _LOWEST = -1.0
-"""Meters below the base from which on readings of a laser count: rounding must not put the floor's plane out."""
+"""Meters below the base above which readings of a laser count; rounding must not exclude the floor's plane."""
 
 
 def robot_tree(software: RobotParameters, named: RobotNames, body: Sequence[Sequence[float]]) -> Tree:
-    """The parameters under a robot's namespace, as ROS's own amcl and move_base read them.
+    """Return the parameters under a robot's namespace, as ROS's own amcl and move_base read them.
 
-    Beside what the study's parameters say, these are the frames, topics and plugins with which real nodes start in the
-    robot's namespace, in the place of ours.
+    In addition to the study's parameters, these are the frames, topics and plugins for real nodes that replace ours in
+    the robot's namespace.
 
     Args:
-        software: of the robot.
+        software: parameters of the robot.
         named: its names.
-        body: corners of its true body, meters in its base frame, for costmaps that are told no other footprint.
+        body: corners of its true body, meters in its base frame, for costmaps without another footprint.
     """
     whole = tree_of(software)
     nodes: Tree = {name: cast(Tree, whole[name]) for name in NODES}
@@ -74,7 +74,7 @@ def robot_tree(software: RobotParameters, named: RobotNames, body: Sequence[Sequ
 
 
 def _costmap(own: Tree, named: RobotNames, body: Sequence[Sequence[float]], rolling: bool) -> Tree:
-    """A costmap's parameters as costmap_2d reads them."""
+    """Return a costmap's parameters as costmap_2d reads them."""
     tree: Tree = {
         **own,
         "plugins": [{"name": name, "type": kind} for name, kind in _LAYERS.items() if cast(Tree, own[name])["enabled"]],
@@ -92,7 +92,7 @@ def _costmap(own: Tree, named: RobotNames, body: Sequence[Sequence[float]], roll
         layer[source] = {**told, **seen}
     tree["obstacle_layer"] = layer
     if not tree["footprint"]:
-        # costmap_2d takes an empty list for a footprint, and gives up.
+        # costmap_2d fails on an empty list for a footprint.
         del tree["footprint"]
         if "robot_radius" not in tree:
             tree["footprint"] = [[float(x), float(y)] for x, y in body]
@@ -100,11 +100,11 @@ def _costmap(own: Tree, named: RobotNames, body: Sequence[Sequence[float]], roll
 
 
 def _navigator(own: Tree) -> Tree:
-    """move_base's own parameters, but for what runs inside it."""
+    """Return move_base's own parameters, without those of the parts inside it."""
     tree = dict(own)
     names = [cast(str, cast(Tree, each)["name"]) for each in cast("list[ParameterValue]", own["recovery_behaviors"])]
     if tuple(names) == DEFAULT_RECOVERY:
-        # It knows them by itself, and refuses a list with a name that comes twice.
+        # move_base has these by default, and refuses a list with a repeated name.
         del tree["recovery_behaviors"]
         return tree
     listed: list[ParameterValue] = []
@@ -116,7 +116,7 @@ def _navigator(own: Tree) -> Tree:
 
 
 def tree_of(section: "DataclassInstance") -> Tree:
-    """A section as a tree of parameters. Values of null are left out: ROS's parameter server has no null."""
+    """Return a section as a tree of parameters, without null values, because ROS's parameter server has no null."""
     tree: Tree = {}
     listed = cast(str | None, getattr(type(section), "sections_named_in", None))
     for field in dataclasses.fields(section):
@@ -159,7 +159,7 @@ def leaves(key: str, value: object) -> Iterator[tuple[str, object]]:
 
 
 def has(software: RobotParameters, path: str) -> bool:
-    """True when a path names a parameter, not a section and not nothing."""
+    """Return True if a path names a parameter, not a section or nothing."""
     section: object = software
     for name in path.split("."):
         if not dataclasses.is_dataclass(section) or name not in {field.name for field in dataclasses.fields(section)}:
@@ -169,7 +169,7 @@ def has(software: RobotParameters, path: str) -> bool:
 
 
 def value_at(software: RobotParameters, path: str) -> "ParameterValue | None":
-    """The value of the parameter at a path ("amcl.min_particles"); None where it is null."""
+    """Return the value of the parameter at a path ("amcl.min_particles"); None if it is null."""
     section: object = software
     for name in path.split("."):
         section = cast(object, getattr(section, name))
@@ -177,7 +177,7 @@ def value_at(software: RobotParameters, path: str) -> "ParameterValue | None":
 
 
 def path_of(robot: RobotNames, key: str) -> str | None:
-    """The path in `RobotParameters` ("amcl.min_particles") of a parameter of this robot; None for other keys.
+    """Return the path in `RobotParameters` ("amcl.min_particles") of a parameter of this robot; None for other keys.
 
     Args:
         robot: the robot's names.
@@ -193,7 +193,7 @@ def path_of(robot: RobotNames, key: str) -> str | None:
 
 
 def name_of(robot: RobotNames, path: str) -> str:
-    """The full name of a parameter: the inverse of `path_of`."""
+    """Return the full name of a parameter: the inverse of `path_of`."""
     head = path.partition(".")[0]
     node = "" if head in (*NODES, MOVE_BASE) or "." not in path else f"{MOVE_BASE}/"
     return f"{robot.namespace}/{node}{path.replace('.', '/')}"

@@ -1,4 +1,4 @@
-"""The messages of a session, tick by tick, in one order for bags and live graphs."""
+"""Messages of a session, tick by tick, in one order for bags and live graphs."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -78,7 +78,7 @@ DIAGNOSTICS_PERIOD = TICKS_PER_SECOND
 
 
 def clock_message(tick: int) -> RosMessage:
-    """The message of /clock, for graphs in simulated time; bags have none, because `rosbag play` publishes its own."""
+    """Return the message of /clock for graphs in simulated time; in bags, `rosbag play` publishes its own clock."""
     return RosMessage(CLOCK, stamp_ns(tick), pack.clock(tick))
 
 
@@ -87,11 +87,11 @@ class TeamPublisher:
 
     Args:
         robots: number of robots.
-        mount: the laser of every robot.
+        mount: mounting of every robot's laser.
         scan_period: seconds between two scans of one robot.
-        planners: names of each robot's planners; None: move_base's default ones.
+        planners: names of each robot's planners. If None, move_base's default planners.
         rooms: names of the map's rooms.
-        vehicles: True when the robots are MAVLink vehicles, too.
+        vehicles: True if the robots are also MAVLink vehicles.
 
     Raises:
         ValueError: the numbers of robots and planners differ.
@@ -127,7 +127,7 @@ class TeamPublisher:
         return TEAM_TOPICS + own + tuple(topic for robot in self._vehicles for topic in robot.all())
 
     def opening(self, tick: int, session: SessionRecord, grid: OccupancyGrid) -> list[RosMessage]:
-        """The first messages, published once and latched: session, static transforms, map."""
+        """Return the first messages, published once and latched: session, static transforms, map."""
         stamp = stamp_ns(tick)
         static = [
             transform
@@ -148,7 +148,7 @@ class TeamPublisher:
         return messages
 
     def tick(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> list[RosMessage]:
-        """The messages of one tick: inputs from outside, then the robots in their order, then the other records.
+        """Return the messages of a tick: inputs from outside, then the robots in their order, then the other records.
 
         Raises:
             ValueError: the team has another number of robots than this publisher.
@@ -191,7 +191,7 @@ class TeamPublisher:
         said += [(ROSOUT, pack.log(tick, line)) for line in lines]
         if changed:
             said.append((DIAGNOSTICS, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
-        # As `RosMessage(...)` would, without its Python.
+        # The same as `RosMessage(...)`, but without its Python code, for speed.
         messages += [tuple.__new__(RosMessage, (topic, stamp, data, False)) for topic, data in said]
         for record in records:
             if isinstance(record, VehicleRecord):
@@ -231,7 +231,7 @@ class TeamPublisher:
         )
 
     def _quiet(self, snapshot: TeamSnapshot, motion: Motion) -> frozenset[int]:
-        """Return the robots that say nothing in this tick but truth and odometry, given that nobody asked them."""
+        """Return the robots that send only truth and odometry in this tick, if no client has sent them a request."""
         truth = motion.charges, snapshot.truth.collisions.tolist(), snapshot.dead
         before, self._truth = self._truth, truth
         if truth != before or not all(snapshot.tick % period for period in SHARED_PERIODS):
@@ -245,11 +245,11 @@ class TeamPublisher:
     def _localise(
         self, outputs: Sequence[RobotOutput], goals: Mapping[int, Sequence[ActionServerMessage]]
     ) -> dict[int, bytes]:
-        """Take in new estimates, and return where robots believe to be, as geometry_msgs/Pose by robot.
+        """Process new estimates, and return the believed poses as geometry_msgs/Pose by robot.
 
         Args:
-            outputs: of all robots.
-            goals: messages of the action servers, of the robots that say anything.
+            outputs: outputs of all robots.
+            goals: messages of the action servers of the robots that send any.
         """
         corrected: list[RobotPublisher] = []
         telling: list[int] = []
@@ -281,7 +281,7 @@ class TeamPublisher:
         entries: list[bytes] = []
         for index, (robot, odometry) in enumerate(zip(self._robots, motion.odometry, strict=True)):
             if index not in snapshot.dead:
-                # An odometry's beginning is its transform.
+                # An odometry message starts with its transform.
                 entries += (head + robot.map_to_odom, odometry[: robot.transform_bytes])
         return pack.stamped_transforms(entries)
 
@@ -298,7 +298,7 @@ class TeamPublisher:
 
 
 def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:
-    """Yield the message of a record that comes after those of the robots; `tick` is for its header."""
+    """Yield the message of a record that follows those of the robots; `tick` is for its header."""
     match record:
         case GameEvent():
             yield RosMessage(GAME_EVENTS, stamp, pack.game_event(tick, record))

@@ -1,12 +1,13 @@
 """Messages of dynamic_reconfigure servers and their clients, for a robot's live parameters.
 
-In ROS every node, costmap, layer and planner with such parameters is a server with its own name. Here each section of
-`RobotParameters` with live parameters is one. Descriptions are taken from the parameters' declarations.
+In ROS, every node, costmap, layer and planner with such parameters is a server with its own name. Here, each section of
+`RobotParameters` with live parameters is a server. Descriptions come from the parameters' declarations.
 
 Source: ros/dynamic_reconfigure, server.h, config_tools.h and encoding.py; its messages Config and ConfigDescription.
 
-Differs: all levels are 0, as no part has to be restarted; `restore_defaults` is missing. Parameters that take one of a
-few words are enums, where ROS takes any text.
+Differs: all levels are 0, because no part has to be restarted; `restore_defaults` is missing. Parameters that accept
+    one
+of a few words are enums, whereas ROS accepts any text.
 """
 
 import json
@@ -29,12 +30,12 @@ ParameterType = Literal["bool", "int", "str", "double"]
 Value = bool | int | str | float
 
 _KINDS: tuple[ParameterType, ...] = get_args(ParameterType)
-"""The types in the order in which a Config lists them."""
+"""Types in the order in which a Config lists them."""
 
 _FLOAT64 = Struct("<d")
 _GROUP = "Default"
 _GROUP_IDS = INT32.pack(0) * 2
-"""The ids of the group and of its parent: all parameters are in the default group."""
+"""Ids of the group and of its parent: all parameters are in the default group."""
 _GROUP_STATE = string(_GROUP) + UINT8.pack(True) + _GROUP_IDS
 _NO_LEVEL = UINT32.pack(0)
 
@@ -58,13 +59,14 @@ class DescribedParameter:
     """One live parameter as dynamic_reconfigure describes it.
 
     Attributes:
-        name: within its section.
+        name: its name within its section.
         path: its path in `RobotParameters`, such as "amcl.kld_err".
         kind: ROS's name of its type.
         description: a sentence for people, with the unit.
-        edit_method: its choices, as the text of a Python dictionary that clients evaluate; empty when it is free.
-        minimum: least value; empty for text.
-        maximum: greatest value; empty for text.
+        edit_method: its choices, as the text of a Python dictionary that clients evaluate; empty if any value is
+            allowed.
+        minimum: smallest value; empty for text.
+        maximum: largest value; empty for text.
         default: the default value.
     """
 
@@ -78,13 +80,13 @@ class DescribedParameter:
     default: Value
 
     def clamped(self, value: Value) -> Value:
-        """The nearest value within the bounds, as dynamic_reconfigure's servers do it; NaN remains."""
+        """Return the nearest value within the bounds, as dynamic_reconfigure's servers do; NaN remains NaN."""
         if isinstance(value, str):
             return value
         return min(max(value, cast(float, self.minimum)), cast(float, self.maximum))
 
     def reported(self, software: RobotParameters) -> Value:
-        """Its value in a robot's software. A number that is null is given as 0, because messages have no null."""
+        """Return its value in a robot's software. Null is given as 0, because messages have no null."""
         value = value_at(software, self.path)
         if self.kind == "double":
             return float(cast("float | None", value) or 0.0)
@@ -104,13 +106,13 @@ class ReconfigureServer:
     parameters: tuple[DescribedParameter, ...]
 
     def name(self, robot: RobotNames) -> str:
-        """The server's name: "/robot1/move_base/local_costmap/inflation_layer"."""
+        """Return the server's name, such as "/robot1/move_base/local_costmap/inflation_layer"."""
         return name_of(robot, self.parameters[0].path).rpartition("/")[0]
 
 
 @cache
 def reconfigure_servers() -> tuple[ReconfigureServer, ...]:
-    """All servers of a robot."""
+    """Return all servers of a robot."""
     found: dict[str, list[DescribedParameter]] = {}
     for declared in live_parameters():
         found.setdefault(declared.path.rpartition(".")[0], []).append(described(declared))
@@ -118,7 +120,7 @@ def reconfigure_servers() -> tuple[ReconfigureServer, ...]:
 
 
 def described(declared: LiveParameter) -> DescribedParameter:
-    """Describe a live parameter."""
+    """Return the description of a live parameter."""
     name = declared.path.rpartition(".")[2]
     kind = _kind(declared.types)
     minimum, maximum = _bounds(kind, declared.minimum, declared.maximum)
@@ -128,7 +130,7 @@ def described(declared: LiveParameter) -> DescribedParameter:
         kind,
         declared.help
         + (f" [{declared.unit}]" if declared.unit else "")
-        + (" (null is told as 0)" if NoneType in declared.types else ""),
+        + (" (null is sent as 0)" if NoneType in declared.types else ""),
         _edit_method(kind, declared.help, _choices(name, declared.choices)),
         minimum,
         maximum,
@@ -171,7 +173,7 @@ def _edit_method(kind: ParameterType, help_: str, choices: Mapping[str, Value]) 
 
 
 def description(section: ReconfigureServer) -> bytes:
-    """dynamic_reconfigure/ConfigDescription."""
+    """Encode dynamic_reconfigure/ConfigDescription."""
     parameters = b"".join(
         string(each.name) + string(each.kind) + _NO_LEVEL + string(each.description) + string(each.edit_method)
         for each in section.parameters
@@ -189,12 +191,12 @@ def description(section: ReconfigureServer) -> bytes:
 
 
 def config(section: ReconfigureServer, software: RobotParameters) -> bytes:
-    """dynamic_reconfigure/Config: the present values; also the response of dynamic_reconfigure/Reconfigure."""
+    """Encode dynamic_reconfigure/Config with the current values; also the response of Reconfigure."""
     return values_config((each, each.reported(software)) for each in section.parameters)
 
 
 def values_config(values: Iterable[tuple[DescribedParameter, Value]]) -> bytes:
-    """dynamic_reconfigure/Config of these values."""
+    """Encode dynamic_reconfigure/Config with these values."""
     rows: dict[ParameterType, list[bytes]] = {kind: [] for kind in _KINDS}
     for parameter, value in values:
         rows[parameter.kind].append(string(parameter.name) + _WRITE[parameter.kind](value))
@@ -216,14 +218,14 @@ _WRITE: Mapping[ParameterType, Callable[[Value], bytes]] = {
 def requested_changes(
     section: ReconfigureServer, software: RobotParameters, data: bytes
 ) -> tuple[tuple[str, Value], ...] | InvalidMessage:
-    """The changes in a request of dynamic_reconfigure/Reconfigure: values by their paths, within their bounds.
+    """Return the changes in a request of dynamic_reconfigure/Reconfigure: values by their paths, within their bounds.
 
-    A value equal to the one in `config` is no change: clients send all values back, also those that they did not
-    change.
+    A value equal to the one in `config` is no change, because clients send all values back, including unchanged ones.
+
 
     Args:
         section: the server.
-        software: the present parameters.
+        software: the current parameters.
         data: the request's bytes.
     """
     requested = requested_values(section, data)
@@ -235,7 +237,7 @@ def requested_changes(
 def requested_values(
     section: ReconfigureServer, data: bytes
 ) -> tuple[tuple[DescribedParameter, Value], ...] | InvalidMessage:
-    """The values in a request of dynamic_reconfigure/Reconfigure, within their bounds.
+    """Return the values in a request of dynamic_reconfigure/Reconfigure, within their bounds.
 
     As in ROS, unknown names, names with another type, and the states of groups are ignored.
     """
@@ -253,7 +255,7 @@ def requested_values(
 def _given(cursor: Cursor) -> Mapping[tuple[ParameterType, str], Value]:
     given: dict[tuple[ParameterType, str], Value] = {}
     for kind in _KINDS:
-        for _ in range(cursor.integer(UINT32)):  # a forged count ends soon, because each item takes some bytes
+        for _ in range(cursor.integer(UINT32)):  # a forged count ends soon, because each item needs some bytes
             name = cursor.string()
             given[kind, name] = _READ[kind](cursor)
     return given

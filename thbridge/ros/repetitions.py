@@ -1,4 +1,4 @@
-"""Repetitions that a recording leaves out: costmaps that have not changed."""
+"""Repetitions that a recording omits: costmaps that have not changed."""
 
 from collections.abc import Iterable
 
@@ -6,8 +6,8 @@ from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
 
 REPEAT_NS = 10_000_000_000
-"""Time after which an unchanged costmap is recorded again: whoever plays a recording from its middle on waits no longer
-for one."""
+"""Time after which an unchanged costmap is recorded again. This limits the wait when a recording is played from its
+middle."""
 
 _STAMP = 12
 """Bytes of a header's seq and stamp."""
@@ -15,16 +15,16 @@ _LOAD_TIME = 8
 
 
 class RepetitionFilter:
-    """Leaves out of messages those costmaps that equal the last recorded one of their topic.
+    """Filter that removes costmaps equal to the last recorded one of their topic.
 
-    Stamps do not count. What is left out can be told from the one before, or had by a replay.
+    Time stamps are ignored in the comparison. A removed costmap equals the one before, and a replay can produce it.
     """
 
     def __init__(self) -> None:
         self._recorded: dict[Topic, tuple[int, bytes]] = {}
 
     def __call__(self, messages: Iterable[RosMessage]) -> list[RosMessage]:
-        """Return the messages that are to be recorded; they come in order of time."""
+        """Return the messages that are to be recorded; the given ones must be in order of time."""
         return [each for each in messages if each.topic.msgtype != types.OCCUPANCY_GRID or self._is_new(each)]
 
     def _is_new(self, costmap: RosMessage) -> bool:
@@ -38,6 +38,6 @@ class RepetitionFilter:
 
 
 def _unstamped(grid: bytes) -> bytes:
-    """A nav_msgs/OccupancyGrid without its header's seq and stamp, and without the time when the map was loaded."""
+    """Return a nav_msgs/OccupancyGrid without seq and stamp of its header, and without its map load time."""
     frame_end = _STAMP + 4 + int.from_bytes(grid[_STAMP : _STAMP + 4], "little")
     return grid[_STAMP:frame_end] + grid[frame_end + _LOAD_TIME :]

@@ -1,8 +1,8 @@
-"""Owner and purpose of topics and frames, guessed from the names that robots commonly use.
+"""Owner and purpose of topics and frames, guessed from names that robots commonly use.
 
 Names differ: Stage has `/robot_0/base_scan`, TurtleBot `/odom`, robot_localization `/odometry/filtered`, a camera
-`/camera/odom/sample`. The purpose of a message follows from its type; its robot from the prefix of its frame, or else
-from its namespace, unless that is the name of a node.
+`/camera/odom/sample`. The type of a message determines its purpose. The prefix of its frame determines its robot;
+without a prefix, its namespace does, unless that is the name of a node.
 """
 
 import re
@@ -11,9 +11,9 @@ from collections.abc import Collection, Iterable, Mapping
 from thbridge.ros.names import frame_name
 
 MAP_FRAMES = frozenset({"map", "world", "static_map"})
-"""Last words of the frames that maps are in."""
+"""Last words of the frames of maps."""
 ODOM_FRAME = "odom"
-"""Beginning of the last word of odometry frames: odom, odom_combined."""
+"""Start of the last word of odometry frames: odom, odom_combined."""
 
 _OWN_TOPICS = frozenset(
     {
@@ -25,37 +25,37 @@ _OWN_TOPICS = frozenset(
 _NODES = re.compile(
     r"odom|pose|[eu]kf|filter|camera|slam|locali[sz]|base$|driver|controller|move_base|amcl|imu|gps|zed|t265|gazebo|ground"
 )
-"""Words in namespaces that belong to a node and not to a robot."""
+"""Words in namespaces that name a node, not a robot."""
 _TRUTH = re.compile(r"ground_?truth|(^|[/_])(gt|truth|mocap|vicon|vrpn\w*|optitrack)([/_]|$)")
 
 
 def last_word(name: str) -> str:
-    """A topic or frame without its namespace or prefix."""
+    """Return a topic or frame without its namespace or prefix."""
     return name.rpartition("/")[2]
 
 
 def is_map_frame(frame: str) -> bool:
-    """True when a frame is that of a map."""
+    """Return True if a frame is the frame of a map."""
     return last_word(frame_name(frame)) in MAP_FRAMES
 
 
 def is_odom_frame(frame: str) -> bool:
-    """True when a frame is that of odometry."""
+    """Return True if a frame is a frame of odometry."""
     return last_word(frame_name(frame)).startswith(ODOM_FRAME)
 
 
 def is_truth(topic: str) -> bool:
-    """True when a topic of poses has a name of ground truth, from a simulator or from motion capture."""
+    """Return True if a topic of poses has a name of ground truth, from a simulator or from motion capture."""
     return _TRUTH.search(topic.lower()) is not None
 
 
 def prefix_of(frame: str) -> str:
-    """The robot's part of a frame: "robot1" of "/robot1/base_link", "" where there is none."""
+    """Return the robot's part of a frame, such as "robot1" for "/robot1/base_link"; empty if there is none."""
     return frame_name(frame).rpartition("/")[0]
 
 
 def namespace_of(topic: str) -> str:
-    """The robot's part of a topic: "robot1" of "/robot1/odom"; "" where it has none, or the namespace is a node's."""
+    """Return the robot's part of a topic, "robot1" for "/robot1/odom"; empty if there is none, or if it is a node."""
     words = topic.strip("/").split("/")
     for length in range(len(words) - 1, 0, -1):
         if words[length] in _OWN_TOPICS or words[length] == "move_base":
@@ -65,9 +65,9 @@ def namespace_of(topic: str) -> str:
 
 
 def owner_of(topic: str, robots: Collection[str]) -> str:
-    """The robot, among those known, to which a topic belongs.
+    """Return the known robot to which a topic belongs.
 
-    It is the robot whose namespace the topic is in; else the only one; else the one without a name.
+    It is the robot of the topic's namespace; otherwise the only robot; otherwise the robot without a name.
     """
     path = topic.strip("/")
     within = [robot for robot in robots if robot and path.startswith(f"{robot}/")]
@@ -77,13 +77,13 @@ def owner_of(topic: str, robots: Collection[str]) -> str:
 
 
 def usual_first(topics: Iterable[str], usual: Collection[str]) -> list[str]:
-    """Topics in order of preference: first those with usual names, in that order, then short ones."""
+    """Return topics in order of preference: first those with usual names, in this order, then short ones."""
     ranks = {name: rank for rank, name in enumerate(usual)}
     return sorted(topics, key=lambda topic: (ranks.get(last_word(topic), len(ranks)), topic.count("/"), topic))
 
 
 def owner_of_edge(key: tuple[str, str, str]) -> str:
-    """The robot of a transform: the prefix of one of its frames, else the namespace of the tf topic.
+    """Return the robot of a transform: the prefix of one of its frames, otherwise the namespace of the tf topic.
 
     Args:
         key: namespace of the topic, parent frame, child frame.
@@ -95,11 +95,11 @@ def owner_of_edge(key: tuple[str, str, str]) -> str:
 def robots_among(
     odometry: Mapping[str, str], edges: Iterable[tuple[str, str, str]], others: Iterable[str]
 ) -> frozenset[str]:
-    """Names of the robots: prefixes of frames, and namespaces; "" for a robot without either.
+    """Return the names of the robots: prefixes of frames, and namespaces; "" for a robot without either.
 
     Args:
         odometry: topics of odometry, each with its child frame.
-        edges: transforms with a parent of odometry, as for `owner_of_edge`.
+        edges: transforms with an odometry frame as parent, as in `owner_of_edge`.
         others: topics that only a robot has.
     """
     found = {prefix_of(child) or namespace_of(topic) for topic, child in odometry.items()}
@@ -112,6 +112,6 @@ def robots_among(
 
 
 def by_number(robot: str) -> tuple[int, str]:
-    """Sort key of robots: robot2 comes before robot10."""
+    """Return the sort key of a robot, so that robot2 comes before robot10."""
     digits = "".join(sign for sign in robot if sign.isdigit())
     return int(digits or 0), robot

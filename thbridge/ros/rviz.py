@@ -1,6 +1,6 @@
-"""A configuration of rviz that shows a whole team: map, robots, scans, particle clouds, plans, costmaps.
+"""rviz configuration that shows a whole team: map, robots, scans, particle clouds, plans, costmaps.
 
-Source: files saved by rviz 1.14. rviz has defaults for all that is left out here.
+Source: files saved by rviz 1.14. rviz has defaults for everything that is omitted here.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,30 +20,30 @@ Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Va
 Section: TypeAlias = dict[str, Value]
 
 COLOURS = ("0; 114; 178", "213; 94; 0", "0; 158; 115", "204; 121; 167", "230; 159; 0", "86; 180; 233", "120; 94; 240")
-"""One color a robot, distinguishable for color-blind people (Okabe and Ito, without the yellow: it is too pale)."""
+"""One color per robot, distinguishable by color-blind people (Okabe and Ito, without yellow, which is too pale)."""
 
 WINDOW = (1280, 900)
-"""Pixels, width and height."""
+"""Width and height in pixels."""
 
 _SHARE_OF_WINDOW = 0.9
-"""Share of the view that the map fills."""
+"""Fraction of the view that the map fills."""
 _PANEL = 320
-"""Pixels of width that the list of displays takes."""
+"""Width of the list of displays in pixels."""
 _PANELS = (
     "000000ff00000000fd00000001000000000000012c00000320fc0200000001fb000000100044006900730070006c0061"
     "00790073010000004100000320000000dd00ffffff000003c00000032000000004000000040000000800000008fc0000"
     "000100000002000000010000000a0054006f006f006c00730100000000ffffffff0000000000000000"
 )
 """Positions of the panels in Qt's format (QMainWindow::saveState): the displays at the left, 300 pixels wide. Without
-it they would cover the map."""
+it, they would cover the map."""
 
 
 def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> str:
-    """The configuration file for a team on this map, seen from above.
+    """Return the configuration file for a team on this map, seen from above.
 
     Args:
-        software: the parameters of each robot, whose planners name the topics of its plans.
-        grid: the map, which sets center and scale of the view.
+        software: parameters of each robot; the planners in them name the topics of its plans.
+        grid: the map, which determines center and scale of the view.
     """
     team = [RobotNames.of(number) for number in range(len(software))]
     topics = [RobotTopics(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
@@ -78,12 +78,12 @@ def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> s
 
 
 def colour_of(robot: int) -> str:
-    """A robot's color as rviz writes it: red, green and blue from 0 to 255."""
+    """Return a robot's color as in rviz files: red, green and blue from 0 to 255."""
     return COLOURS[robot % len(COLOURS)]
 
 
 def _display(kind: str, name: str, topic: str | None, enabled: bool, **properties: Value) -> Section:
-    """One display. rviz stores twice that it is switched on: in Enabled and in Value."""
+    """Return one display. rviz stores twice that it is switched on: in Enabled and in Value."""
     given = {key.replace("_", " "): value for key, value in properties.items()}
     about = {} if topic is None else {"Topic": topic}
     return {"Class": f"rviz/{kind}", "Name": name, "Enabled": enabled, "Value": enabled, **about, **given}
@@ -139,13 +139,13 @@ def _robot(robot: RobotNames, of: RobotTopics, colour: str) -> Section:
 
 
 def _tools(of: RobotTopics) -> Iterator[Section]:
-    """Yield the two buttons of a robot. rviz's tools have no names of their own, only topics."""
+    """Yield the two buttons of a robot. rviz's tools have no names, only topics."""
     yield {"Class": "rviz/SetInitialPose", "Topic": of.initialpose.name}
     yield {"Class": "rviz/SetGoal", "Topic": of.simple_goal.name}
 
 
 def _from_above(grid: OccupancyGrid) -> Section:
-    """The view of the whole map; rviz's scale is in pixels per meter."""
+    """Return the view of the whole map; rviz's scale is in pixels per meter."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     scale = _SHARE_OF_WINDOW * min((WINDOW[0] - _PANEL) / width, (WINDOW[1] - 120) / height)
     middle = grid.origin.compose(Pose2(width / 2, height / 2, 0.0))

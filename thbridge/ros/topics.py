@@ -1,4 +1,4 @@
-"""The topics of a session, with the types of their messages."""
+"""Topics of a session, with their message types."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -12,7 +12,7 @@ from thbridge.ros.names import RobotNames
 
 
 class Topic(NamedTuple):
-    """A topic with its message type; late subscribers of a latched one get its last message."""
+    """A topic with its message type; a late subscriber of a latched topic gets its last message."""
 
     name: str
     msgtype: str
@@ -26,7 +26,7 @@ class RosMessage(NamedTuple):
         topic: its topic.
         stamp_ns: time of publication, nanoseconds of ROS time.
         data: its bytes.
-        foreign: True when another node of the ROS graph published it: it is recorded, but not published again.
+        foreign: True if another node of the ROS graph published it: it is recorded, but not published again.
     """
 
     topic: Topic
@@ -36,10 +36,10 @@ class RosMessage(NamedTuple):
 
 
 MessageFilter: TypeAlias = Callable[[Iterable[RosMessage]], list[RosMessage]]
-"""Keeps those messages that are to be recorded; it is given all, in order of time."""
+"""Filter of the messages to be recorded; it gets all messages, in order of time."""
 
 CLOCK = Topic(names.CLOCK, types.CLOCK)
-"""Published on a graph only: `rosbag play` makes its own clock."""
+"""Published on graphs only, because `rosbag play` publishes its own clock."""
 TF = Topic(names.TF, types.TFMESSAGE)
 TF_STATIC = Topic(names.TF_STATIC, types.TFMESSAGE, latched=True)
 MAP = Topic(names.MAP, types.OCCUPANCY_GRID, latched=True)
@@ -79,7 +79,7 @@ TEAM_TOPICS = (
     ROSOUT,
     DIAGNOSTICS,
 )
-"""The topics that belong to no single robot."""
+"""Topics that belong to no single robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,15 +91,15 @@ class Planners:
 
     @classmethod
     def of(cls, parameters: RobotParameters) -> "Planners":
-        """The planners of a robot: "navfn/NavfnROS" becomes NavfnROS."""
+        """Return the planners of a robot; "navfn/NavfnROS" becomes NavfnROS."""
         chosen = parameters.move_base
-        # A planner that is installed may have a name with other characters than ROS allows.
+        # The name of an installed planner may contain characters that ROS does not allow.
         planner = re.sub(r"\W", "_", chosen.base_global_planner.rpartition("/")[2], flags=re.ASCII)
         return cls(planner, chosen.base_local_planner.rpartition("/")[2])
 
 
 class VehicleTopics:
-    """The topics of one robot as a MAVLink vehicle, with mavros' names.
+    """Topics of one robot as a MAVLink vehicle, with mavros' names.
 
     Attributes:
         sent: frames that it sends.
@@ -113,18 +113,18 @@ class VehicleTopics:
         self.state = Topic(robot.topic("mavros/state"), types.MAVROS_STATE, latched=True)
 
     def all(self) -> tuple[Topic, ...]:
-        """Every one of them."""
+        """Return all of these topics."""
         return self.sent, self.received, self.state
 
 
 P_WRONG = "p_wrong"
 """Last word of the topic with the probability that a robot's pose is wrong."""
 OF_ERRORS = frozenset({"believed_pose", "position_error", "heading_error", "lost", P_WRONG})
-"""Last words of the topics that tell how well a robot knows where it is."""
+"""Last words of the topics that show how well a robot knows where it is."""
 
 
 def is_of_errors(topic: Topic) -> bool:
-    """Return True for a topic that a recording may leave out by `recording: errors: false`."""
+    """Return True for a topic that a recording omits with `recording: errors: false`."""
     return topic.name.rpartition("/")[2] in OF_ERRORS
 
 
@@ -136,7 +136,7 @@ class RobotTopics:
         self.base_pose_ground_truth = Topic(robot.topic("base_pose_ground_truth"), types.ODOMETRY)
         self.scan = Topic(robot.topic("scan"), types.LASER_SCAN)
         self.amcl_pose = Topic(robot.topic("amcl_pose"), types.POSE_WITH_COVARIANCE, latched=True)
-        # Of no ROS node: for whoever asks how wrong a robot was, and when.
+        # These topics belong to no ROS node; they show how wrong a robot was, and when.
         self.believed_pose = Topic(robot.topic("believed_pose"), types.POSE_STAMPED)
         self.position_error = Topic(robot.topic("position_error"), types.FLOAT64)
         self.heading_error = Topic(robot.topic("heading_error"), types.FLOAT64)
@@ -152,17 +152,17 @@ class RobotTopics:
         self.status = Topic(robot.topic("move_base/status"), types.GOAL_STATUS_ARRAY, latched=True)
         self.feedback = Topic(robot.topic("move_base/feedback"), types.MOVE_BASE_FEEDBACK)
         self.result = Topic(robot.topic("move_base/result"), types.MOVE_BASE_RESULT)
-        # ROS repeats its plans; ours are latched, published only when they change, and end with an empty one.
+        # ROS repeats its plans; ours are latched, are published only when they change, and end with an empty one.
         self.plan = Topic(robot.topic(f"move_base/{planners.base_global_planner}/plan"), types.PATH, latched=True)
         self.local_plan = Topic(
             robot.topic(f"move_base/{planners.base_local_planner}/local_plan"), types.PATH, latched=True
         )
-        # costmap_2d sends its last costmap to every new subscriber, like a latched topic.
+        # costmap_2d sends its last costmap to every new subscriber, so the topic behaves like a latched one.
         self.global_costmap = Topic(robot.topic("move_base/global_costmap/costmap"), types.OCCUPANCY_GRID, latched=True)
         self.local_costmap = Topic(robot.topic("move_base/local_costmap/costmap"), types.OCCUPANCY_GRID, latched=True)
         self.global_footprint = Topic(robot.topic("move_base/global_costmap/footprint"), types.POLYGON_STAMPED)
         self.local_footprint = Topic(robot.topic("move_base/local_costmap/footprint"), types.POLYGON_STAMPED)
 
     def all(self) -> tuple[Topic, ...]:
-        """Every one of them."""
+        """Return all of these topics."""
         return tuple(vars(self).values())

@@ -160,7 +160,7 @@ def test_a_refusal_is_an_event_and_in_the_view() -> None:
     ("act", "told"),
     [
         (lambda session: session.send(3, 1), "there is no robot 3. Give a number from 1 to 2."),
-        (lambda session: session.set_goal(1, math.nan, 0.0), "not all finite"),
+        (lambda session: session.set_goal(1, math.nan, 0.0), "not all of these are finite"),
         (lambda session: session.set_goal(1, 1e9, 0.0), "no map is that large"),
         (lambda session: session.set_pose(1, 0, 0, 0, [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]), "covariance"),
         (lambda session: session.set_parameters(1, {"amcl.kld_errr": 1}), "kld_err"),
@@ -189,7 +189,7 @@ def test_recordings_that_cannot_be_made_are_told(tmp_path: Path) -> None:
     with pytest.raises(api.HuntError, match=r"ends in \.bag"):
         api.HuntSession(STUDY, record=tmp_path / "hunt.txt")
     (tmp_path / "file").touch()
-    with pytest.raises(api.HuntError, match="Choose another place"):
+    with pytest.raises(api.HuntError, match="Choose another path"):
         api.HuntSession(STUDY, record=tmp_path / "file" / "hunt.bag")
 
 

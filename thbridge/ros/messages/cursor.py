@@ -1,4 +1,4 @@
-"""A reader of ROS message bytes: little-endian, fields in order, a 32-bit length before strings and arrays."""
+"""Reader of ROS message bytes: little-endian, fields in order, a 32-bit length before strings and arrays."""
 
 from struct import Struct, error
 from typing import Self
@@ -17,7 +17,7 @@ POSE = Struct("<7d")
 
 
 class Cursor:
-    """Reads the fields of a message one by one; each method raises ValueError when the message ends too early."""
+    """Reader of the fields of a message, one by one; each method raises ValueError if the message ends too early."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
@@ -25,18 +25,18 @@ class Cursor:
 
     @classmethod
     def behind_header(cls, data: bytes) -> Self:
-        """A reader of the fields behind the header with which a message begins."""
+        """Return a reader that starts after the header of a message."""
         cursor = cls(data)
         cursor.header()
         return cursor
 
     @property
     def has_more(self) -> bool:
-        """True when there are bytes left to read."""
+        """True if there are bytes left to read."""
         return self._at < len(self._data)
 
     def take(self, count: int) -> bytes:
-        """The next `count` bytes."""
+        """Read the next `count` bytes."""
         end = self._at + count
         if end > len(self._data):
             raise ValueError("the message ends too early")
@@ -45,11 +45,11 @@ class Cursor:
         return taken
 
     def remaining(self) -> bytes:
-        """All bytes not yet read, without moving on."""
+        """Return all bytes not yet read, without reading them."""
         return self._data[self._at :]
 
     def integer(self, form: Struct) -> int:
-        """One integer of this struct format."""
+        """Read an integer of this struct format."""
         try:
             (value,) = form.unpack_from(self._data, self._at)
         except error:
@@ -58,29 +58,29 @@ class Cursor:
         return int(value)
 
     def real(self) -> float:
-        """One float32."""
+        """Read a float32."""
         (value,) = FLOAT32.unpack(self.take(FLOAT32.size))
         return float(value)
 
     def reals(self, count: int) -> NDArray[np.float64]:
-        """(count,) float64."""
+        """Read (count,) float64."""
         return np.frombuffer(self.take(8 * count), dtype="<f8").astype(np.float64)
 
     def string(self) -> str:
-        """Text; what is not UTF-8 is replaced."""
+        """Read a text; bytes that are not UTF-8 are replaced."""
         return self.take(self.integer(UINT32)).decode(errors="replace")
 
     def stamp(self) -> int:
-        """A time in nanoseconds."""
+        """Read a time in nanoseconds."""
         seconds, nanoseconds = STAMP.unpack(self.take(STAMP.size))
         return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
     def header(self) -> tuple[int, str]:
-        """A header: its stamp in nanoseconds and its frame."""
+        """Read a header: its stamp in nanoseconds and its frame."""
         self.take(UINT32.size)
         return self.stamp(), self.string()
 
     def spatial_pose(self) -> tuple[float, float, float, float, float, float, float]:
-        """A pose in three dimensions: x, y, z and a quaternion x, y, z, w."""
+        """Read a three-dimensional pose: x, y, z and a quaternion x, y, z, w."""
         x, y, z, qx, qy, qz, qw = POSE.unpack(self.take(POSE.size))
         return x, y, z, qx, qy, qz, qw

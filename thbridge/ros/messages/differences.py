@@ -12,19 +12,19 @@ from rosbags.typesys.msg import normalize_msgtype
 from thbridge.ros.messages.types import typestore
 
 MOST = 20
-"""Largest number of differing fields that are reported of one message."""
+"""Largest number of differing fields reported for one message."""
 _BEFORE, _EXCERPT = 12, 40
-"""Excerpts of long texts: characters before the first difference, and in all."""
+"""Length of excerpts of long texts: characters before the first difference, and in total."""
 
 
 @dataclass(frozen=True, slots=True)
 class FieldDifference:
-    """One field in which two messages differ.
+    """A field in which two messages differ.
 
     Attributes:
         field: its path, for example "pose.pose.position.x" or "ranges[17]".
         was: its value in the first message, as text; "nothing" beyond the end of a list.
-        now: its value in the other message.
+        now: its value in the other message, as text.
     """
 
     field: str
@@ -33,12 +33,12 @@ class FieldDifference:
 
 
 def differences(msgtype: str, was: bytes, now: bytes) -> tuple[FieldDifference, ...]:
-    """The first fields that differ, at most `MOST`, in the order of the type's definition.
+    """Return the first fields that differ, at most `MOST`, in the order of the type's definition.
 
     Args:
         msgtype: a type that sessions publish, for example "nav_msgs/Odometry".
         was: the first message.
-        now: the other one.
+        now: the other message.
 
     Raises:
         ValueError: one of them cannot be read as a message of the type.
@@ -72,7 +72,7 @@ def _between(path: str, was: object, now: object) -> Iterator[FieldDifference]:
 
 
 def _text(value: object) -> str:
-    """A value as text, with all its digits, so that values that differ by one bit have different texts; NaN is NaN."""
+    """Return a value as text with all digits, so that values that differ by one bit have different texts."""
     if value is None:
         return "nothing"
     return repr(value.item()) if isinstance(value, np.generic) else repr(value)

@@ -1,6 +1,6 @@
-"""Message types as bags of others define them, parsed within bounds.
+"""Message types as defined in bags of other programs, parsed within limits.
 
-A definition of some kilobytes can stand for billions of fields, and rosbags makes classes of what it parses.
+A definition of some kilobytes can stand for billions of fields, and rosbags creates classes from what it parses.
 """
 
 import math
@@ -13,15 +13,15 @@ from rosbags.typesys.msg import normalize_msgtype
 from rosbags.typesys.store import Typestore
 
 LONGEST_TEXT = 1 << 20
-"""Longest definition in characters, with its comments and those of all types within it."""
+"""Longest definition in characters, including comments and the types within it."""
 MOST_LINES = 10_000
 """Largest number of lines of a definition."""
 MOST_FIELDS = 10_000
-"""Largest number of fields of a type, those of the types within it counted wherever they stand."""
+"""Largest number of fields of a type; fields of types within it count at each occurrence."""
 DEEPEST_TYPE = 32
-"""Largest depth of types within types."""
+"""Largest depth of nested types."""
 LARGEST_MESSAGE = 1 << 26
-"""Largest size in bytes that arrays of fixed length give every message of a type."""
+"""Largest total size in bytes of the arrays of fixed length in a message of a type."""
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,127}(/msg|/action)?/[A-Za-z][A-Za-z0-9_]{0,127}")
 _TIMES = {"builtin_interfaces/msg/Time": 8, "builtin_interfaces/msg/Duration": 8}
@@ -30,24 +30,24 @@ _SIZES = {
     "int64": 8, "uint64": 8, "float32": 4, "float64": 8, "string": 4,
 }  # fmt: skip
 _STUMBLES = (TypesysError, ValueError, LookupError, AssertionError, RecursionError)
-"""Errors of rosbags' parser on texts that are no definitions."""
+"""Errors of rosbags' parser for texts that are not definitions."""
 
 
 def check_type_name(msgtype: str) -> None:
-    """Raise ValueError unless a name is one of a message type: a package, a slash, and a word."""
+    """Raise ValueError unless this is a valid name of a message type: a package, a slash, and a word."""
     if _NAME.fullmatch(msgtype) is None:
-        raise ValueError(f"{msgtype[:80]!r} is no name of a type")
+        raise ValueError(f"{msgtype[:80]!r} is not the name of a type")
 
 
 def types_in(msgtype: str, text: str) -> Typesdict:
-    """The types that a full definition text defines, by rosbags' names.
+    """Return the types that a full definition text defines, by rosbags' names.
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
         text: the full text, as in bags.
 
-    Raises:
-        ValueError: the name or the text is none, or beyond the bounds above; the message is a clause.
+        Raises:
+            ValueError: the name or the text is invalid, or beyond the limits above; the message is a clause.
     """
     check_type_name(msgtype)
     if len(text) > LONGEST_TEXT:
@@ -67,14 +67,14 @@ def types_in(msgtype: str, text: str) -> Typesdict:
 
 
 def store_of(types: Typesdict) -> Typestore:
-    """A store with these types alone. Raises ValueError: names of their fields collide."""
+    """Return a store with only these types. Raises ValueError: names of their fields collide."""
     store = get_typestore(Stores.EMPTY)
     register(store, types)
     return store
 
 
 def register(store: Typestore, types: Typesdict) -> None:
-    """Add types to a store. Raises ValueError: it has others of these names, or names of their fields collide."""
+    """Add types to a store. Raises ValueError: it has other types of these names, or names of their fields collide."""
     try:
         store.register(types)
     except _STUMBLES:
@@ -82,7 +82,7 @@ def register(store: Typestore, types: Typesdict) -> None:
 
 
 def _check_size(types: Typesdict, name: str) -> None:
-    """Raise ValueError when a type contains itself, or is too deep or too large."""
+    """Raise ValueError if a type contains itself, or is too deep or too large."""
     fields: dict[str, int] = {}
     sizes: dict[str, int] = {}
     depths: dict[str, int] = {}
@@ -113,7 +113,7 @@ def _check_size(types: Typesdict, name: str) -> None:
 
 
 def _named(described: object) -> str | None:
-    """The message type that a field has, alone or in an array; None for a plain one."""
+    """Return the message type of a field, also of an array; None for a built-in type."""
     match described:
         case (2, str(name)):
             return name
@@ -123,7 +123,7 @@ def _named(described: object) -> str | None:
 
 
 def _size(described: object, sizes: Mapping[str, int]) -> int:
-    """The least number of bytes that a field takes; messages without fields count as one, for they take time."""
+    """Return the smallest number of bytes of a field; a message without fields counts as one, because it takes time."""
     match described:
         case (1, (str(base), _)):
             return _SIZES.get(base, 1)

@@ -1,14 +1,14 @@
 """Owners of goals, and the numbers of their goals in recordings.
 
-A goal of a navigator has an owner, and a number that its owner counts. Recordings, requests of watchers and the ids of
-goals in ROS have one number for both: each owner has a range of its own there.
+A goal of a navigator has an owner and a number, which its owner counts. Recordings, requests of watchers and ids of
+goals in ROS have one number for both: each owner has its own range of numbers there.
 """
 
 from enum import StrEnum
 
 
 class GoalOwner(StrEnum):
-    """Party that sets goals and counts them; `WINDOW` until the session of a window counts the goal itself."""
+    """Party that sets goals and counts them; `WINDOW` until the session of a window has counted the goal."""
 
     GAME = ""
     ROS_CLIENT = "ROS client"
@@ -26,15 +26,15 @@ _FIRST = {
     GoalOwner.RESEARCHER: 2_000_000_000,
     GoalOwner.GROUND_STATION: 3_000_000_000,
 }
-"""Number in recordings of each owner's goal 0, in ascending order."""
+"""Number in recordings of goal 0 of each owner, in ascending order."""
 
 
 def recorded_number(owner: str, number: int) -> int:
-    """Return the number in recordings of an owner's goal."""
+    """Return the number of an owner's goal in recordings."""
     return _FIRST[GoalOwner(owner)] + number
 
 
 def owned_number(recorded: int) -> tuple[GoalOwner, int]:
-    """Return the owner of a goal with this number in recordings, and the owner's number of it."""
+    """Return the owner of a goal with this number in recordings, and the number of the goal for this owner."""
     owner = next((owner for owner, first in reversed(_FIRST.items()) if first <= recorded), GoalOwner.STRANGER)
     return owner, recorded - _FIRST[owner]

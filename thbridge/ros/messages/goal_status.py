@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 
 class GoalStatusCode(IntEnum):
-    """The state of a goal, in the codes of actionlib_msgs/GoalStatus."""
+    """State of a goal, in the codes of actionlib_msgs/GoalStatus."""
 
     PENDING = 0
     ACTIVE = 1
@@ -29,11 +29,11 @@ ENDED = frozenset(
         GoalStatusCode.LOST,
     }
 )
-"""The final states of a goal."""
+"""Final states of a goal."""
 
 
 class GoalId(NamedTuple):
-    """actionlib_msgs/GoalID: the id that a client gave its goal, and the time stamp (nanoseconds of ROS time)."""
+    """actionlib_msgs/GoalID: the id given by a client to its goal, and the time stamp (nanoseconds of ROS time)."""
 
     id: str
     stamp_ns: int

@@ -1,6 +1,6 @@
-"""Definitions for types of which a bag has none, or only a part: by the md5 sum, or by the name if messages fit.
+"""Definitions for types that a bag defines incompletely or not at all: by md5 sum, or by name if messages fit.
 
-Some writers of bags leave definitions out, or write a placeholder. The md5 sum, over all fields, names a type exactly.
+Some programs omit definitions from bags, or write a placeholder. The md5 sum over all fields identifies a type exactly.
 """
 
 import re
@@ -37,7 +37,7 @@ class IdentifiedType(NamedTuple):
 
 
 def missing_types(msgtype: str, md5: str, text: str) -> tuple[str, ...]:
-    """The types whose definition a full text lacks, the type itself first: it is missing where it has no field."""
+    """Return the types that a full text lacks; the type itself comes first, and is missing if it has no field."""
     own, *others = _PART.split(text)
     parts = {msgtype: own, **dict(zip(others[::2], others[1::2], strict=True))}
     missing = [] if md5 == EMPTY_MD5 or any(_kinds(own)) else [msgtype]
@@ -47,17 +47,17 @@ def missing_types(msgtype: str, md5: str, text: str) -> tuple[str, ...]:
 
 
 def _kinds(text: str) -> list[str]:
-    """The types of the fields and constants in the text of one type."""
+    """Return the types of the fields and constants in the text of one type."""
     lines = (line.partition("#")[0].split() for line in text.splitlines())
     return [words[0] for words in lines if words]
 
 
 @cache
 def identified(msgtype: str, md5: str, text: str) -> IdentifiedType | None:
-    """The definition of a type by what its connection says; None where that is not enough.
+    """Return the definition of a type from the data of its connection; None if that is not enough.
 
-    A text that is whole is taken as it is. Else it is the type's known definition, or the text with the known
-    definitions that it lacks, if that has the md5 sum.
+    A complete text is used unchanged. Otherwise the result is the type's known definition, or the text with known
+    definitions of missing types, if that has the md5 sum.
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
@@ -80,13 +80,13 @@ def identified(msgtype: str, md5: str, text: str) -> IdentifiedType | None:
 
 
 def is_md5(text: str) -> bool:
-    """True for an md5 sum; some writers leave it out, or write "*" for any."""
+    """Return True for an md5 sum; some programs omit it, or write "*" for any."""
     return _MD5.fullmatch(text) is not None
 
 
 @cache
 def known_definition(msgtype: str) -> Definition | None:
-    """The definition of a type that we or ROS Noetic have; None for any other."""
+    """Return the definition of a type of thbridge or ROS Noetic; None for any other type."""
     try:
         return plain_definition(msgtype)
     except KeyError:
@@ -94,13 +94,13 @@ def known_definition(msgtype: str) -> Definition | None:
 
 
 def by_name(msgtype: str, data: bytes) -> IdentifiedType | None:
-    """The known definition of a type's name, if the bytes of a message fit it."""
+    """Return the known definition of a type by its name, if the bytes of a message fit it."""
     known = known_definition(msgtype)
     return IdentifiedType(known.text, DefinitionSource.NAME) if known is not None and fits(msgtype, data) else None
 
 
 def fits(msgtype: str, data: bytes) -> bool:
-    """True when bytes are a message of a type that we or ROS Noetic have: neither too few nor too many."""
+    """Return True if bytes are a message of a type of thbridge or ROS Noetic: neither too few bytes nor too many."""
     name = normalize_msgtype(msgtype)
     try:
         return bytes(typestore().serialize_ros1(typestore().deserialize_ros1(data, name), name)) == data

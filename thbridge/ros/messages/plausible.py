@@ -1,9 +1,9 @@
-"""Bounds of numbers in messages that can be drawn and calculated with: drivers write NaN, inf and 1e308, too."""
+"""Bounds of numbers that can be drawn and calculated with, because drivers also write NaN, inf and 1e308."""
 
 LARGEST = 1e9
-"""Largest number of meters, radians or m/s that is taken for one."""
+"""Largest plausible number of meters, radians or m/s."""
 
 
 def is_plausible(*values: float) -> bool:
-    """True when all are finite, and none is beyond `LARGEST`."""
-    return all(abs(value) <= LARGEST for value in values)  # NaN fails it
+    """Return True if all values are finite and at most `LARGEST`."""
+    return all(abs(value) <= LARGEST for value in values)  # False for NaN

@@ -1,7 +1,7 @@
-"""Records for a bag besides the robots' own topics: session, game, dialogue, inputs, requests, vehicles.
+"""Records of a bag in addition to the robots' own topics: session, game, dialogue, inputs, requests, vehicles.
 
-Robots are indices in the team, from 0. Rooms are numbers as people say them; 0 is the corridor. In messages robots
-count from 1, as their namespaces do.
+Robots are indices in the team, from 0. Rooms are numbers for people; 0 is the corridor. In messages, robots count from
+1, as in their namespaces.
 """
 
 from dataclasses import dataclass
@@ -24,21 +24,21 @@ from thbridge.ros.messages.session_records import (
 
 @dataclass(frozen=True, slots=True)
 class SendRobots:
-    """A raw %%goto line, for the topic that the system of 2016 had for it."""
+    """A raw %%goto line, for the topic of the system of 2016."""
 
     line: str
 
 
 @dataclass(frozen=True, slots=True)
 class Success:
-    """A raw %%error line, for the topic that the system of 2016 had for it."""
+    """A raw %%error line, for the topic of the system of 2016."""
 
     line: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InitialPose:
-    """A pose estimate that a person gave a robot (rviz: 2D Pose Estimate).
+    """A pose estimate given to a robot by a person (rviz: 2D Pose Estimate).
 
     Attributes:
         robot: the robot.
@@ -53,15 +53,15 @@ class InitialPose:
 
 @dataclass(frozen=True, slots=True)
 class GoalRequest:
-    """A goal that a client set at a robot's action server move_base.
+    """A goal set by a client at a robot's action server move_base.
 
     Attributes:
         robot: the robot.
-        goal_id: the client's id of the goal; empty when the server shall choose one.
-        stamp_ns: the client's time stamp, nanoseconds of ROS time; 0: now.
-        base_in_map: the goal of the base; None where it cannot be used.
-        number: the `Goal.id` it has in the simulation, unique among the goals of its owner: here, clients of ROS.
-        refusal: the reason why it cannot be used, for people.
+        goal_id: the client's id of the goal; empty if the server shall choose one.
+        stamp_ns: the client's time stamp, nanoseconds of ROS time; 0 means now.
+        base_in_map: goal of the base; None if it cannot be used.
+        number: its `Goal.id` in the simulation, unique among the goals of its owner (here, clients of ROS).
+        refusal: reason why it cannot be used, for people.
     """
 
     robot: int
@@ -74,12 +74,13 @@ class GoalRequest:
 
 @dataclass(frozen=True, slots=True)
 class CancelRequest:
-    """A cancel request of a client to a robot's action server move_base.
+    """A client's cancel request to a robot's action server move_base.
 
     Attributes:
         robot: the robot.
-        goal_id: the goal to cancel; empty: no single one.
-        stamp_ns: cancels all goals up to this time stamp, nanoseconds of ROS time; 0 and no goal_id: all goals.
+        goal_id: the goal to cancel; empty for no single goal.
+        stamp_ns: cancels all goals up to this time stamp, nanoseconds of ROS time; 0 without a goal_id cancels all
+            goals.
     """
 
     robot: int
@@ -89,7 +90,7 @@ class CancelRequest:
 
 @dataclass(frozen=True, slots=True)
 class SimpleGoal:
-    """A goal that a person pointed at on the map (rviz: 2D Nav Goal); its owner, and attributes as in `GoalRequest`."""
+    """A goal that a person set on the map (rviz: 2D Nav Goal), with its owner; other attributes as in `GoalRequest`."""
 
     robot: int
     base_in_map: Pose2 | None
@@ -166,7 +167,7 @@ class VehicleFrame:
 
     Attributes:
         robot: the robot.
-        received: True when the vehicle received the frame, False when it sent it.
+        received: True if the vehicle received the frame, False if it sent it.
         frame: the frame.
     """
 
@@ -177,14 +178,14 @@ class VehicleFrame:
 
 @dataclass(frozen=True, slots=True)
 class VehicleState:
-    """The state of a robot as a MAVLink vehicle, with the fields of mavros_msgs/State.
+    """State of a robot as a MAVLink vehicle, with the fields of mavros_msgs/State.
 
     Attributes:
         robot: the robot.
-        connected: True when its heartbeat is received.
-        armed: True when its motors obey commands.
-        guided: True when it drives to given goals.
-        manual_input: True when it is driven by hand.
+        connected: True if its heartbeat is received.
+        armed: True if its motors obey commands.
+        guided: True if it drives to given goals.
+        manual_input: True if it is driven by hand.
         mode: name of its mode.
         system_status: a code of MAV_STATE.
     """
@@ -199,10 +200,10 @@ class VehicleState:
 
 
 GraphRequest = GoalRequest | CancelRequest | SimpleGoal | VelocityCommand | InitialPose
-"""A request that came on a topic of a ROS graph."""
+"""A request received on a topic of a ROS graph."""
 
 VehicleRecord = VehicleFrame | VehicleState
-"""A record that only robots with a MAVLink vehicle have."""
+"""A record that exists only for robots with a MAVLink vehicle."""
 
 Record = (
     GameEvent

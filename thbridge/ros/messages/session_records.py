@@ -1,23 +1,23 @@
-"""Records of a session and its game, as our own message types hold them."""
+"""Records of a session and its game, as in thbridge's own message types."""
 
 from dataclasses import dataclass
 
 MACHINE = ("architecture", "libc", "processor", "processor features", "compiler target", "compiler features")
-"""Names in `SessionRecord.versions` that tell of the machine."""
+"""Names in `SessionRecord.versions` that describe the machine."""
 
 
 @dataclass(frozen=True, slots=True)
 class SessionRecord:
-    """All that is needed to run a session again; the first record of its bag.
+    """Everything needed to run a session again; the first record of its bag.
 
     Attributes:
         study: the resolved study file, YAML.
-        seed: seed of all random numbers; 0 to 2^64 - 1.
-        versions: versions of the programs and libraries by name, and the machine, by the names in `MACHINE`; older
-            recordings tell nothing of it.
-        program: the program that was run: "play", or "simr" by itself at a server of another process.
-        roles: the roles that ran inside it, besides the keeper.
-        participant: the participant inside it, for example "person" or "suggestion"; empty when there was none.
+        seed: random seed, 0 to 2^64 - 1.
+        versions: versions of programs and libraries by name, and properties of the machine by the names in `MACHINE`;
+            older recordings have no properties of the machine.
+        program: the program that was run: "play", or "simr" at a server of another process.
+        roles: roles that ran inside it, in addition to the keeper.
+        participant: the participant inside it, for example "person" or "suggestion"; empty if there was none.
     """
 
     study: str
@@ -47,12 +47,12 @@ class GameEvent:
 
 @dataclass(frozen=True, slots=True)
 class ScoreRecord:
-    """Score, rooms and energy of a game; recorded whenever one of them changes.
+    """Score, rooms and energy of a game; recorded at every change.
 
     Attributes:
         score: points so far.
-        visited: rooms visited.
-        rooms: rooms there are.
+        visited: number of rooms visited.
+        rooms: number of rooms.
         energy: the energy left of each robot, in the game's units.
     """
 
@@ -73,8 +73,8 @@ class UtteranceRecord:
         room: the room it is about, or None.
         scenario: for example "select-room".
         text: the sentence.
-        move: the dialogue move that it makes, for example "continue".
-        author: who chose it: "robot" (its strategy), "person", or "wizard" (a person in the robot's place).
+        move: the dialogue move that the sentence makes, for example "continue".
+        author: who chose it: "robot" (its strategy), "person", or "wizard" (a person who speaks for the robot).
     """
 
     dialogue: int
@@ -89,7 +89,7 @@ class UtteranceRecord:
 
 @dataclass(frozen=True, slots=True)
 class DialogueMoveRecord:
-    """One move in a dialogue game, where robots argue.
+    """One move in a dialogue game, in sessions where robots argue.
 
     Attributes:
         talk: number of the dialogue of utterances that it belongs to.
@@ -103,11 +103,12 @@ class DialogueMoveRecord:
         locution: for example "challenge".
         content: what it is about, written as in Sklar and Azhar (2015).
         before: state of the game in which it was made.
-        after: state, or end, that followed.
-        is_booked: True when it followed by itself from the move before it.
-        text: the sentence; empty for a move that followed by itself.
-        heard: sentence of the move that the robot took it for; empty where it heard right.
-        fault: why the robot's own strategy chose it, the study's having failed; empty where that did not fail.
+        after: state, or end, after it.
+        is_booked: True if it followed automatically from the move before it.
+        text: the sentence; empty for a move that followed automatically.
+        heard: sentence of the move that the robot took it for; empty if the robot understood it correctly.
+        fault: why the robot's own strategy chose the move after the study's strategy failed; empty if that did not
+            fail.
     """
 
     talk: int
@@ -130,7 +131,7 @@ class DialogueMoveRecord:
 
 @dataclass(frozen=True, slots=True)
 class DialogueStateRecord:
-    """Beliefs and arguments of a robot that argues; recorded whenever they change.
+    """Beliefs and arguments of a robot that argues; recorded at every change.
 
     Attributes:
         talk: number of the dialogue of utterances.
@@ -145,7 +146,7 @@ class DialogueStateRecord:
 
 @dataclass(frozen=True, slots=True)
 class HeldTurns:
-    """Robots' turns that wait for the wizard, a person in their place; recorded whenever they change.
+    """Robots' turns that wait for the wizard, a person who speaks for them; recorded at every change.
 
     Attributes:
         json: all waiting turns.
@@ -156,11 +157,11 @@ class HeldTurns:
 
 @dataclass(frozen=True, slots=True)
 class InputRecord:
-    """An input that came into a session from outside, exactly as it came; recorded before its effects.
+    """An input that a session received from outside, unchanged; recorded before its effects.
 
     Attributes:
         kind: one word, for example "received" or "asked".
-        sender: the program, connection or window it came from; empty for the clock.
+        sender: program, connection or window that sent it; empty for the clock.
         line: the input as one line for people.
         json: the whole input.
     """

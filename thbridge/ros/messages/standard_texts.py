@@ -1,6 +1,6 @@
 """Definitions of the standard ROS 1 types in our recordings, without comments.
 
-They stand here so that a bag's bytes depend neither on an installed ROS nor on the version of the library rosbags.
+They are stored here so that a bag's bytes depend neither on an installed ROS nor on the version of the library rosbags.
 """
 
 STANDARD_TEXTS = {

@@ -63,90 +63,90 @@ OWN_TYPES = (SESSION, GAME_EVENT, SCORE, UTTERANCE, DIALOGUE_MOVE, DIALOGUE_STAT
 
 OWN_TEXTS = {
     SESSION: """\
-# What it takes to run a session again; the first record of its bag.
+# Everything needed to run a session again; the first record of its bag.
 std_msgs/Header header
 string study        # the resolved study file, YAML
-uint64 seed         # of every chance
+uint64 seed         # random seed
 string versions     # of the programs and libraries, JSON
-string program      # that was run: "play" or "simr"
-string[] roles      # that ran inside it, besides the keeper of the game
-string participant  # who played inside it, for example "person" or "suggestion"; empty: nobody
+string program      # the program that was run: "play" or "simr"
+string[] roles      # roles that ran inside it, in addition to the keeper of the game
+string participant  # participant inside it, for example "person" or "suggestion"; empty if none
 """,
     GAME_EVENT: """\
-# Something happened in the game.
+# An event of the game.
 std_msgs/Header header
 string kind  # one word, for example "arrived"
-int32 robot  # counts from 1, as the namespaces do; 0: none
-int32 room   # as people count, from 1; 0 is the corridor, -1: none
-string json  # all of it
+int32 robot  # from 1, as in namespaces; 0 for none
+int32 room   # from 1; 0 is the corridor, -1 means none
+string json  # the whole event
 """,
     SCORE: """\
-# How the game stands; said whenever that changes.
+# State of the game; published at every change.
 std_msgs/Header header
 int32 score       # points so far
-uint32 visited    # rooms visited
-uint32 rooms      # rooms there are
-float64[] energy  # what each robot has left
+uint32 visited    # number of rooms visited
+uint32 rooms      # number of rooms
+float64[] energy  # energy left of each robot
 """,
     UTTERANCE: """\
-# One thing said in a dialogue.
+# One sentence of a dialogue.
 std_msgs/Header header
-int64 dialogue   # its number in the game, from 1
+int64 dialogue   # number of the dialogue in the game, from 1
 string speaker   # "robot" or "human"
 int32 robot      # counts from 1
-int32 room       # that it is about; -1: none
+int32 room       # room that it is about; -1 for none
 string scenario  # for example "select-room"
 string text      # the sentence
-string move      # what it does, for example "continue"
-string author    # who decided on it: "robot" (its strategy), "person", or "wizard" (somebody in the robot's place)
+string move      # dialogue move, for example "continue"
+string author    # who chose it: "robot" (its strategy), "person", or "wizard" (a person who speaks for the robot)
 """,
     DIALOGUE_MOVE: """\
-# One move in a dialogue game, where robots argue.
+# One move in a dialogue game, in sessions where robots argue.
 std_msgs/Header header
 int64 talk       # number of the dialogue of utterances that it belongs to, from 1
 int32 dialogue   # number of the dialogue game, from 1, unique among those of its robot
-int32 parent     # number of the game that waits for this one; 0: none
+int32 parent     # number of the game that waits for this one; 0 for none
 int32 index      # place of the move in its game, from 0
 int32 robot      # counts from 1
 string speaker   # "robot" or "human"
-string author    # who decided on it, as in Utterance
+string author    # who chose it, as in Utterance
 string game      # name of the game, for example "persuasion"
 string locution  # for example "challenge"
 string content   # what it is about, for example "next(Robot1, Room3)"
 string before    # state of the game in which it was made
-string after     # state, or end, that followed
-bool booked      # it followed by itself from the move before it
-string text      # the sentence; of a move that followed by itself none
-string heard     # sentence of the move that the robot took it for; empty: it heard right
-string fault     # why the robot's own strategy chose it, the study's having failed; empty: it did not fail
+string after     # state, or end, after it
+bool booked      # True if it followed automatically from the move before it
+string text      # the sentence; empty for a move that followed automatically
+string heard     # sentence of the move that the robot took it for; empty if it understood correctly
+string fault     # why the robot's own strategy chose it after the study's failed; empty if that did not fail
 """,
     DIALOGUE_STATE: """\
-# What a robot that argues believes, takes the participant to believe, and makes of both; said whenever it changes.
+# Beliefs of a robot that argues, its beliefs about the participant, and its arguments; published at every change.
 std_msgs/Header header
 int64 talk   # number of the dialogue of utterances
 int32 robot  # counts from 1
 string json  # games, sigma, rules, gamma, stores, arguments, attacks, grounded
 """,
     INPUT: """\
-# What came into a session from outside, exactly as it came; said before what follows from it.
+# An input that a session received from outside, unchanged; published before its effects.
 std_msgs/Header header
 string kind    # one word, for example "received" or "asked"
-string sender  # the program or connection it came from; empty: the clock
-string line    # what it was, for people
-string json    # all of it
+string sender  # program or connection that sent it; empty for the clock
+string line    # the input as one line for people
+string json    # the whole input
 """,
 }
-"""Our own types, in the text of their .msg files."""
+"""thbridge's own types, in the text of their .msg files."""
 
 TEXTS = {**STANDARD_TEXTS, **ROS_TEXTS, **OWN_TEXTS}
-"""All types that we write, and those they contain, in texts without an installed ROS's comments."""
+"""All types that thbridge writes, and the types within them, without the comments of an installed ROS."""
 
 _SEPARATOR = "=" * 80 + "\n"
 
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """The definition of a message type, as bags carry it.
+    """Definition of a message type, as in bags.
 
     Attributes:
         text: the type's own definition, followed by those of all types within it.
@@ -159,14 +159,14 @@ class Definition:
 
 @cache
 def typestore() -> Typestore:
-    """The message types of rosbags for ROS 1 Noetic, with ours and those that rosbags lacks.
+    """Return the message types of rosbags for ROS 1 Noetic, with thbridge's types and those that rosbags lacks.
 
-    It is for those that read messages of any type: its classes take long to make, and games need none of them.
+    Use it only to read messages of arbitrary types: it takes long to create its classes, and games need none of them.
     """
     store = get_typestore(Stores.ROS1_NOETIC)
     for name, text in {**ROS_TEXTS, **OWN_TEXTS}.items():
         known_as = normalize_msgtype(name)
-        # The parser takes no text without fields, and an empty message is one all the same.
+        # The parser rejects a text without fields, but a message may be empty.
         has_fields = any(line.partition("#")[0].strip() for line in text.splitlines())
         store.register(get_types_from_msg(text, known_as) if has_fields else {known_as: ([], [])})
     return store
@@ -174,7 +174,7 @@ def typestore() -> Typestore:
 
 @cache
 def plain_definition(msgtype: str) -> Definition:
-    """The definition by our own texts; of a type that we do not write as rosbags writes it.
+    """Return the definition from thbridge's own texts; for types that thbridge does not write, from rosbags.
 
     ROS plays bags with it; `rosbag check` reports that an installed text has other comments.
 
@@ -192,7 +192,7 @@ def plain_definition(msgtype: str) -> Definition:
 
 @dataclass(frozen=True, slots=True)
 class ServiceType:
-    """A service type: the types of its request and its response.
+    """A service type: the types of its request and of its response.
 
     Attributes:
         name: for example "nav_msgs/GetPlan".
@@ -209,10 +209,10 @@ class ServiceType:
 
 @cache
 def service_type(name: str) -> ServiceType:
-    """The service type of this name.
+    """Return the service type of this name.
 
     Raises:
-        KeyError: there is no such type.
+        KeyError: the type is unknown.
     """
     request, response = f"{name}Request", f"{name}Response"
     fields = _summed(request) + _summed(response)
@@ -220,12 +220,12 @@ def service_type(name: str) -> ServiceType:
 
 
 def _summed(msgtype: str) -> str:
-    """The text over which the md5 sum of one of our texts is computed.
+    """Return the text from which the md5 sum of one of thbridge's texts is computed.
 
-    Its constants, then its fields, inner types replaced by their sums.
+    It has the constants, then the fields, with inner types replaced by their sums.
 
     Raises:
-        KeyError: there is no such text.
+        KeyError: the text is unknown.
 
     Source: ros/genmsg, gentools.py, compute_md5_text.
     """
@@ -244,7 +244,7 @@ def _summed(msgtype: str) -> str:
 
 @cache
 def md5_of(msgtype: str, text: str) -> str | None:
-    """The md5 sum of a type by a full definition text; None when the text cannot be parsed."""
+    """Return the md5 sum of a type from its full definition text; None if the text cannot be parsed."""
     try:
         return store_of(types_in(msgtype, text)).generate_msgdef(normalize_msgtype(msgtype))[1]
     except (TypesysError, ValueError, AssertionError):
@@ -252,15 +252,15 @@ def md5_of(msgtype: str, text: str) -> str | None:
 
 
 def full_text(msgtype: str, text_of: Callable[[str], str | None]) -> str | None:
-    """The full definition with comments, joined as ROS joins it.
+    """Return the full definition with comments, joined as in ROS.
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
-        text_of: the content of a type's .msg file, or None when there is none.
+        text_of: the content of a type's .msg file, or None if there is none.
 
     Returns:
-        The type's own text, then each type it contains once, in the order of first mention, outer before inner;
-        None when the text of any of them is missing.
+        The type's own text, then each type within it once, in the order of first mention, outer types before inner
+        types; None if any of the texts is missing.
 
     Source: ros/genmsg, gentools.py, compute_full_text.
     """
@@ -277,7 +277,7 @@ def full_text(msgtype: str, text_of: Callable[[str], str | None]) -> str | None:
 
 
 def _dependencies(msgtype: str, text: str, text_of: Callable[[str], str | None]) -> Iterator[str]:
-    """Every type that a definition contains, depth first, with repetitions."""
+    """Yield every type that a definition contains, depth first, with repetitions."""
     for line in text.splitlines():
         words = line.partition("#")[0].split()
         name = qualified(words[0], msgtype) if words else None
@@ -290,7 +290,7 @@ def _dependencies(msgtype: str, text: str, text_of: Callable[[str], str | None])
 
 
 def qualified(kind: str, msgtype: str) -> str | None:
-    """Return the type that a field's type names in the text of another, with its package; None for one built in."""
+    """Return the type of a field with its package, given the type that contains the field; None for a built-in type."""
     name = kind.partition("[")[0]
     if not name or name in _BUILTINS:
         return None

@@ -1,4 +1,4 @@
-"""Our own message type Session, which a summary of a bag reads without loading anything of the simulator."""
+"""Decoder of the message type Session, with which a summary of a bag needs no module of the simulator."""
 
 from thbridge.json_text import json_of
 from thbridge.ros.messages.cursor import UINT32, UINT64, Cursor
@@ -6,7 +6,7 @@ from thbridge.ros.messages.session_records import SessionRecord
 
 
 def session(data: bytes) -> SessionRecord:
-    """thbridge_msgs/Session."""
+    """Decode thbridge_msgs/Session."""
     cursor = Cursor(data)
     cursor.header()
     study, seed = cursor.string(), cursor.integer(UINT64)

@@ -1,4 +1,4 @@
-"""Changes of real robots that people must hear of: parts that fall silent, and come back."""
+"""Changes of real robots that people must know about: parts that become silent or come back."""
 
 from dataclasses import dataclass, field
 from enum import Enum, auto
@@ -9,11 +9,11 @@ from thbridge.ros.remote.names import RemoteNames
 State = TypeVar("State")
 
 SETTLED_NS = 1_000_000_000
-"""A change that has lasted so long is told: what breaks together is then told in one line, and what flickers is not."""
+"""Time for which a change must last before it is reported, so that simultaneous failures are one line."""
 
 
 class RobotPart(Enum):
-    """Part of a robot that may fall silent."""
+    """Part of a robot that may become silent."""
 
     ODOMETRY = auto()
     NAVIGATION = auto()
@@ -22,10 +22,10 @@ class RobotPart(Enum):
 
 @dataclass(slots=True)
 class SettledState(Generic[State]):
-    """A state whose changes count once they have lasted.
+    """A state with changes that count only after they have lasted.
 
     Attributes:
-        settled: the last state that has lasted.
+        settled: the last state that has lasted long enough.
     """
 
     settled: State
@@ -36,7 +36,7 @@ class SettledState(Generic[State]):
         self._newest = self.settled
 
     def take(self, state: State, now_ns: int) -> bool:
-        """Take in the present state; return True once it is another one than before, and has lasted."""
+        """Update the current state; return True once it differs from the settled one and has lasted long enough."""
         if state != self._newest:
             self._newest, self._since_ns = state, now_ns
         if state == self.settled or now_ns - self._since_ns < SETTLED_NS:
@@ -46,7 +46,7 @@ class SettledState(Generic[State]):
 
 
 def sentence_of_change(robot: str, named: RemoteNames, before: frozenset[RobotPart], now: frozenset[RobotPart]) -> str:
-    """The sentence about a robot some of whose parts have fallen silent or come back.
+    """Return the sentence about a robot with parts that have become silent or come back.
 
     Args:
         robot: the robot in words.

@@ -2,10 +2,10 @@
 
 Source: actionlib, simple_action_client.py and comm_state_machine.py, for the order of the server's messages;
 move_base.cpp for the texts of its results.
-Differs: one goal at a time. The state of a goal is taken from results and from status lists alike: a result is sent
-only once and may get lost when the network breaks, status lists are repeated. A goal that the server does not list is
-sent once more, as the server may have been restarted. Our goals that are no longer wanted, also those of an earlier
-run, are cancelled until the server ends them.
+Differs: one goal at a time. Both results and status lists give the state of a goal, because a result is sent only once
+and may get lost when the network breaks, while status lists are repeated. A goal that the server does not list is sent
+once more, because the server may have been restarted. Our goals that are no longer wanted, including those of an
+earlier run, are cancelled until the server ends them.
 """
 
 from collections.abc import Sequence
@@ -18,11 +18,11 @@ from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalSta
 from thbridge.ros.remote.pose import STALE_NS
 
 UNLISTED_TIMEOUT_NS = 2_000_000_000
-"""A goal that is missing in the server's status lists for so long is unknown to the server."""
+"""Time for which a goal is missing in the server's status lists before it counts as unknown to the server."""
 CANCEL_TIMEOUT_NS = 5_000_000_000
 """Longest wait for the server to end a goal after the cancel request."""
 LOST_TIMEOUT_NS = 10_000_000_000
-"""A robot that is lost for so long aborts its goal."""
+"""Time for which a robot is lost before it aborts its goal."""
 PREEMPTION_WINDOW_NS = 1_000_000_000
 """Longest time between the end of a goal and the message about the goal that preempted it."""
 CANCEL_RETRY_NS = 1_000_000_000
@@ -53,16 +53,16 @@ class OutgoingCancel:
 
 @dataclass(slots=True, eq=False)
 class _ActiveGoal:
-    """The present goal.
+    """The current goal.
 
     Attributes:
-        goal: the goal that was asked for.
+        goal: the requested goal.
         goal_id: its id at the server.
         sent_ns: time when it was last sent.
-        again: True when it was sent a second time.
-        active: True while the server works on it.
-        unlisted_ns: time since when the server's status lists lack it; None while they have it.
-        cancelled_ns: time of our cancel request; None without one.
+        again: True if it was sent a second time.
+        active: True while the server executes it.
+        unlisted_ns: time since which the server's status lists lack it; None while they contain it.
+        cancelled_ns: time of our cancel request; None if there was none.
         withdrawn_ns: time when another client preempted or cancelled it; None otherwise.
     """
 
@@ -80,13 +80,13 @@ class MoveBaseClient:
     """Sends goals to one robot's action server and reports their results.
 
     Args:
-        prefix: common beginning of the ids of all our goals for this robot, the same in every run.
-        stale_ns: a server without messages for so long counts as dead.
+        prefix: common prefix of the ids of all our goals for this robot, the same in every run.
+        stale_ns: time without messages after which a server counts as dead.
 
     Attributes:
         outgoing: requests to send to the server; the sender empties the list.
-        results: results of goals, oldest first; the reader takes them out.
-        resent: how many goals were sent once more, because the server did not know them.
+        results: results of goals, oldest first; the reader removes them.
+        resent: number of goals that were sent once more, because the server did not list them.
     """
 
     def __init__(self, prefix: str, stale_ns: int = STALE_NS) -> None:
@@ -106,49 +106,49 @@ class MoveBaseClient:
 
     @property
     def server_seen(self) -> bool:
-        """True when a status list of the server has ever been received."""
+        """True if a status list of the server has been received at least once."""
         return self._status_ns is not None
 
     def is_silent(self, now_ns: int) -> bool:
-        """Return True when the server, once seen, has said nothing for a long time."""
+        """Return True if the server has sent messages before, but none for a long time."""
         return self._status_ns is not None and now_ns - self._status_ns > self._stale_ns
 
     @property
     def active(self) -> bool:
-        """True when the server works on our goal."""
+        """True while the server executes our goal."""
         return self._current is not None and self._current.active
 
     @property
     def sent_ns(self) -> int:
-        """Time when the present goal was sent; 0 without one."""
+        """Time when the current goal was sent; 0 without one."""
         return 0 if self._current is None else self._current.sent_ns
 
     def goal(self, now_ns: int, here: Pose2) -> Goal | None:
-        """The present goal, ours or another client's; `here` replaces the pose of a goal whose pose is unknown."""
+        """Return the current goal, ours or another client's; `here` is used for a goal with an unknown pose."""
         if self._current is not None:
             return self._current.goal
         name = self._foreign_goal(now_ns)
         return None if name is None else Goal(0, self._foreign.get(name, (here, 0))[0], GoalOwner.STRANGER)
 
     def go(self, goal: Goal, now_ns: int) -> None:
-        """Send the robot to a goal; the goal before it ends as cancelled."""
+        """Send the robot to a goal; the previous goal ends as cancelled."""
         if self._current is not None:
             self._finish(Cancelled(self._current.goal))
         self._send(goal, now_ns, again=False)
 
     def cancel(self, now_ns: int) -> None:
-        """Cancel our goal; goals of other clients stay."""
+        """Cancel our goal; goals of other clients remain."""
         current = self._current
         if current is not None and current.cancelled_ns is None:
             current.cancelled_ns = now_ns
             self.outgoing.append(OutgoingCancel(current.goal_id.id))
 
     def receive_goal(self, name: str, base_in_map: Pose2, now_ns: int) -> None:
-        """Take in a goal of another client."""
+        """Store a goal of another client."""
         self._foreign[name] = (base_in_map, now_ns)
 
     def receive_status(self, entries: Sequence[GoalStatus], now_ns: int) -> None:
-        """Take in a status list of the server."""
+        """Process a status list of the server."""
         self._status_ns = now_ns
         self._listed = {entry.goal.id: entry.status for entry in entries}
         self._foreign = {
@@ -168,7 +168,7 @@ class MoveBaseClient:
         self._cancel_strays(now_ns)
 
     def receive_result(self, entry: GoalStatus, now_ns: int) -> None:
-        """Take in the status of our goal from a result or a status list; other goals are ignored."""
+        """Process the status of our goal from a result or a status list; other goals are ignored."""
         current = self._current
         if current is None or entry.goal.id != current.goal_id.id or entry.status not in ENDED:
             return
@@ -183,12 +183,12 @@ class MoveBaseClient:
             current.withdrawn_ns, current.active = now_ns, False
 
     def step(self, now_ns: int, *, lost: bool, stale: bool) -> None:
-        """End goals that will not end by themselves: timeouts, lost robots, dead servers.
+        """End goals that will not end on their own, because of timeouts, lost robots or dead servers.
 
         Args:
             now_ns: the time.
-            lost: True when the robot is not localized.
-            stale: True when its odometry has not been received for a long time.
+            lost: True if the robot is not localized.
+            stale: True if its odometry has not been received for a long time.
         """
         self._lost_ns = None if not lost else now_ns if self._lost_ns is None else self._lost_ns
         current = self._current
@@ -213,7 +213,7 @@ class MoveBaseClient:
             self._finish(NoPath(goal, "lost", "the robot does not know where it is"))
 
     def _resend_or_give_up(self, current: _ActiveGoal, now_ns: int) -> None:
-        """Send a goal that the server does not know again, once; then give it up."""
+        """Send a goal that the server does not list once more; after that, end it as failed."""
         if current.cancelled_ns is not None:
             self._finish(Cancelled(current.goal))
         elif current.again:
@@ -224,7 +224,7 @@ class MoveBaseClient:
 
     def _send(self, goal: Goal, now_ns: int, *, again: bool) -> None:
         self._sent += 1
-        # A server recalls a goal whose stamp is older than that of its present goal.
+        # A server recalls a goal with a time stamp older than that of its current goal.
         self._stamp_ns = max(now_ns, self._stamp_ns + 1)
         seconds, nanoseconds = divmod(self._stamp_ns, 1_000_000_000)
         goal_id = GoalId(f"{self._prefix}{self._sent}-{seconds}.{nanoseconds:09d}", self._stamp_ns)
@@ -236,7 +236,7 @@ class MoveBaseClient:
         self.results.append(result)
 
     def _foreign_goal(self, now_ns: int) -> str | None:
-        """Id of another client's goal that is active, or about to be; None without one."""
+        """Return the id of another client's goal that is active or about to be, or None."""
         if self._status_ns is not None and now_ns - self._status_ns <= self._stale_ns:
             for name, status in self._listed.items():
                 if status not in ENDED and not name.startswith(self._prefix):
@@ -263,5 +263,5 @@ class MoveBaseClient:
 
 
 def reason_of(text: str) -> NoPathReason:
-    """The reason why move_base aborted a goal, by the text of its result; other servers have their own texts."""
+    """Return the reason why move_base aborted a goal, from the text of its result; other servers have other texts."""
     return next((reason for words, reason in _REASONS if words in text.lower()), "gave_up")

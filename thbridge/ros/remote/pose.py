@@ -1,7 +1,7 @@
 """The pose of a real robot, from its own localization and odometry.
 
-amcl corrects odometry from time to time: map -> odom on tf, and the pose of the base at the stamp of the scan on
-amcl_pose. Between corrections the pose follows odometry, as for every tf listener.
+amcl corrects odometry from time to time, by map -> odom on tf and by the pose of the base, at the stamp of the scan, on
+amcl_pose. Between corrections, the pose follows odometry, as for every tf listener.
 """
 
 import math
@@ -26,31 +26,35 @@ SET_BACK_NS = 5_000_000_000
 """A message older than the last one by more than this is not late: the robot's clock was set back, or its program was
 restarted."""
 UNLOCALIZED_DISTANCE = 3.0
-"""Meters of odometry without a correction after which a robot is lost, where there is only amcl_pose: amcl publishes it
-every 0.2 m (update_min_d)."""
+"""Meters of odometry without a correction after which a robot with only amcl_pose is lost.
+
+amcl publishes it every 0.2 m (update_min_d).
+"""
 
 _REMEMBERED = 500
 _APART_NS = 1_000_000_000
-"""Odometry farther from a pose in time than this is not combined with it."""
+"""Largest time difference between odometry and a pose that are combined."""
 _JUMP, _FASTEST = 1.0, 5.0
-"""Meters, and m/s times the time between two odometry messages, beyond which no robot has driven: the message is an
-outlier, or the driver was restarted and counts from zero again. The next message shows which."""
+"""Meters, plus m/s times the time between two odometry messages, beyond which no robot has driven.
+
+Such a message is an outlier, or the driver was restarted and counts from zero again. The next message shows which.
+"""
 _NO_PARTICLES: FloatArray = np.empty((0, 3))
 _UNKNOWN: FloatArray = np.full((3, 3), np.nan)
 
 
 class RemotePose:
-    """The pose of one robot.
+    """Pose of one robot.
 
     Args:
         names: its frames.
-        stale_ns: a part of the robot without messages for so long counts as dead.
+        stale_ns: time without messages after which a part of the robot counts as dead.
 
     Attributes:
         received_ns: time of the last odometry message; None before the first.
         base_in_odom: pose of the last odometry message.
         twist: velocity of the last odometry message.
-        notices: sentences about odometry that cannot be true; the reader empties the list.
+        notices: sentences about impossible odometry; the reader empties the list.
     """
 
     def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS) -> None:
@@ -76,11 +80,11 @@ class RemotePose:
 
     @property
     def localized(self) -> bool:
-        """True when its pose on the map is known, or once was."""
+        """True if its pose on the map is known, or was known before."""
         return self._odom_in_map is not None
 
     def stamp_odometry_later(self, later_ns: int) -> None:
-        """Add this to the stamps of odometry, where it leads the scans by as much; also to those remembered."""
+        """Add this to the time stamps of odometry that is ahead of the scans by this time; also to stored ones."""
         more_ns = later_ns - self._odom_later_ns
         self._odom_later_ns = later_ns
         self._stamp_ns += more_ns
@@ -89,11 +93,11 @@ class RemotePose:
             self._suspect = self._suspect[0] + more_ns, self._suspect[1]
 
     def is_silent(self, now_ns: int) -> bool:
-        """Return True when odometry, once received, has not been received for a long time."""
+        """Return True if odometry was received before, but not for a long time."""
         return self.received_ns is not None and now_ns - self.received_ns > self._stale_ns
 
     def receive_odometry(self, message: OdometryMessage, now_ns: int) -> InvalidMessage | None:
-        """Take in odometry; returns a reason when it cannot be used."""
+        """Process odometry; return a reason if it cannot be used."""
         if frame_name(message.frame) != self._names.odom_frame:
             return InvalidMessage(
                 f"its frame is {message.frame!r}, not {self._names.odom_frame!r}: see odom_frame in the study"
@@ -102,7 +106,7 @@ class RemotePose:
         return self._moved(message.stamp_ns, message.pose, message.twist, now_ns)
 
     def receive_pose(self, message: PoseInFrame) -> InvalidMessage | None:
-        """Take in a pose of the localization (amcl_pose); returns a reason when it cannot be used."""
+        """Process a pose of the localization (amcl_pose); return a reason if it cannot be used."""
         if frame_name(message.frame) != self._names.map_frame:
             return InvalidMessage(
                 f"its frame is {message.frame!r}, not {self._names.map_frame!r}: see map_frame in the study"
@@ -110,19 +114,19 @@ class RemotePose:
         if not _is_finite(message.pose):
             return InvalidMessage("its pose is not finite")
         if message.stamp_ns < self._amcl_stamp_ns and self._amcl_stamp_ns - message.stamp_ns < SET_BACK_NS:
-            return None  # late; if it is much older, the robot's clock was set back
+            return None  # late; a much older one means that the robot's clock was set back
         self._amcl_stamp_ns = message.stamp_ns
         self._covariance = message.covariance
         self._updated = True
         if self._tf_ns is None and self._odometry:
             stamp_ns, base_in_odom = min(self._odometry, key=lambda entry: abs(entry[0] - message.stamp_ns))
-            # A latched pose from before our start still holds: amcl publishes another as soon as the robot moves.
+            # A latched pose from before our start is still valid: amcl publishes another as soon as the robot moves.
             if self._odom_in_map is None or abs(stamp_ns - message.stamp_ns) <= _APART_NS:
                 self._correct(message.pose.compose(base_in_odom.inverse()))
         return None
 
     def receive_transforms(self, message: Iterable[tuple[int, Transform]], now_ns: int) -> None:
-        """Take in a message of /tf; transforms of other robots in it are ignored."""
+        """Process a message of /tf; transforms of other robots in it are ignored."""
         names = self._names
         for stamp_ns, transform in message:
             parent, child = frame_name(transform.parent), frame_name(transform.child)
@@ -135,7 +139,7 @@ class RemotePose:
                 self._moved(stamp_ns, transform.pose, self._twist_to(stamp_ns, transform.pose), now_ns)
 
     def estimate(self, tick: int, now_ns: int) -> Estimate | None:
-        """The estimated pose; None before it is known."""
+        """Return the estimated pose; None before it is known."""
         if self._odom_in_map is None or self.received_ns is None:
             return None
         updated, self._updated = self._updated, False
@@ -145,7 +149,7 @@ class RemotePose:
         )
 
     def is_lost(self, now_ns: int) -> bool:
-        """Return True when its pose on the map, once known, is not known any more."""
+        """Return True if its pose on the map was known before, but is not known now."""
         if self._odom_in_map is None:
             return False
         if self._restarted:
@@ -192,7 +196,7 @@ class RemotePose:
         return None
 
     def _continues_suspect(self, stamp_ns: int, base_in_odom: Pose2) -> bool:
-        """Return True when a message goes on from the one before, which seemed to be an outlier."""
+        """Return True if a message continues from the previous one, which seemed to be an outlier."""
         if self._suspect is None:
             return False
         return 0 <= stamp_ns - self._suspect[0] < SET_BACK_NS and _drivable(*self._suspect, stamp_ns, base_in_odom)
@@ -201,7 +205,7 @@ class RemotePose:
         if self._suspect is None:
             return
         self._outliers += 1
-        # A broken driver may send nothing else: report the first, the second, the fourth, ...
+        # A broken driver may send only outliers, so report the first, the second, the fourth, ...
         if self._outliers & (self._outliers - 1) == 0:
             distance = self.base_in_odom.distance(self._suspect[1])
             self.notices.append(f"an odometry message {distance:.1f} m off is left out ({self._outliers} so far)")
@@ -215,7 +219,7 @@ class RemotePose:
 
 
 def _drivable(stamp_ns: int, left: Pose2, later_ns: int, reached: Pose2) -> bool:
-    """Return True where a robot can have driven from one pose to another between two stamps."""
+    """Return True if a robot can have driven from one pose to another between two time stamps."""
     return left.distance(reached) <= _JUMP + _FASTEST * (later_ns - stamp_ns) / 1e9
 
 

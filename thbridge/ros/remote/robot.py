@@ -1,7 +1,7 @@
-"""One real robot of a team: its messages become the output of a simulated robot, inputs become messages to it.
+"""One real robot of a team: its messages become the output of a simulated robot; inputs become messages to it.
 
-Stamps within messages are times of the robot's own clock and are only compared with each other; times of arrival are of
-our clock. The battery's charge is that of the real battery, not the game's energy; the turn rate is that of odometry.
+Time stamps within messages are times of the robot's own clock, and are only compared with each other. Times of arrival
+are of our clock. The charge is that of the real battery, not the game's energy. The turn rate is that of odometry.
 """
 
 import math
@@ -37,7 +37,7 @@ RemoteInput = SendGoal | CancelGoal | DriveManually | SetPoseEstimate
 _NO_TIMES: FloatArray = np.empty(0)
 
 _transforms = lru_cache(maxsize=4)(unpack.transforms)
-"""Decoded messages of /tf, cached because all robots read the same ones."""
+"""Decoder of messages of /tf, cached because all robots read the same ones."""
 
 
 class RemoteRobot:
@@ -46,9 +46,9 @@ class RemoteRobot:
     Args:
         robot: its index in the team.
         named: names of its topics and frames.
-        caller: name of our node, with which the ids of our goals begin.
+        caller: name of our node, with which the ids of our goals start.
         footprint: (n, 2) corners of its body in the base frame, meters.
-        stale_ns: a part of it without messages for so long counts as dead.
+        stale_ns: time without messages after which a part of it counts as dead.
 
     Attributes:
         names: names of its topics and frames.
@@ -101,7 +101,7 @@ class RemoteRobot:
         self._battery = (math.nan, math.nan, 0)
 
     def missing(self) -> list[str]:
-        """The messages that it still needs before it can take part, each with its topic."""
+        """Return the messages that it still needs before it can take part, each with its topic."""
         named = self.names
         parts = []
         if self._pose.received_ns is None:
@@ -113,7 +113,7 @@ class RemoteRobot:
         return parts
 
     def silent_parts(self, now_ns: int) -> frozenset[RobotPart]:
-        """The parts of it that were there and say nothing any more."""
+        """Return the parts of it that have been active, but are silent now."""
         silent = {
             RobotPart.ODOMETRY: self._pose.is_silent(now_ns),
             RobotPart.NAVIGATION: self._goals.is_silent(now_ns),
@@ -123,20 +123,20 @@ class RemoteRobot:
 
     @property
     def resent_goals(self) -> int:
-        """Number of goals that were sent once more, because its navigation did not know them."""
+        """Number of goals that were sent once more, because its navigation did not list them."""
         return self._goals.resent
 
     def take_notices(self) -> list[str]:
-        """Return what people should hear of its odometry since the last call, as sentences about the robot."""
+        """Return sentences about its odometry since the last call, for people."""
         notices, self._pose.notices = self._pose.notices, []
         return notices
 
     def stamp_odometry_later(self, later_ns: int) -> None:
-        """Add this to the stamps of its odometry; see `RemotePose`."""
+        """Add this to the time stamps of its odometry; see `RemotePose`."""
         self._pose.stamp_odometry_later(later_ns)
 
     def receive(self, topic: str, data: bytes, now_ns: int) -> InvalidMessage | None:
-        """Take in a message of a topic and type in `subscriptions`; returns a reason when it cannot be used."""
+        """Process a message of a topic and type in `subscriptions`; return a reason if it cannot be used."""
         try:
             return self._handlers[topic][1](data, now_ns)
         except ValueError as error:
@@ -161,13 +161,13 @@ class RemoteRobot:
                 assert_never(item)
 
     def stop(self, now_ns: int) -> None:
-        """Stop the robot, because nothing will be sent to it any more."""
+        """Stop the robot, because no more messages will be sent to it."""
         self._commands.stop(now_ns)
         self._goals.cancel(now_ns)
         self._publish_goals(now_ns)
 
     def step(self, now_ns: int) -> RobotOutput | None:
-        """Return its present output; None while messages are missing (see `missing`)."""
+        """Return its current output; None while messages are missing (see `missing`)."""
         tick = tick_of(now_ns)
         estimate, received_ns = self._pose.estimate(tick, now_ns), self._pose.received_ns
         if estimate is None or received_ns is None:
@@ -238,7 +238,7 @@ class RemoteRobot:
 
 
 def missing_of(robots: Sequence[RemoteRobot]) -> list[str]:
-    """Sentences about the messages that are missing before all robots can take part, one for each robot."""
+    """Return a sentence for each robot about the messages that are missing before it can take part."""
     return [
         f"{robot_name(robot)} is not there yet: {'; '.join(parts)}"
         for robot, remote in enumerate(robots)

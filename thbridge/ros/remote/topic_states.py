@@ -1,6 +1,6 @@
-"""State of single topics of a real robot: its laser's scans, its plan, the velocity commands to its base.
+"""State of single topics of a real robot: its laser scans, its plan, the velocity commands to its base.
 
-Each is given the messages of its topics, with the time when they arrived.
+Each gets the messages of its topics with their time of arrival.
 """
 
 from collections.abc import Callable
@@ -21,15 +21,15 @@ from thbridge.ros.names import frame_name
 COMMAND_NS = 100_000_000
 """Time between two commands to the base while the robot is driven by hand."""
 COMMAND_LASTS_NS = 500_000_000
-"""Time after which a command to the base no longer holds: drivers stop without new commands."""
+"""Time for which a command to the base is valid: drivers stop without new commands."""
 NEAR_GOAL = 1.0
-"""A plan that ends farther than this from the goal belongs to another goal, meters."""
+"""Largest distance in meters between the end of a plan and the goal; a plan that ends farther is for another goal."""
 
 NO_POSES: FloatArray = np.empty((0, 3))
 
 
 class RemoteScans:
-    """Scans of a laser that static transforms place in the base frame.
+    """Scans of a laser with a mounting given by static transforms.
 
     Args:
         base_frame: name of the robot's base frame.
@@ -41,12 +41,12 @@ class RemoteScans:
         self._scan: tuple[unpack.LaserScan, int] | None = None
 
     def receive_static(self, data: bytes, now_ns: int) -> None:
-        """Take in a message of /tf_static."""
+        """Process a message of /tf_static."""
         for transform in unpack.spatial_transforms(data):
             self._frames.add(transform)
 
     def receive(self, data: bytes, now_ns: int) -> None:
-        """Take in a scan."""
+        """Store a scan."""
         self._scan = unpack.laser_scan(data), now_ns
 
     def take(self) -> Scan | None:
@@ -76,7 +76,7 @@ class RemotePlan:
         self._received_ns = 0
 
     def receive(self, data: bytes, now_ns: int) -> InvalidMessage | None:
-        """Take in a plan; returns a reason when it cannot be used."""
+        """Process a plan; return a reason if it cannot be used."""
         plan = unpack.path(data)
         if not np.isfinite(plan).all():
             return InvalidMessage("its poses are not finite")
@@ -84,7 +84,7 @@ class RemotePlan:
         return None
 
     def ahead(self, here: Pose2, there: Pose2, sent_ns: int) -> FloatArray:
-        """The rest of the plan to a goal, beginning at the robot's own pose; empty without a plan.
+        """Return the rest of the plan to a goal, starting at the robot's own pose; empty without a plan.
 
         Args:
             here: pose of the robot.
@@ -104,7 +104,7 @@ class VelocityCommands:
     """Velocity commands to the base, from any node; ours are repeated while the robot is driven by hand.
 
     Args:
-        publish: publishes a message, at a time.
+        publish: publishes a message at a given time.
     """
 
     def __init__(self, publish: Callable[[bytes, int], None]) -> None:
@@ -114,7 +114,7 @@ class VelocityCommands:
         self._driven_ns = -COMMAND_NS
 
     def receive(self, data: bytes, now_ns: int) -> InvalidMessage | None:
-        """Take in a command; returns a reason when it cannot be used."""
+        """Process a command; return a reason if it cannot be used."""
         command = clients.velocity(data)
         if isinstance(command, InvalidMessage):
             return command
@@ -122,7 +122,7 @@ class VelocityCommands:
         return None
 
     def current(self, now_ns: int) -> Twist:
-        """The command that holds now."""
+        """Return the command that is valid now."""
         command, received_ns = self._last
         return command if now_ns - received_ns <= COMMAND_LASTS_NS else STANDSTILL
 

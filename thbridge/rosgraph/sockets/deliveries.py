@@ -41,7 +41,7 @@ class Deliveries:
     that answered last time are served apart from all others, so that those who are silent hold up only each other.
 
     Args:
-        deliver: makes a call and returns True when it was answered.
+        deliver: makes a call and returns True if it was answered.
     """
 
     def __init__(self, deliver: Callable[[Notification], Awaitable[bool]]) -> None:

@@ -204,7 +204,7 @@ class RosNode:
             kind: its type, ``sensor_msgs/LaserScan``.
             md5: the type's md5 sum.
             definition: the type's whole text, as in bags.
-            latched: True when new subscribers get the last message at once.
+            latched: True if new subscribers get the last message at once.
 
         Raises:
             ValueError: this node publishes it already.

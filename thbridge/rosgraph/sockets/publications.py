@@ -43,7 +43,7 @@ class SubscriberQueue:
         self._paused = transport.get_write_buffer_size() > 0
 
     def write(self, message: bytes) -> bool:
-        """Send or queue a framed message; return False when it was dropped."""
+        """Send or queue a framed message; return False if it was dropped."""
         if not self._paused:
             self._hand_over(message)
             return True

@@ -205,7 +205,7 @@ class Registrar:
             self._misses = 0
 
     async def _register(self, addresses: NodeAddresses) -> bool:
-        """Register what is not registered yet; return True when the master answered every call.
+        """Register what is not registered yet; return True if the master answered every call.
 
         Parameters come first: a node that finds ours, and then looks for `/use_sim_time`, must find it.
         """

@@ -155,7 +155,7 @@ class TcprosServer:
         return True
 
     def admit_subscriber(self, connection: _Inbound, topic: str) -> Publication | None:
-        """Return the topic that a connection subscribes to; None when its address has too many subscribers."""
+        """Return the topic that a connection subscribes to; None if its address has too many subscribers."""
         publication = self.publications[topic]
         if publication.subscribers_at(connection.address) >= TOPIC_LIMIT:
             self.complaints.warn(f"{connection.address} subscribes to {topic} more than {TOPIC_LIMIT} times")
@@ -181,7 +181,7 @@ class TcprosServer:
         self._one_gone.set()
 
     def handle(self, service: str, request: bytes, respond: Callable[[ServiceAnswer], None]) -> ServiceAnswer | None:
-        """Answer a request: return the answer, or None when `respond` will be called with it later."""
+        """Answer a request: return the answer, or None if `respond` will be called with it later."""
         try:
             answer = self._services[service].handler(request)
         except Exception:

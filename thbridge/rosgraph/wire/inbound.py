@@ -65,7 +65,7 @@ class InboundLink:
 
     @property
     def handshake_done(self) -> bool:
-        """True when the other side has sent its header."""
+        """True if the other side has sent its header."""
         return self._phase is not _Phase.HANDSHAKE
 
     def receive(self, data: bytes) -> list[InboundEvent]:

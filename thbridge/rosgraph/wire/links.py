@@ -39,7 +39,7 @@ class TopicHeader:
         type: ``sensor_msgs/LaserScan``.
         md5: the type's md5 sum, 32 hexadecimal digits.
         definition: the type's whole text, nested types included, as in bags.
-        latched: True when a new subscriber gets the last message at once.
+        latched: True if a new subscriber gets the last message at once.
     """
 
     name: str

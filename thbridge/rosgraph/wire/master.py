@@ -189,7 +189,7 @@ class Master:
         pid: process id of the master, as it reports it.
 
     Attributes:
-        stopped: True when ``shutdown`` was called.
+        stopped: True if ``shutdown`` was called.
     """
 
     def __init__(self, uri: str, pid: int) -> None:

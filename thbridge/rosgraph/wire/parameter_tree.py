@@ -36,7 +36,7 @@ class ParameterUpdate:
         subscription: the key that was subscribed, with a slash at its end.
         key: the key that changed, at, below or above the subscribed one, with a slash at its end.
         value: the new value; an empty dict when it was deleted.
-        own: True when the node that made the change need not be notified, since it knows.
+        own: True if the node that made the change need not be notified, since it knows.
     """
 
     subscription: str

@@ -78,7 +78,7 @@ class Registrations:
         return [provider.api for provider in self.providers(kind, key)]
 
     def api_of(self, node: str) -> str | None:
-        """Return the URI of a node's slave API; None when it has no registration."""
+        """Return the URI of a node's slave API; None if it has no registration."""
         known = self._nodes.get(node)
         return None if known is None else known.api
 
@@ -123,7 +123,7 @@ class Registrations:
         return replaced
 
     def unregister(self, kind: ProviderKind, key: str, node: str, api: str) -> bool:
-        """Remove a registration; return False when there is none like this."""
+        """Remove a registration; return False if there is none like this."""
         known = self._nodes.get(node)
         if known is None:
             return False

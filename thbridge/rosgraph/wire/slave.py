@@ -23,7 +23,7 @@ class BusConnection:
     Attributes:
         id: number, unique within the node.
         peer: name of the subscriber, or URI of the publisher.
-        outgoing: True when we publish.
+        outgoing: True if we publish.
         topic: global name.
         endpoints: local port, remote host, remote port, number of the socket.
         bytes: bytes of the messages that passed, their lengths included.

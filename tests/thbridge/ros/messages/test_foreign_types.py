@@ -7,7 +7,7 @@ from thbridge.ros.messages.types import md5_of, plain_definition
 
 @pytest.mark.parametrize("name", ["", "/", "///", "9a/1b", "a", "a/b/c", "a/b\nint8 x", "a/" + "b" * 200, "a/б"])
 def test_what_is_no_name_of_a_type_is_refused(name: str) -> None:
-    with pytest.raises(ValueError, match="is no name of a type"):
+    with pytest.raises(ValueError, match="is not the name of a type"):
         types_in(name, "int8 a\n")
 
 
@@ -24,7 +24,7 @@ def test_what_is_no_name_of_a_type_is_refused(name: str) -> None:
         ("float64 A=1e999\nint8 a\n", "not finite"),
         ("int64 A=" + "9" * 5000 + "\nint8 a\n", "cannot be parsed"),
         ("?", "cannot be parsed"),
-        (f"int8 a\n{PART}9/1\nint8 b\n", "is no name"),
+        (f"int8 a\n{PART}9/1\nint8 b\n", "is not the name"),
     ],
 )
 def test_a_definition_out_of_bounds_is_refused(text: str, problem: str) -> None:

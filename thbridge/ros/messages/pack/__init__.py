@@ -1,10 +1,10 @@
 """Values of the simulation as bytes of ROS 1 messages.
 
 The bytes are written directly in the wire format: little-endian, fields in order, strings and lists with a 32-bit
-length before them (roscpp_serialization). Ten robots publish 1,900 messages a second; message objects would be too
-slow for that.
+length before them (roscpp_serialization). Ten robots publish 1,900 messages per second; message objects would be too
+slow.
 
-Every header's `seq` is the tick: a gap in it means that no message was due. Poses are planar: z, roll and pitch are 0.
+The `seq` of every header is the tick: a gap means that no message was due. Poses are planar: z, roll and pitch are 0.
 """
 
 from thbridge.ros.messages.pack.actions import (

@@ -1,4 +1,4 @@
-"""Messages between clients and server of the action move_base."""
+"""Messages between the clients and the server of the action move_base."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -13,36 +13,36 @@ _TWO_UINT16 = Struct("<HH")
 
 
 def goal_id(goal: GoalId) -> bytes:
-    """actionlib_msgs/GoalID, which is also how a goal is cancelled."""
+    """Encode actionlib_msgs/GoalID, which is also the message that cancels a goal."""
     return stamp(goal.stamp_ns) + string(goal.id)
 
 
 @lru_cache(maxsize=1024)
 def _status(entry: GoalStatus) -> bytes:
-    """actionlib_msgs/GoalStatus, cached: lists repeat it five times a second, feedback ten times."""
+    """Encode actionlib_msgs/GoalStatus, cached: lists repeat it five times per second, feedback ten times."""
     return goal_id(entry.goal) + bytes((entry.status,)) + string(entry.text)
 
 
 def move_base_goal(tick: int, goal: GoalId, frame: str, pose: Pose2) -> bytes:
-    """move_base_msgs/MoveBaseActionGoal: drive to a pose in `frame`."""
+    """Encode move_base_msgs/MoveBaseActionGoal: drive to a pose in `frame`."""
     return header(tick) + goal_id(goal) + pose_stamped(tick, frame, pose)
 
 
 def recovery_status(tick: int, frame: str, base: Pose2, number: int, total: int, behaviour: str) -> bytes:
-    """move_base_msgs/RecoveryStatus: which of so many recovery behaviors, counted from 0, begins at a pose."""
+    """Encode move_base_msgs/RecoveryStatus: recovery behavior `number`, from 0, of `total` begins at a pose."""
     return pose_stamped(tick, frame, base) + _TWO_UINT16.pack(number, total) + string(behaviour)
 
 
 def goal_status_array(tick: int, entries: Sequence[GoalStatus]) -> bytes:
-    """actionlib_msgs/GoalStatusArray."""
+    """Encode actionlib_msgs/GoalStatusArray."""
     return header(tick) + UINT32.pack(len(entries)) + b"".join(map(_status, entries))
 
 
 def move_base_feedback(tick: int, entry: GoalStatus, base: bytes) -> bytes:
-    """move_base_msgs/MoveBaseActionFeedback; the pose of the base is a whole geometry_msgs/PoseStamped."""
+    """Encode move_base_msgs/MoveBaseActionFeedback; the pose of the base is a whole geometry_msgs/PoseStamped."""
     return header(tick) + _status(entry) + base
 
 
 def move_base_result(tick: int, entry: GoalStatus) -> bytes:
-    """move_base_msgs/MoveBaseActionResult, of a goal that ended at this tick; the result itself is empty."""
+    """Encode move_base_msgs/MoveBaseActionResult, for a goal that ended at this tick; the result itself is empty."""
     return header(tick) + _status(entry)

@@ -1,4 +1,4 @@
-"""Fields that many messages have: strings, stamps, headers, poses."""
+"""Fields of many messages: strings, stamps, headers, poses."""
 
 from functools import cache, lru_cache
 from struct import Struct
@@ -19,62 +19,62 @@ _FLOAT64 = Struct("<d")
 
 
 def string(text: str) -> bytes:
-    """A string field; also a whole std_msgs/String."""
+    """Encode a string field, which is also a whole std_msgs/String."""
     data = text.encode()
     return UINT32.pack(len(data)) + data
 
 
 def float64(value: float) -> bytes:
-    """A float64 field; also a whole std_msgs/Float64."""
+    """Encode a float64 field, which is also a whole std_msgs/Float64."""
     return _FLOAT64.pack(value)
 
 
 def boolean(value: bool) -> bytes:
-    """A bool field; also a whole std_msgs/Bool."""
+    """Encode a bool field, which is also a whole std_msgs/Bool."""
     return b"\1" if value else b"\0"
 
 
 name = lru_cache(maxsize=1024)(string)
-"""A string field of a name, cached: of a frame, which every message repeats, or of a part of a robot."""
+"""String field of a name, cached: of a frame, which every message repeats, or of a part of a robot."""
 
 
 def stamp(nanoseconds: int) -> bytes:
-    """A time field."""
+    """Encode a time field."""
     return _STAMP.pack(*divmod(nanoseconds, 1_000_000_000))
 
 
 @lru_cache(maxsize=1024)
 def frame_names(frame: str, child_frame: str) -> bytes:
-    """Two frames' names, one after the other, cached as well."""
+    """Encode the names of two frames, one after the other, cached."""
     return string(frame) + string(child_frame)
 
 
 @lru_cache(maxsize=1)
 def head(tick: int) -> bytes:
-    """A header without its frame. Ticks counted from 1970 (real robots) do not fit into `seq`, which then wraps."""
+    """Encode a header without its frame. Ticks counted from 1970 (real robots) do not fit into `seq`, so it wraps."""
     return _HEAD.pack(tick & 0xFFFFFFFF, *divmod(stamp_ns(tick), 1_000_000_000))
 
 
 def header(tick: int, frame: str = "") -> bytes:
-    """std_msgs/Header."""
+    """Encode std_msgs/Header."""
     return head(tick) + name(frame)
 
 
 def pose_fields(x: float, y: float, theta: float) -> bytes:
-    """geometry_msgs/Pose."""
+    """Encode geometry_msgs/Pose."""
     w, z = elementary.cos_sin(theta / 2)
     return _POSE.pack(x, y, 0.0, 0.0, 0.0, z, w)
 
 
 def pose_rows(poses: FloatArray) -> FloatArray:
-    """(n, 7) position and quaternion of (n, 3) poses."""
+    """Return (n, 7) position and quaternion of (n, 3) poses."""
     rows = np.zeros((len(poses), 7))
     fill_poses(rows, poses)
     return rows
 
 
 def fill_poses(rows: FloatArray, poses: FloatArray) -> None:
-    """Write (n, 3) poses into the first 7 columns of (n, m) rows, that are 0 there."""
+    """Write (n, 3) poses into the first 7 columns of (n, m) rows, which must be 0 there."""
     rows[:, :2] = poses[:, :2]
     rows[:, 6] = poses[:, 2]
     _kernels().turn_headings(rows)
@@ -82,18 +82,18 @@ def fill_poses(rows: FloatArray, poses: FloatArray) -> None:
 
 @cache
 def _kernels() -> ModuleType:
-    """The compiler is imported by the first call: windows pack messages, too, and no poses."""
+    """Import the compiler at the first call, because windows pack messages too, but no poses."""
     from thbridge.ros.messages.pack import kernels  # noqa: PLC0415
 
     return kernels
 
 
 def all_pose_fields(poses: FloatArray) -> list[bytes]:
-    """`pose_fields` of each of (n, 3) poses, at much less cost than one by one."""
+    """Return `pose_fields` of each of (n, 3) poses, at much lower cost than one by one."""
     return pieces(pose_rows(poses))
 
 
 def pieces(rows: FloatArray) -> list[bytes]:
-    """The bytes of each of (n, m) rows."""
+    """Return the bytes of each of (n, m) rows."""
     packed: list[bytes] = rows.view(f"V{rows.itemsize * rows.shape[1]}").ravel().tolist()
     return packed

@@ -1,4 +1,4 @@
-"""Our own message types: session, game events, score, utterances, moves and states of dialogues, inputs."""
+"""thbridge's own message types: session, game events, score, utterances, moves and states of dialogues, inputs."""
 
 import json
 from struct import Struct
@@ -26,7 +26,7 @@ _DIALOGUE_STATE = Struct("<qi")
 
 
 def session(tick: int, record: SessionRecord) -> bytes:
-    """thbridge_msgs/Session."""
+    """Encode thbridge_msgs/Session."""
     versions = json.dumps(record.versions, sort_keys=True)
     return b"".join(
         (
@@ -43,20 +43,20 @@ def session(tick: int, record: SessionRecord) -> bytes:
 
 
 def game_event(tick: int, record: GameEvent) -> bytes:
-    """thbridge_msgs/GameEvent; robot 0 and room -1 mean none."""
+    """Encode thbridge_msgs/GameEvent; robot 0 and room -1 mean none."""
     numbers = _GAME_EVENT.pack(_robot(record.robot), _room(record.room))
     return header(tick) + string(record.kind) + numbers + string(record.json)
 
 
 def score(tick: int, record: ScoreRecord) -> bytes:
-    """thbridge_msgs/Score."""
+    """Encode thbridge_msgs/Score."""
     energy = np.array(record.energy, dtype="<f8")
     numbers = _SCORE.pack(record.score, record.visited, record.rooms)
     return header(tick) + numbers + UINT32.pack(len(energy)) + energy.tobytes()
 
 
 def utterance(tick: int, record: UtteranceRecord) -> bytes:
-    """thbridge_msgs/Utterance; room -1 means none."""
+    """Encode thbridge_msgs/Utterance; room -1 means none."""
     return b"".join(
         (
             header(tick),
@@ -72,7 +72,7 @@ def utterance(tick: int, record: UtteranceRecord) -> bytes:
 
 
 def dialogue_move(tick: int, record: DialogueMoveRecord) -> bytes:
-    """thbridge_msgs/DialogueMove; parent 0 means none."""
+    """Encode thbridge_msgs/DialogueMove; parent 0 means none."""
     numbers = (record.talk, record.dialogue, record.parent or 0, record.index, number_of(record.robot))
     before = (record.speaker, record.author, record.game, record.locution, record.content, record.before, record.after)
     return b"".join(
@@ -89,12 +89,12 @@ def dialogue_move(tick: int, record: DialogueMoveRecord) -> bytes:
 
 
 def dialogue_state(tick: int, record: DialogueStateRecord) -> bytes:
-    """thbridge_msgs/DialogueState."""
+    """Encode thbridge_msgs/DialogueState."""
     return header(tick) + _DIALOGUE_STATE.pack(record.talk, number_of(record.robot)) + string(record.json)
 
 
 def outside_input(tick: int, record: InputRecord) -> bytes:
-    """thbridge_msgs/Input."""
+    """Encode thbridge_msgs/Input."""
     return header(tick) + b"".join(string(text) for text in (record.kind, record.sender, record.line, record.json))
 
 

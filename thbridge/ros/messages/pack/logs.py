@@ -26,7 +26,7 @@ class DiagnosticStatus(NamedTuple):
         name: the part, for example "robot1: energy".
         message: its state, in a word or two.
         hardware_id: the robot's name.
-        values: measured figures, as text.
+        values: measured values, as text.
     """
 
     level: DiagnosticLevel
@@ -37,12 +37,12 @@ class DiagnosticStatus(NamedTuple):
 
 
 def clock(tick: int) -> bytes:
-    """rosgraph_msgs/Clock."""
+    """Encode rosgraph_msgs/Clock."""
     return stamp(stamp_ns(tick))
 
 
 def log(tick: int, line: LogLine) -> bytes:
-    """rosgraph_msgs/Log; file, function, line and topics of the node stay empty."""
+    """Encode rosgraph_msgs/Log; file, function, line and topics of the node are empty."""
     return b"".join(
         (
             header(tick),
@@ -58,7 +58,7 @@ def log(tick: int, line: LogLine) -> bytes:
 
 
 def diagnostic_array(tick: int, entries: Sequence[DiagnosticStatus]) -> bytes:
-    """diagnostic_msgs/DiagnosticArray."""
+    """Encode diagnostic_msgs/DiagnosticArray."""
     return header(tick) + UINT32.pack(len(entries)) + b"".join(map(_diagnosis, entries))
 
 

@@ -23,16 +23,16 @@ _TEXT = 9
 """Codes of visualization_msgs/Marker."""
 _LINE_WIDTH, _TEXT_HEIGHT = 0.05, 0.5
 _LINE_COLOUR, _TEXT_COLOUR = (0.9, 0.4, 0.0, 1.0), (0.2, 0.2, 0.2, 1.0)
-"""Meters; red, green, blue, opacity."""
+"""Sizes in meters; colors as red, green, blue, opacity."""
 
 
 class RoomLabel(NamedTuple):
     """A room's name on the map.
 
     Attributes:
-        room: its number, as people count.
-        name: for people.
-        x: where it stands, meters; so y.
+        room: its number for people.
+        name: its name for people.
+        x: x of its position, meters; y is in the same unit.
     """
 
     room: int
@@ -42,7 +42,7 @@ class RoomLabel(NamedTuple):
 
 
 def map_meta_data(tick: int, grid: OccupancyGrid) -> bytes:
-    """nav_msgs/MapMetaData; the map counts as loaded at this tick."""
+    """Encode nav_msgs/MapMetaData; the map counts as loaded at this tick."""
     return _meta_data(tick, grid.resolution, grid.cols, grid.rows, grid.origin)
 
 
@@ -57,14 +57,14 @@ def _meta_data(tick: int, resolution: float, cols: int, rows: int, origin: Pose2
 
 
 def occupancy_grid(tick: int, frame: str, grid: OccupancyGrid) -> bytes:
-    """nav_msgs/OccupancyGrid."""
+    """Encode nav_msgs/OccupancyGrid."""
     return b"".join(
         (header(tick, frame), map_meta_data(tick, grid), UINT32.pack(grid.cells.size), grid.cells.tobytes())
     )
 
 
 def _occupancy_of_costs() -> bytes:
-    """The value of nav_msgs/OccupancyGrid for each of the 256 costs of costmap_2d."""
+    """Return the value of nav_msgs/OccupancyGrid for each of the 256 costs of costmap_2d."""
     costs = np.arange(256)
     occupancy = 1 + (97 * (costs - 1)) // 251
     occupancy[[0, 253, 254, 255]] = 0, 99, 100, -1
@@ -75,7 +75,7 @@ _OCCUPANCY_OF_COSTS = _occupancy_of_costs()
 
 
 def costmap(frame: str, view: CostmapView) -> bytes:
-    """nav_msgs/OccupancyGrid of a costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, 1 to 98 between.
+    """Encode nav_msgs/OccupancyGrid of a costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, 1 to 98 between.
 
     Source: ros-planning/navigation, costmap_2d/src/costmap_2d_publisher.cpp.
     """
@@ -91,12 +91,12 @@ def costmap(frame: str, view: CostmapView) -> bytes:
 
 
 def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) -> bytes:
-    """visualization_msgs/MarkerArray with the outlines of bodies; it deletes all earlier ones.
+    """Encode visualization_msgs/MarkerArray with the outlines of bodies; it deletes all earlier ones.
 
     Args:
         tick: time stamp of the bodies.
-        frame: the frame of their corners.
-        bodies: name, and (v, 2) corners in turn, meters.
+        frame: frame of their corners.
+        bodies: name, and (v, 2) corners in order, meters.
     """
     parts = [_line(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
     for number, (name, corners) in enumerate(bodies):
@@ -105,19 +105,19 @@ def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) ->
 
 
 def room_labels(tick: int, frame: str, labels: Iterable[RoomLabel]) -> bytes:
-    """visualization_msgs/MarkerArray with the names of rooms; the id of each is the room's number."""
+    """Encode visualization_msgs/MarkerArray with the names of rooms; the id of each is the room's number."""
     parts = [_text(tick, frame, label) for label in labels]
     return UINT32.pack(len(parts)) + b"".join(parts)
 
 
 def _line(tick: int, frame: str, action: int, number: int, name: str, line: FloatArray) -> bytes:
-    """visualization_msgs/Marker: a line strip; its namespace and text are the body's name."""
+    """Encode visualization_msgs/Marker: a line strip; its namespace and text are the body's name."""
     look = (_LINE_WIDTH, 0.0, 0.0, *_LINE_COLOUR)
     return _marker(tick, frame, name, (number, _LINE_STRIP, action), (0.0, 0.0), look, line, name)
 
 
 def _text(tick: int, frame: str, label: RoomLabel) -> bytes:
-    """visualization_msgs/Marker: a text that faces the viewer."""
+    """Encode visualization_msgs/Marker: a text that faces the viewer."""
     look = (0.0, 0.0, _TEXT_HEIGHT, *_TEXT_COLOUR)
     kind = (label.room, _TEXT, ADD)
     return _marker(tick, frame, "rooms", kind, (label.x, label.y), look, np.empty((0, 2)), label.name)
@@ -133,17 +133,17 @@ def _marker(
     line: FloatArray,
     text: str,
 ) -> bytes:
-    """visualization_msgs/Marker that stays for ever.
+    """Encode visualization_msgs/Marker that stays forever.
 
     Args:
         tick: time stamp.
-        frame: the frame of its place.
-        namespace: of its id.
-        kind: its id, and codes of its type and of what is done with it.
+        frame: frame of its position.
+        namespace: namespace of its id.
+        kind: its id, and the codes of its type and of its action.
         place: x and y, meters.
-        look: its scale, and its color.
-        line: (n, 2) points relative to its place, meters.
-        text: of the marker.
+        look: its scale and its color.
+        line: (n, 2) points relative to its position, meters.
+        text: its text.
     """
     points = np.zeros((len(line), 3))
     points[:, :2] = line

@@ -26,7 +26,7 @@ _POINT32 = Struct("<3f")
 
 
 class Transform(NamedTuple):
-    """The pose of frame `child` in frame `parent`."""
+    """Pose of frame `child` in frame `parent`."""
 
     parent: str
     child: str
@@ -34,10 +34,10 @@ class Transform(NamedTuple):
 
 
 def covariance(planar: FloatArray, unmeasured: float = 0.0) -> bytes:
-    """The 6 x 6 covariance of x, y, z, roll, pitch, yaw from the (3, 3) one of x, y, theta.
+    """Return the 6 x 6 covariance of x, y, z, roll, pitch, yaw from the (3, 3) covariance of x, y, theta.
 
     Args:
-        planar: (3, 3); m^2, m rad, rad^2.
+        planar: (3, 3) covariance; m^2, m rad, rad^2.
         unmeasured: variance of z, roll and pitch.
     """
     full = np.zeros((6, 6))
@@ -50,7 +50,7 @@ NO_COVARIANCE = covariance(np.zeros((3, 3)))
 
 
 def transforms(tick: int, entries: Iterable[Transform]) -> bytes:
-    """tf2_msgs/TFMessage with all entries at one time."""
+    """Encode tf2_msgs/TFMessage with all entries at one time."""
     beginning = head(tick)
     return stamped_transforms(
         [
@@ -61,7 +61,7 @@ def transforms(tick: int, entries: Iterable[Transform]) -> bytes:
 
 
 def stamped_transforms(entries: Sequence[bytes]) -> bytes:
-    """tf2_msgs/TFMessage of transforms: a header without its frame, `frame_names` and `pose_fields` of each."""
+    """Encode tf2_msgs/TFMessage; each transform is a header without its frame, `frame_names` and `pose_fields`."""
     return UINT32.pack(len(entries)) + b"".join(entries)
 
 
@@ -74,17 +74,17 @@ def odometry(
     pose_covariance: bytes = NO_COVARIANCE,
     twist_covariance: bytes = NO_COVARIANCE,
 ) -> bytes:
-    """nav_msgs/Odometry: pose of `child_frame` in `frame`, twist in `child_frame`; covariances from `covariance`."""
+    """Encode nav_msgs/Odometry: pose of `child_frame` in `frame`, twist in `child_frame`; see `covariance`."""
     frames, place = frame_names(frame, child_frame), pose_fields(pose.x, pose.y, pose.theta)
     return b"".join((head(tick), frames, place, pose_covariance, command(twist), twist_covariance))
 
 
 class OdometryRows:
-    """Packs nav_msgs/Odometry of many robots at once, but for header and child frame, which come before.
+    """Encoder of nav_msgs/Odometry for many robots at once, without header and child frame, which come before.
 
     Args:
         robots: number of robots.
-        covariance: that of poses and of twists, from `covariance`.
+        covariance: covariance of poses and of twists, from `covariance`.
     """
 
     def __init__(self, robots: int, covariance: bytes) -> None:
@@ -92,7 +92,7 @@ class OdometryRows:
         self._rows[:, 7:43] = self._rows[:, 49:] = np.frombuffer(covariance)
 
     def packed(self, poses: FloatArray, twists: FloatArray) -> list[bytes]:
-        """A row for each of (n, 3) poses and (n, 2) twists: m/s forward, rad/s anti-clockwise."""
+        """Return a row for each of (n, 3) poses and (n, 2) twists: m/s forward, rad/s anti-clockwise."""
         rows = self._rows
         fill_poses(rows, poses)
         rows[:, 43] = twists[:, 0]
@@ -101,32 +101,32 @@ class OdometryRows:
 
 
 def command(twist: Twist) -> bytes:
-    """geometry_msgs/Twist."""
+    """Encode geometry_msgs/Twist."""
     return _TWIST.pack(twist.linear, 0.0, 0.0, 0.0, 0.0, twist.angular)
 
 
 def pose_with_covariance(tick: int, frame: str, pose: Pose2, planar: FloatArray) -> bytes:
-    """geometry_msgs/PoseWithCovarianceStamped; `planar` is the (3, 3) covariance of x, y, theta."""
+    """Encode geometry_msgs/PoseWithCovarianceStamped; `planar` is the (3, 3) covariance of x, y, theta."""
     return header(tick, frame) + pose_fields(pose.x, pose.y, pose.theta) + covariance(planar)
 
 
 def pose_array(tick: int, frame: str, poses: FloatArray) -> bytes:
-    """geometry_msgs/PoseArray of (n, 3) poses."""
+    """Encode geometry_msgs/PoseArray of (n, 3) poses."""
     return header(tick, frame) + UINT32.pack(len(poses)) + pose_rows(poses).tobytes()
 
 
 def pose_stamped(tick: int, frame: str, pose: Pose2) -> bytes:
-    """geometry_msgs/PoseStamped."""
+    """Encode geometry_msgs/PoseStamped."""
     return header(tick, frame) + pose_fields(pose.x, pose.y, pose.theta)
 
 
 def polygon(tick: int, frame: str, corners: Iterable[Sequence[float]]) -> bytes:
-    """geometry_msgs/PolygonStamped of corners x, y."""
+    """Encode geometry_msgs/PolygonStamped of corners x, y."""
     points = [_POINT32.pack(x, y, 0.0) for x, y in corners]
     return header(tick, frame) + UINT32.pack(len(points)) + b"".join(points)
 
 
 def path(tick: int, frame: str, poses: FloatArray) -> bytes:
-    """nav_msgs/Path through (n, 3) poses, all stamped alike."""
+    """Encode nav_msgs/Path through (n, 3) poses, all with the same time stamp."""
     beginning = header(tick, frame)
     return beginning + beginning.join((UINT32.pack(len(poses)), *all_pose_fields(poses)))

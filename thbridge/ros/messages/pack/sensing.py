@@ -14,12 +14,12 @@ _POWER_SUPPLY_STATUS_DISCHARGING = 2
 
 
 def laser_scan(scan: Scan, frame: str, period: float) -> bytes:
-    """sensor_msgs/LaserScan without intensities.
+    """Encode sensor_msgs/LaserScan without intensities.
 
     Args:
-        scan: a scan whose beams were all measured at the same time.
+        scan: a scan with all beams measured at the same time.
         frame: the laser's frame.
-        period: seconds from one scan to the next.
+        period: seconds between two scans.
     """
     mount = scan.mount
     angle_max = mount.angle_min + mount.angle_increment * (mount.beams - 1)
@@ -37,10 +37,10 @@ def laser_scan(scan: Scan, frame: str, period: float) -> bytes:
 
 
 def battery_state(battery: Battery, robot: str) -> bytes:
-    """sensor_msgs/BatteryState; charge and capacity are the game's energy, values not measured are NaN.
+    """Encode sensor_msgs/BatteryState; charge and capacity are the game's energy; values not measured are NaN.
 
     Args:
-        battery: the charge may be below zero, the capacity is positive.
+        battery: the charge may be negative, the capacity is positive.
         robot: the serial number to write.
     """
     share = battery.charge / battery.capacity

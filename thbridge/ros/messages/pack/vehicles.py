@@ -12,7 +12,7 @@ _WORD = 8
 
 
 def mavlink(tick: int, frame: MavlinkFrame) -> bytes:
-    """mavros_msgs/Mavlink; the payload is in 64-bit words, the last one filled with zeros."""
+    """Encode mavros_msgs/Mavlink; the payload is in 64-bit words, the last one filled with zeros."""
     size = len(frame.payload)
     words = -(-size // _WORD)
     numbers = _FRAME.pack(
@@ -33,6 +33,6 @@ def mavlink(tick: int, frame: MavlinkFrame) -> bytes:
 
 
 def vehicle_state(tick: int, record: VehicleState) -> bytes:
-    """mavros_msgs/State."""
+    """Encode mavros_msgs/State."""
     flags = _STATE.pack(record.connected, record.armed, record.guided, record.manual_input)
     return header(tick) + flags + string(record.mode) + bytes((record.system_status,))

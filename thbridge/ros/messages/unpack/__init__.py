@@ -1,7 +1,6 @@
-"""Bytes of ROS 1 messages as values, for reports, replays and real robots; bags may be ours or others'.
+"""Bytes of ROS 1 messages as values, for reports, replays and real robots; bags may be from any program.
 
-Poses are reduced to the plane: x, y, yaw. Every function raises ValueError when the bytes are not a message of its
-type.
+Poses are reduced to the plane: x, y, yaw. Every function raises ValueError if the bytes are not a message of its type.
 """
 
 from thbridge.ros.messages.unpack.actions import (

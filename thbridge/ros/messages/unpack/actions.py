@@ -1,4 +1,4 @@
-"""Messages between clients and server of the action move_base."""
+"""Messages between the clients and the server of the action move_base."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ class MoveBaseResult:
 
 
 def move_base_goal(data: bytes) -> MoveBaseGoal:
-    """move_base_msgs/MoveBaseActionGoal."""
+    """Decode move_base_msgs/MoveBaseActionGoal."""
     cursor = Cursor.behind_header(data)
     cursor.stamp()
     goal_id = cursor.string()
@@ -36,31 +36,31 @@ def move_base_goal(data: bytes) -> MoveBaseGoal:
 
 
 def move_base_result(data: bytes) -> MoveBaseResult:
-    """move_base_msgs/MoveBaseActionResult."""
+    """Decode move_base_msgs/MoveBaseActionResult."""
     cursor = Cursor.behind_header(data)
     cursor.stamp()
     return MoveBaseResult(cursor.string(), cursor.integer(UINT8), cursor.string())
 
 
 def goal_result(data: bytes) -> GoalStatus:
-    """move_base_msgs/MoveBaseActionResult as the final status of its goal."""
+    """Decode move_base_msgs/MoveBaseActionResult as the final status of its goal."""
     cursor = Cursor.behind_header(data)
     return _status(cursor)
 
 
 def goal_id(data: bytes) -> GoalId:
-    """actionlib_msgs/GoalID."""
+    """Decode actionlib_msgs/GoalID."""
     return _goal_id(Cursor(data))
 
 
 def goal_status_array(data: bytes) -> list[GoalStatus]:
-    """actionlib_msgs/GoalStatusArray."""
+    """Decode actionlib_msgs/GoalStatusArray."""
     cursor = Cursor.behind_header(data)
     return [_status(cursor) for _ in range(cursor.integer(UINT32))]
 
 
 def move_base_feedback(data: bytes) -> tuple[GoalStatus, str, Pose2]:
-    """move_base_msgs/MoveBaseActionFeedback: the goal, and the base's pose with its frame."""
+    """Decode move_base_msgs/MoveBaseActionFeedback: the goal, and the base's pose with its frame."""
     cursor = Cursor.behind_header(data)
     status = _status(cursor)
     _, frame = cursor.header()

@@ -1,4 +1,4 @@
-"""Our own message types: game events, score, utterances, moves and states of dialogues, inputs."""
+"""thbridge's own message types: game events, score, utterances, moves and states of dialogues, inputs."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from thbridge.ros.messages.session_records import (
 
 
 def game_event(data: bytes) -> GameEvent:
-    """thbridge_msgs/GameEvent."""
+    """Decode thbridge_msgs/GameEvent."""
     cursor = Cursor.behind_header(data)
     kind = cursor.string()
     robot, room = _robot(cursor.integer(INT32)), _room(cursor.integer(INT32))
@@ -23,7 +23,7 @@ def game_event(data: bytes) -> GameEvent:
 
 
 def score(data: bytes) -> ScoreRecord:
-    """thbridge_msgs/Score."""
+    """Decode thbridge_msgs/Score."""
     cursor = Cursor.behind_header(data)
     points, visited, rooms = cursor.integer(INT32), cursor.integer(UINT32), cursor.integer(UINT32)
     energy = np.frombuffer(cursor.take(8 * cursor.integer(UINT32)), dtype="<f8")
@@ -31,7 +31,7 @@ def score(data: bytes) -> ScoreRecord:
 
 
 def utterance(data: bytes) -> UtteranceRecord:
-    """thbridge_msgs/Utterance; older recordings, from before there were wizards, have no author."""
+    """Decode thbridge_msgs/Utterance; recordings from before there were wizards have no author."""
     cursor = Cursor.behind_header(data)
     dialogue, speaker = cursor.integer(INT64), cursor.string()
     robot, room = index_of(cursor.integer(INT32)), _room(cursor.integer(INT32))
@@ -41,7 +41,7 @@ def utterance(data: bytes) -> UtteranceRecord:
 
 
 def dialogue_move(data: bytes) -> DialogueMoveRecord:
-    """thbridge_msgs/DialogueMove; older recordings have no fault."""
+    """Decode thbridge_msgs/DialogueMove; older recordings have no fault."""
     cursor = Cursor.behind_header(data)
     talk = cursor.integer(INT64)
     dialogue, parent, index, robot = (cursor.integer(INT32) for _ in range(4))
@@ -67,14 +67,14 @@ def dialogue_move(data: bytes) -> DialogueMoveRecord:
 
 
 def dialogue_state(data: bytes) -> DialogueStateRecord:
-    """thbridge_msgs/DialogueState."""
+    """Decode thbridge_msgs/DialogueState."""
     cursor = Cursor.behind_header(data)
     talk, robot = cursor.integer(INT64), index_of(cursor.integer(INT32))
     return DialogueStateRecord(talk, robot, cursor.string())
 
 
 def outside_input(data: bytes) -> InputRecord:
-    """thbridge_msgs/Input."""
+    """Decode thbridge_msgs/Input."""
     cursor = Cursor.behind_header(data)
     return InputRecord(cursor.string(), cursor.string(), cursor.string(), cursor.string())
 

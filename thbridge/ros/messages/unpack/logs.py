@@ -8,12 +8,12 @@ _LOG_LEVELS, _DIAGNOSTIC_LEVELS = frozenset(LogLevel), frozenset(DiagnosticLevel
 
 
 def string(data: bytes) -> str:
-    """std_msgs/String."""
+    """Decode std_msgs/String."""
     return Cursor(data).string()
 
 
 def log(data: bytes) -> LogLine:
-    """rosgraph_msgs/Log; a level that ROS does not know counts as an error."""
+    """Decode rosgraph_msgs/Log; a level unknown to ROS counts as an error."""
     cursor = Cursor.behind_header(data)
     level = cursor.integer(UINT8)
     known = LogLevel(level) if level in _LOG_LEVELS else LogLevel.ERROR
@@ -21,7 +21,7 @@ def log(data: bytes) -> LogLine:
 
 
 def diagnostic_array(data: bytes) -> list[DiagnosticStatus]:
-    """diagnostic_msgs/DiagnosticArray; a level that ROS does not know counts as an error."""
+    """Decode diagnostic_msgs/DiagnosticArray; a level unknown to ROS counts as an error."""
     cursor = Cursor.behind_header(data)
     found = []
     for _ in range(cursor.integer(UINT32)):

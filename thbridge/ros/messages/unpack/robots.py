@@ -19,13 +19,13 @@ from thbridge.ros.messages.unpack.poses import read_pose
 
 _COVARIANCE = 36
 _HEAD = 16
-"""Bytes of a header before the frame's name."""
+"""Number of bytes of a header before the frame's name."""
 _POSE_STAMPED = _HEAD + 7 * 8
-"""Bytes of a geometry_msgs/PoseStamped without the frame's name."""
+"""Number of bytes of a geometry_msgs/PoseStamped without the frame's name."""
 _PLANAR = (0, 1, 5)
 """Indices of x, y and yaw in ROS's covariances."""
 _MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
-"""Bytes of a marker's fields scale, color, lifetime and frame_locked."""
+"""Number of bytes of a marker's fields scale, color, lifetime and frame_locked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class OdometryMessage:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseInFrame:
-    """geometry_msgs/PoseWithCovarianceStamped, and PoseStamped, which has no covariance.
+    """geometry_msgs/PoseWithCovarianceStamped, or PoseStamped, which has no covariance.
 
     Attributes:
         stamp_ns: time stamp of the pose.
@@ -58,7 +58,7 @@ class PoseInFrame:
 
 @dataclass(frozen=True, slots=True)
 class BatteryCharge:
-    """sensor_msgs/BatteryState: charge left, and its share of the capacity; NaN where not measured."""
+    """sensor_msgs/BatteryState: charge left, and its fraction of the capacity; NaN if not measured."""
 
     charge: float
     percentage: float
@@ -66,11 +66,11 @@ class BatteryCharge:
 
 @dataclass(frozen=True, slots=True)
 class SpatialTransform:
-    """geometry_msgs/TransformStamped: the pose of frame `child` in frame `parent`, in three dimensions.
+    """geometry_msgs/TransformStamped: three-dimensional pose of frame `child` in frame `parent`.
 
     Attributes:
-        position: x, y, z; meters.
-        orientation: a quaternion x, y, z, w.
+        position: x, y, z in meters.
+        orientation: quaternion x, y, z, w.
     """
 
     stamp_ns: int
@@ -100,7 +100,7 @@ class LaserScan:
 
 
 def odometry(data: bytes) -> OdometryMessage:
-    """nav_msgs/Odometry."""
+    """Decode nav_msgs/Odometry."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
     child_frame, pose = cursor.string(), read_pose(cursor)
@@ -109,7 +109,7 @@ def odometry(data: bytes) -> OdometryMessage:
 
 
 def twist(data: bytes) -> Twist:
-    """geometry_msgs/Twist."""
+    """Decode geometry_msgs/Twist."""
     return _twist(Cursor(data))
 
 
@@ -119,7 +119,7 @@ def _twist(cursor: Cursor) -> Twist:
 
 
 def transforms(data: bytes) -> list[tuple[int, Transform]]:
-    """tf2_msgs/TFMessage (and its forerunner tf/tfMessage): each transform with its stamp, nanoseconds."""
+    """Decode tf2_msgs/TFMessage (and its predecessor tf/tfMessage): each transform with its time stamp, nanoseconds."""
     cursor = Cursor(data)
     entries = []
     for _ in range(cursor.integer(UINT32)):
@@ -129,7 +129,7 @@ def transforms(data: bytes) -> list[tuple[int, Transform]]:
 
 
 def transform_pieces(data: bytes) -> list[tuple[str, bytes]]:
-    """tf2_msgs/TFMessage: the parent frame of each transform, and its bytes."""
+    """Decode tf2_msgs/TFMessage: the parent frame of each transform, and its bytes."""
     cursor = Cursor(data)
     pieces = []
     for _ in range(cursor.integer(UINT32)):
@@ -142,7 +142,7 @@ def transform_pieces(data: bytes) -> list[tuple[str, bytes]]:
 
 
 def spatial_transforms(data: bytes) -> list[SpatialTransform]:
-    """tf2_msgs/TFMessage in three dimensions, for example for a laser that is mounted upside down."""
+    """Decode tf2_msgs/TFMessage in three dimensions, for example for a laser that is mounted upside down."""
     cursor = Cursor(data)
     entries = []
     for _ in range(cursor.integer(UINT32)):
@@ -154,7 +154,7 @@ def spatial_transforms(data: bytes) -> list[SpatialTransform]:
 
 
 def laser_scan(data: bytes) -> LaserScan:
-    """sensor_msgs/LaserScan."""
+    """Decode sensor_msgs/LaserScan."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
     angle_min, angle_max, increment, _, _, range_min, range_max = (cursor.real() for _ in range(7))
@@ -163,7 +163,7 @@ def laser_scan(data: bytes) -> LaserScan:
 
 
 def pose_with_covariance(data: bytes) -> PoseInFrame:
-    """geometry_msgs/PoseWithCovarianceStamped."""
+    """Decode geometry_msgs/PoseWithCovarianceStamped."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
     pose = read_pose(cursor)
@@ -171,40 +171,40 @@ def pose_with_covariance(data: bytes) -> PoseInFrame:
 
 
 def pose_array(data: bytes) -> FloatArray:
-    """geometry_msgs/PoseArray: (n, 3) x, y, yaw, in its frame."""
+    """Decode geometry_msgs/PoseArray: (n, 3) x, y, yaw, in its frame."""
     cursor = Cursor.behind_header(data)
     return _planar(cursor.reals(7 * cursor.integer(UINT32)).reshape(-1, 7))
 
 
 def polygon(data: bytes) -> FloatArray:
-    """geometry_msgs/PolygonStamped: (v, 2) corners, in its frame."""
+    """Decode geometry_msgs/PolygonStamped: (v, 2) corners, in its frame."""
     cursor = Cursor.behind_header(data)
     points = np.frombuffer(cursor.take(3 * FLOAT32.size * cursor.integer(UINT32)), dtype="<f4").reshape(-1, 3)
     return points[:, :2].astype(np.float64)
 
 
 def frame_of(data: bytes) -> str:
-    """The frame in the header of a message; the header must be the first field."""
+    """Return the frame in the header of a message; the header must be the first field."""
     return Cursor(data).header()[1]
 
 
 def pose_stamped(data: bytes) -> PoseInFrame:
-    """geometry_msgs/PoseStamped."""
+    """Decode geometry_msgs/PoseStamped."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
     return PoseInFrame(stamp_ns, frame, read_pose(cursor), np.full((3, 3), np.nan))
 
 
 def occupancy_grid(data: bytes) -> OccupancyGrid:
-    """nav_msgs/OccupancyGrid."""
+    """Decode nav_msgs/OccupancyGrid."""
     return read_grid(Cursor(data))
 
 
 def read_grid(cursor: Cursor) -> OccupancyGrid:
-    """The nav_msgs/OccupancyGrid that begins here."""
+    """Read the nav_msgs/OccupancyGrid that begins here."""
     cursor.header()
     cursor.stamp()
-    resolution = round(cursor.real(), 6)  # a float32 of 0.05 is not 0.05, and grids are placed by it
+    resolution = round(cursor.real(), 6)  # as float32, 0.05 is not exact, and positions depend on it
     cols, rows = cursor.integer(UINT32), cursor.integer(UINT32)
     origin = read_pose(cursor)
     if not is_plausible(origin.x, origin.y, origin.theta, resolution):
@@ -216,12 +216,12 @@ def read_grid(cursor: Cursor) -> OccupancyGrid:
 
 
 def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
-    """visualization_msgs/MarkerArray: namespace and (v, 2) points of the markers that are added and have points."""
+    """Decode visualization_msgs/MarkerArray: namespace and (v, 2) points of added markers that have points."""
     return [(marker.namespace, marker.points) for marker in _markers(data) if len(marker.points)]
 
 
 def room_labels(data: bytes) -> dict[int, str]:
-    """visualization_msgs/MarkerArray with the names of rooms, by number."""
+    """Decode visualization_msgs/MarkerArray with the names of rooms, by number."""
     return {marker.number: marker.text for marker in _markers(data)}
 
 
@@ -253,14 +253,14 @@ def _markers(data: bytes) -> Iterator[_Marker]:
 
 
 def battery_state(data: bytes) -> BatteryCharge:
-    """sensor_msgs/BatteryState."""
+    """Decode sensor_msgs/BatteryState."""
     cursor = Cursor.behind_header(data)
     _voltage, _temperature, _current, charge, _capacity, _design, percentage = (cursor.real() for _ in range(7))
     return BatteryCharge(charge, percentage)
 
 
 def path(data: bytes) -> FloatArray:
-    """nav_msgs/Path: (n, 3) x, y, yaw of its poses, in its frame."""
+    """Decode nav_msgs/Path: (n, 3) x, y, yaw of its poses, in its frame."""
     cursor = Cursor.behind_header(data)
     count = cursor.integer(UINT32)
     if count * _POSE_STAMPED > len(cursor.remaining()):
@@ -276,7 +276,7 @@ def path(data: bytes) -> FloatArray:
 
 
 def _poses_alike(data: bytes, count: int) -> FloatArray | None:
-    """(n, 7) the poses of a path all at once, if all frame names have one length; None otherwise."""
+    """Return (n, 7) poses of a path all at once if all frame names have the same length, otherwise None."""
     if not count or len(data) < _HEAD:
         return None
     length = int.from_bytes(data[_HEAD - 4 : _HEAD], "little")
@@ -290,9 +290,9 @@ def _poses_alike(data: bytes, count: int) -> FloatArray | None:
 
 
 def _planar(rows: FloatArray) -> FloatArray:
-    """(n, 3) x, y, yaw of (n, 7) positions and quaternions."""
+    """Return (n, 3) x, y, yaw of (n, 7) positions and quaternions."""
     x, y, z, w = rows[:, 3:].T
-    # Numbers of others may be of any size; what comes of them is not finite, as they are, and no warning is due.
+    # Numbers in bags of other programs may have any size. Results that are not finite are fine and need no warning.
     with np.errstate(over="ignore", invalid="ignore"):
         yaw = elementary_arrays.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return np.column_stack((rows[:, :2], np.where(yaw < np.pi, yaw, -np.pi)))

@@ -12,7 +12,7 @@ _MOST_WORDS = 32
 
 
 def mavlink(data: bytes) -> MavlinkFrame:
-    """mavros_msgs/Mavlink without the signature. Raises ValueError also for a frame that was damaged."""
+    """Decode mavros_msgs/Mavlink without the signature. Raises ValueError also for a damaged frame."""
     cursor = Cursor(data)
     _, link = cursor.header()
     numbers: tuple[int, ...] = _NUMBERS.unpack(cursor.take(_NUMBERS.size))
