@@ -54,8 +54,8 @@ def test_the_journal_says_why_robots_did_not_get_there(told, folder):
     (journal,) = (folder / "hunt.journal").glob("*.jsonl")
     events = [json.loads(line) for line in journal.read_text().splitlines()]
     reasons = {event["reason"] for event in events if event["event"] == "failed"}
-    assert "Robot 2 does not answer any more." in reasons
-    assert "Something that is not on the map blocks the way of robot 1." in reasons
+    assert "Robot 2 no longer answers." in reasons
+    assert "Something that is not on the map blocks the path of robot 1." in reasons
     silent = events.index({"v": 1, "event": "reported", "robot": 1, "condition": "silent"})
     assert not any(event["event"] == "departed" and event["robot"] == 1 for event in events[silent:])
 

@@ -155,9 +155,9 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
         return RequestRefused(RuleReason.RESERVED, f"{_name(other)} is already under way to {room}.")
     cost = state.cost(robot, room)
     if math.isinf(cost):
-        return RequestRefused(RuleReason.NOT_A_MOVE, f"There is no way from {mover.at} to {room}.")
+        return RequestRefused(RuleReason.NOT_A_MOVE, f"There is no path from {mover.at} to {room}.")
     if cost > mover.energy:
-        return _too_dear(robot, f"the way to {room}", cost, mover.energy)
+        return _too_dear(robot, f"going to {room}", cost, mover.energy)
     left: tuple[Event, ...] = ()
     if asker is Commander.PARTICIPANT and not mover.at.is_corridor:
         here = state.room(mover.at)
@@ -226,11 +226,9 @@ def price(state: GameState, robot: int, costs: Sequence[float | None]) -> Ruling
         return _no_robot(state, robot)
     mover = state.robots[robot]
     if mover.bound_for is not None:
-        return RequestRefused(RuleReason.UNDER_WAY, f"{_name(robot)} is under way, at the price of its departure.")
+        return RequestRefused(RuleReason.UNDER_WAY, f"{_name(robot)} is under way, and its move is already paid.")
     if len(costs) != len(state.rooms) + 1 or any(cost is not None and not cost >= 0.0 for cost in costs):
-        return RequestRefused(
-            RuleReason.UNKNOWN_ROOM, f"{len(state.rooms) + 1} costs that are not negative are needed."
-        )
+        return RequestRefused(RuleReason.UNKNOWN_ROOM, f"{len(state.rooms) + 1} costs of 0 or more are needed.")
     # In a room that it was sent to there is no move to this room itself, whatever that would cost from beside its goal.
     row = tuple(None if place == mover.at.people else cost for place, cost in enumerate(costs))
     estimated = CostsEstimated(robot, row)
@@ -289,7 +287,9 @@ def tell(state: GameState, room: Room, name: str, value: str) -> Ruling:
         return refused
     known, told = state.room(room), property_named(state.started.properties, name)
     if told is None or told.told_by is not Teller.PERSON or value not in told.values:
-        return RequestRefused(RuleReason.UNKNOWN_PROPERTY, f"{value or 'That'} is nothing that people tell here.")
+        return RequestRefused(
+            RuleReason.UNKNOWN_PROPERTY, f"{value or 'That'} is not a value that people can enter here."
+        )
     if known.is_decided:
         return _decided(room)
     if known.image is None:
@@ -493,7 +493,7 @@ def _no_room(state: GameState, room: Room) -> RequestRefused | None:
 
 
 def _silent(robot: int) -> RequestRefused:
-    return RequestRefused(RuleReason.SILENT, f"{_name(robot)} does not answer any more.")
+    return RequestRefused(RuleReason.SILENT, f"{_name(robot)} no longer answers.")
 
 
 def _blocked(robot: int) -> RequestRefused:

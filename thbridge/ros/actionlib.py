@@ -41,8 +41,8 @@ LISTED = 64
 ActionRequest: TypeAlias = GoalRequest | CancelRequest | SimpleGoal
 
 _ACCEPTED = "under way"
-_REPLACED = "a newer goal took its place"
-_TAKEN_BACK = "taken back before it came"
+_REPLACED = "replaced by a newer goal"
+_TAKEN_BACK = "canceled before it arrived"
 _DIED = "the robot stopped working"
 
 

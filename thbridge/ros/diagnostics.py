@@ -21,10 +21,10 @@ LOW_CHARGE = 0.2
 """Fraction of the energy below which a robot gets a warning."""
 
 _ENDS = {
-    GoalStatusCode.SUCCEEDED: (LogLevel.INFO, "is reached"),
-    GoalStatusCode.PREEMPTED: (LogLevel.INFO, "is withdrawn"),
-    GoalStatusCode.RECALLED: (LogLevel.INFO, "came too late"),
-    GoalStatusCode.ABORTED: (LogLevel.WARN, "is given up"),
+    GoalStatusCode.SUCCEEDED: (LogLevel.INFO, "was reached"),
+    GoalStatusCode.PREEMPTED: (LogLevel.INFO, "was preempted"),
+    GoalStatusCode.RECALLED: (LogLevel.INFO, "was recalled before it started"),
+    GoalStatusCode.ABORTED: (LogLevel.WARN, "was given up"),
 }
 _STATES: dict[NavigatorState, tuple[DiagnosticLevel, str]] = {
     "idle": (DiagnosticLevel.OK, "no goal"),
@@ -76,7 +76,7 @@ class RobotDiagnostics:
             yield LogLine(LogLevel.ERROR if dead else LogLevel.INFO, CALLER, text)
         collisions = int(snapshot.truth.collisions[self._robot])
         if collisions > self._collisions:
-            yield LogLine(LogLevel.WARN, CALLER, f"{self._name} has run into something, {collisions} times so far")
+            yield LogLine(LogLevel.WARN, CALLER, f"{self._name} has hit something; collisions so far: {collisions}")
         self._collisions = collisions
         yield from self._way_made(snapshot.tick, None if dead else output.navigation.makes_way_for)
         if dead:
@@ -95,7 +95,7 @@ class RobotDiagnostics:
             yield LogLine(LogLevel.ERROR, self._navigator, output.navigation.fault)
         clears = output.navigation.state == "clearing"
         if clears and not self._clears:
-            yield LogLine(LogLevel.WARN, self._navigator, "no way on: the robot tries to get free")
+            yield LogLine(LogLevel.WARN, self._navigator, "path blocked: the robot tries to get free")
         self._clears = clears
         for message in goals:
             yield from self._goal(message)
@@ -121,7 +121,7 @@ class RobotDiagnostics:
                     LogLevel.INFO, self._navigator, f"a client's goal {goal_id}: ({base.x:.2f}, {base.y:.2f})"
                 )
             case CancelRequest() if not self._dead:
-                yield LogLine(LogLevel.INFO, self._navigator, "a client takes goals back")
+                yield LogLine(LogLevel.INFO, self._navigator, "a client cancels goals")
 
     def _goal(self, message: ActionServerMessage) -> Iterator[LogLine]:
         match message:
@@ -157,7 +157,10 @@ class RobotDiagnostics:
         elif spread > SPREAD:
             level, message = DiagnosticLevel.WARN, "unsure"
         turn = math.degrees(math.sqrt(max(var_theta, 0.0)))
-        figures = {"standard deviation (m)": f"{spread:.3f}", "of the heading (degrees)": f"{turn:.1f}"}
+        figures = {
+            "standard deviation of the position (m)": f"{spread:.3f}",
+            "standard deviation of the heading (degrees)": f"{turn:.1f}",
+        }
         return self._diagnosis(level, "localisation", message, **figures)
 
     def _navigation(self, output: RobotOutput) -> DiagnosticStatus:
@@ -165,7 +168,7 @@ class RobotDiagnostics:
         level, message = _STATES[navigation.state]
         if navigation.goal is None and self._given_up:
             level, message = DiagnosticLevel.WARN, f"gave up: {self._given_up}"
-        figures = {"way left (m)": f"{navigation.remaining:.1f}"}
+        figures = {"distance left (m)": f"{navigation.remaining:.1f}"}
         first = navigation.makes_way_for
         if first is not None:
             message = f"{'' if level is DiagnosticLevel.OK else f'{message}, '}makes way for {robot_name(first)}"

@@ -28,8 +28,8 @@ _SENTENCES: dict[PlanRefusalCode, str] = {
     "start_outside": "the robot is outside the map",
     "goal_occupied": "the goal is inside a wall or too near to one",
     "start_occupied": "the robot stands inside an obstacle",
-    "no_way": "there is no way from here to the goal",
-    "robots_in_the_way": "other robots stand in the way",
+    "no_way": "there is no path from here to the goal",
+    "robots_in_the_way": "other robots block the path",
 }
 
 OUTERMOST = "in the map's outermost row or column of cells, where planners lead no path"

@@ -122,7 +122,7 @@ class GoalExecution:
         """Return the result of a goal that is given up now."""
         match self.state:
             case Planning(wanted=WantedPath()) | Controlling(output=FollowerOutput(blocked_by_others=True)):
-                return NoPath(goal, "robots_in_the_way", "other robots stand in the way and do not clear it")
+                return NoPath(goal, "robots_in_the_way", "other robots block the path and do not move away")
         return NoPath(goal, "stuck", "the robot is stuck and cannot get free")
 
     def plan_after(self, tick: int, seconds: float) -> None:

@@ -109,8 +109,8 @@ def test_a_localizer_of_a_lab_is_believed_and_changes_nothing_else() -> None:
     ("name", "fault"),
     [
         ("nan", "its pose is not finite"),
-        ("flat", "the covariance is no (3, 3) array of finite numbers with variances of at least 0"),
-        ("mute", "a NoneType is no Estimate"),
+        ("flat", "the covariance is not a (3, 3) array of finite numbers with variances of 0 or more"),
+        ("mute", "a NoneType is not an Estimate"),
     ],
 )
 def test_where_it_fails_the_robot_is_lost_and_that_is_reported(

@@ -117,8 +117,8 @@ def test_a_planner_of_a_lab_plans_for_its_robot_and_on_request() -> None:
     ("name", "fault"),
     [
         ("straight", "its path leads through an obstacle at (1.20, 0.00)"),
-        ("nan", "its path is no (m, 2) or (m, 3) array of finite numbers"),
-        ("flat", "its path is no (m, 2) or (m, 3) array of finite numbers"),
+        ("nan", "its path is not an (m, 2) or (m, 3) array of finite numbers"),
+        ("flat", "its path is not an (m, 2) or (m, 3) array of finite numbers"),
         ("short", "its path ends 2.00 m from the goal"),
         ("writes", "ValueError: assignment destination is read-only (lab_of_paths.py, line 38)"),
     ],

@@ -128,7 +128,7 @@ def test_a_behavior_of_a_lab_drives_the_robot() -> None:
     [
         ("writes", "ValueError: assignment destination is read-only (lab_of_recovery.py, line 15)"),
         ("infinite", "the command (inf, 0.0) is not finite"),
-        ("tuples", "a tuple is no Twist, and not None"),
+        ("tuples", "a tuple is neither a Twist nor None"),
     ],
 )
 def test_a_behavior_that_fails_ends_and_is_reported(name: str, fault: str, caplog: pytest.LogCaptureFixture) -> None:
@@ -179,7 +179,7 @@ def test_parameters_without_plugins_load_none(monkeypatch: pytest.MonkeyPatch) -
     [
         ("fickle", NOT_DETERMINED),
         pytest.param("ahead", "it has not ended after 30 s", marks=pytest.mark.slow),
-        ("tuples", "the recovery behavior tuples failed: a tuple is no Twist, and not None"),
+        ("tuples", "the recovery behavior tuples failed: a tuple is neither a Twist nor None"),
     ],
 )
 def test_a_trial_finds_what_is_wrong_with_a_behavior(name: str, problem: str) -> None:

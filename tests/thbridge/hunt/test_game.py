@@ -420,7 +420,7 @@ def test_a_game_is_given_up_only_when_nobody_is_under_way():
 def test_a_robot_that_does_not_answer_does_nothing_and_what_is_there_is_left_to_nobody_else():
     state = after(in_room_4(), rules.report(in_room_4(), 0, Condition.SILENT))
     for refused in (rules.move(state, 0, ROOM_1), rules.picture(state, ROOM_4), rules.identify(state, ROOM_4, "x")):
-        assert (refused.reason, refused.sentence) == (RuleReason.SILENT, "Robot 1 does not answer any more.")
+        assert (refused.reason, refused.sentence) == (RuleReason.SILENT, "Robot 1 no longer answers.")
     assert rules.affordable(state, 0) == ()
     assert rules.affordable(state, 1)
     answering = after(state, rules.report(state, 0, Condition.WELL))

@@ -214,7 +214,7 @@ def test_what_clients_said_is_recorded_as_they_said_it_before_what_follows() -> 
     ended = [unpack.move_base_result(m.data) for m in messages if m.topic.name.endswith("/result")]
     log = b"".join(message.data for message in messages if message.topic.name == "/rosout")
     assert b"a client's goal rviz-1: (1.00, 2.00)" in log
-    assert b"goal rviz-2 is given up: it is in another frame" in log
+    assert b"goal rviz-2 was given up: it is in another frame" in log
     assert ended[-1] == unpack.MoveBaseResult("rviz-2", GoalStatusCode.ABORTED, "it is in another frame")
 
 
@@ -257,7 +257,7 @@ def test_status_feedback_and_the_log_tell_of_a_goal() -> None:
     assert LEG // 10 < per_topic["/robot1/move_base/status"] < LEG // 10 + 5
     log = [message.data for message in messages if message.topic.name == "/rosout"]
     assert [b"/robot1/move_base" in data for data in log] == [True, True]
-    assert b"robot1-0 is reached" in log[-1]
+    assert b"robot1-0 was reached" in log[-1]
 
 
 def test_the_log_tells_of_collisions_and_of_robots_that_are_lost_or_dead_once() -> None:

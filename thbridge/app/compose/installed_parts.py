@@ -117,7 +117,7 @@ def _wrong_command(said: object) -> str:
     if said is None:
         return ""
     if not isinstance(said, Twist):
-        return f"a {type(said).__name__} is no Twist, and not None"
+        return f"a {type(said).__name__} is neither a Twist nor None"
     if not (math.isfinite(said.linear) and math.isfinite(said.angular)):
         return f"the command ({said.linear}, {said.angular}) is not finite"
     return ""
@@ -338,7 +338,7 @@ def _wrong_path(found: object, costs: Costs, frame: CostFrame, start: Pose2, goa
         return ""
     points = np.asarray(found)
     if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points) or not np.isfinite(points).all():
-        return "its path is no (m, 2) or (m, 3) array of finite numbers"
+        return "its path is not an (m, 2) or (m, 3) array of finite numbers"
     for what, end, place in (("begins", points[0], start), ("ends", points[-1], goal)):
         away = float(elementary_arrays.hypot(end[0] - place.x, end[1] - place.y))
         if away > END_TOLERANCE:
@@ -371,17 +371,17 @@ _NO_PARTICLES = read_only(np.empty((0, 3)))
 
 def _wrong_estimate(said: object) -> str:
     if not isinstance(said, Estimate):
-        return f"a {type(said).__name__} is no Estimate"
+        return f"a {type(said).__name__} is not an Estimate"
     pose, covariance, particles = said.base_in_map, np.asarray(said.covariance), np.asarray(said.particles)
     if not all(map(math.isfinite, (pose.x, pose.y, pose.theta))):
         return "its pose is not finite"
     if covariance.shape != (3, 3) or not np.isfinite(covariance).all() or (covariance.diagonal() < 0.0).any():
-        return "the covariance is no (3, 3) array of finite numbers with variances of at least 0"
+        return "the covariance is not a (3, 3) array of finite numbers with variances of 0 or more"
     if particles.ndim != 2 or particles.shape[1] != 3 or not np.isfinite(particles).all():
-        return "the particles are no (n, 3) array of finite numbers"
+        return "the particles are not an (n, 3) array of finite numbers"
     for name, share in (("agreement", said.agreement), ("p_wrong", said.p_wrong)):
         if share is not None and not 0.0 <= share <= 1.0:
-            return f"{name} is {share}, and has to be from 0 to 1, or None"
+            return f"{name} is {share}, but must be from 0 to 1, or None"
     return ""
 
 

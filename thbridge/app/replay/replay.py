@@ -22,6 +22,7 @@ from thbridge.app.compose.session import SessionRecording, build_programs, open_
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY
 from thbridge.app.programs import SIMR
+from thbridge.app.replay.rewordings import reworded
 from thbridge.app.session import inputs
 from thbridge.app.session.giving import RecordedParticipant, give
 from thbridge.app.session.input_records import from_record
@@ -135,10 +136,10 @@ def session_of(path: Path) -> SessionRecord:
     """
     first = next(bag_reader.messages(path, [names.SESSION]), None)
     if first is None:
-        problem = f"this bag has no session of ours: no topic {names.SESSION}"
+        problem = f"this bag has no session of thbridge: no topic {names.SESSION}"
         raise BadFile(path, problem, "name a bag that `thbridge play` or `thbridge simr` recorded")
     if first.md5 != types.plain_definition(types.SESSION).md5:
-        problem = "another release of this program recorded it, so the same inputs would not do the same"
+        problem = "another release of this program recorded it, so the same inputs would have other results"
         raise BadFile(path, problem, "replay it with that release", key=names.SESSION)
     try:
         record = unpack.session(first.data)
@@ -147,8 +148,8 @@ def session_of(path: Path) -> SessionRecord:
     if record.program not in {PLAY, SIMR}:
         raise BadFile(path, f"no program is called {record.program!r}", "name another recording", key=names.SESSION)
     if read_study_text(path, record.study).robots_from is RobotsFrom.ROS:
-        problem = "its robots were real, and nobody can run them again"
-        raise BadFile(path, problem, "look at it by `thbridge report` or `thbridge bag plot`", key=names.SESSION)
+        problem = "its robots were real, and cannot be run again"
+        raise BadFile(path, problem, "view it with `thbridge report` or `thbridge bag plot`", key=names.SESSION)
     return record
 
 
@@ -369,7 +370,9 @@ class Comparison:
         now = [message for message in now if message.topic.name not in self._left_out]
         for before, after in zip_longest(was, now):
             if before is None:
-                self._missing = self._difference(after.topic.name, after.stamp_ns, "it is new, nothing was recorded")
+                self._missing = self._difference(
+                    after.topic.name, after.stamp_ns, "the replay sends it, but it was not recorded"
+                )
                 return
             self.difference = self._compared(before, after)
             if self.difference is not None:
@@ -379,21 +382,27 @@ class Comparison:
 
     def _compared(self, was: RawMessage, now: RosMessage | None) -> Difference | None:
         if now is None:
-            return self._difference(was.topic, was.stamp_ns, "it was recorded, and is not said any more")
+            return self._difference(was.topic, was.stamp_ns, "it was recorded, but the replay does not send it")
         topic, stamp_ns, data, _ = now
         if topic.name != was.topic:
-            return self._difference(was.topic, was.stamp_ns, f"in its place there is one on {topic.name}")
+            return self._difference(was.topic, was.stamp_ns, f"the replay sends a message on {topic.name} instead")
         if stamp_ns != was.stamp_ns:
-            return self._difference(was.topic, was.stamp_ns, f"it is said {(stamp_ns - was.stamp_ns) / 1e9:+g} s later")
+            return self._difference(
+                was.topic, was.stamp_ns, f"its time differs by {(stamp_ns - was.stamp_ns) / 1e9:+g} s"
+            )
         if data == was.data:
             return None
         if topic.msgtype != was.msgtype or types.plain_definition(topic.msgtype).md5 != was.md5:
-            return self._difference(was.topic, was.stamp_ns, f"it was a {was.msgtype} of another release")
+            return self._difference(was.topic, was.stamp_ns, f"its type {was.msgtype} is that of another release")
+        # Only here, since it decodes both messages: nearly all are equal as bytes.
+        recorded = reworded(topic.msgtype, was.data, data)
+        if data == recorded:
+            return None
         try:
-            fields = differences(topic.msgtype, was.data, data)
+            fields = differences(topic.msgtype, recorded, data)
         except ValueError as error:
-            return self._difference(was.topic, was.stamp_ns, f"its content is another; {error}")
-        return self._difference(was.topic, was.stamp_ns, "its content is another", fields)
+            return self._difference(was.topic, was.stamp_ns, f"its content differs; {error}")
+        return self._difference(was.topic, was.stamp_ns, "its content differs", fields)
 
     def _difference(self, topic: str, stamp_ns: int, what: str, fields: tuple[FieldDifference, ...] = ()) -> Difference:
         seconds = (stamp_ns - START_NS) / 1e9

@@ -55,7 +55,7 @@ def from_record(record: InputRecord) -> inputs.Input:
     """
     input_class = _CLASSES.get(record.kind)
     if input_class is None:
-        raise ValueError(f"no input is of the kind {record.kind!r}")
+        raise ValueError(f"there is no kind of input {record.kind!r}")
     value: object = json_of(record.json)
     return decode_request(value) if input_class is inputs.ClientRequest else decode_value(value, input_class)
 
@@ -75,23 +75,26 @@ def decode_request(value: object) -> inputs.ClientRequest:
     match value:
         case {"sender": str(sender), "request": str(name), "fields": fields} if name in REQUESTS:
             return inputs.ClientRequest(sender, _with_owner(decode_value(fields, REQUESTS[name])))
-    raise ValueError("nobody can be asked for that")
+    raise ValueError("there is no such request")
 
 
 def _for_people(item: inputs.Input) -> tuple[str, str]:
-    """Return the sender of an input, and a description for people."""
+    """Return the sender of an input, and a description for people.
+
+    Both are recorded: a reworded description needs a row in `thbridge.app.replay.rewordings`.
+    """
     match item:
         case inputs.ConnectionOpened(connection, _, credentials):
-            key = f" by the key {credentials}" if credentials.key else ""
+            key = f" with the key {credentials}" if credentials.key else ""
             return f"connection {connection}", f"a connection is opened{key}"
         case inputs.BytesReceived(_, sender, data):
             return _readable(sender), data.decode(errors="replace").rstrip("\r\n")
         case inputs.ConnectionClosed(_, sender):
             return _readable(sender), "the connection has ended"
         case inputs.ConnectionBacklogged(_, sender, size):
-            return _readable(sender), f"the connection is given up: {size} bytes wait for it"
+            return _readable(sender), f"the connection is closed: its client has not read {size} bytes"
         case inputs.ClockAdvanced():
-            return "", "somebody has been silent for long"
+            return "", "a silent client is pinged or dropped"
         case inputs.ParticipantSent(message) | inputs.MessageForwarded(message):
             return _readable(message.sender), _readable(message.line())
         case inputs.NameAccepted():
@@ -103,7 +106,7 @@ def _for_people(item: inputs.Input) -> tuple[str, str]:
         case inputs.LinkClosed(_, sender):
             return _readable(sender), "the link has ended"
         case inputs.HeartbeatsSent():
-            return "", "robots say that they are there"
+            return "", "the vehicles send heartbeats"
         case inputs.FrameReceived(_, sender, frame):
             return _readable(sender), f"{name_of(frame.message_id)} of {frame.system}/{frame.component}"
 
@@ -153,7 +156,7 @@ def _plain(value: object) -> object:
     if isinstance(value, np.ndarray):
         rows: object = value.tolist()
         return rows
-    raise NotImplementedError(f"no way to record a {type(value).__name__}")
+    raise NotImplementedError(f"cannot record a {type(value).__name__}")
 
 
 def decode_value(value: object, kind: type[T]) -> T:

@@ -1,4 +1,7 @@
-"""Sentences for the participant about moves that failed; all of them stand here."""
+"""All sentences for the participant about moves that failed.
+
+They are recorded: a sentence that is reworded needs a row in `thbridge.app.replay.rewordings`.
+"""
 
 from sim.common.robot_numbers import robot_name
 from sim.robot.navigator.goals import NoPathReason
@@ -10,17 +13,17 @@ ELSEWHERE = "It was sent elsewhere, or stopped."
 NOT_READY = "The game is not ready for this move."
 
 _SENTENCES: dict[NoPathReason, str] = {
-    "blocked_by_obstacle": "Something that is not on the map blocks the way of {robot}.",
-    "robots_in_the_way": "Other robots stand in the way of {robot} and do not clear it.",
-    "no_way": "The map has no way there from where {robot} believes it is.",
-    "goal_occupied": "Where {robot} should stand, the map has a wall, or one too near.",
+    "blocked_by_obstacle": "Something that is not on the map blocks the path of {robot}.",
+    "robots_in_the_way": "Other robots block the path of {robot} and do not move away.",
+    "no_way": "The map has no path there from where {robot} believes it is.",
+    "goal_occupied": "The place where {robot} should stand is inside a wall or too near to one.",
     "goal_outside": "The place where {robot} should stand is not on the map.",
-    "start_occupied": "{robot} stands within something, or too near to it to set out.",
-    "start_outside": "{robot} believes that it is where the map has nothing.",
+    "start_occupied": "{robot} stands inside an obstacle, or too near to one to start.",
+    "start_outside": "{robot} believes that it is outside the map.",
     "stuck": "{robot} is stuck and cannot get free.",
     "lost": "{robot} does not know where it is.",
-    "gave_up": "{robot} has given up the way there.",
-    "called_off": "Somebody at the robots' controls has called {robot} off.",
+    "gave_up": "{robot} has given up its goal.",
+    "called_off": "A person at the robots' controls has canceled the goal of {robot}.",
     "unanswered": "The navigation of {robot} does not answer.",
 }
 
@@ -32,10 +35,10 @@ def failure_sentence(robot: int, reason: NoPathReason) -> str:
 
 
 def unknown_place_sentence(robot: int) -> str:
-    """Return the sentence about a robot, counted from 0, that should stand where the map knows nothing."""
-    return f"The map does not know what is where {robot_name(robot)} should stand."
+    """Return the sentence about a robot, counted from 0, that should stand where the map is unknown."""
+    return f"The map does not show what is at the place where {robot_name(robot)} should stand."
 
 
 def unresponsive_sentence(robot: int) -> str:
     """Return the sentence about a robot, counted from 0, that does not respond."""
-    return f"{robot_name(robot).capitalize()} does not answer any more."
+    return f"{robot_name(robot).capitalize()} no longer answers."

@@ -123,7 +123,7 @@ def test_rules_answer_at_once(taken: PilotedHunt) -> None:
 def test_too_little_energy_is_said_at_once() -> None:
     taken = PilotedHunt(energy=15.0).taken()
     denied = taken.pilot.go_to(Target(*taken.goal_of(3)))
-    assert isinstance(denied, Denied) and "energy left, but the way to room 3 costs" in denied.sentence
+    assert isinstance(denied, Denied) and "energy left, but going to room 3 costs" in denied.sentence
     assert not taken.events(RobotDeparted)
 
 
@@ -318,8 +318,8 @@ def test_a_dead_robot_says_so_and_is_refused(taken: PilotedHunt) -> None:
     taken.session.ask("researcher", KillRobot(0))
     readings = taken.run(120)
     assert not readings.responsive and not readings.under_way
-    assert (readings.leg.state, readings.leg.reason) == (FAILED, "Robot 1 does not answer any more.")
-    refused = Denied("Robot 1 does not answer any more.")
+    assert (readings.leg.state, readings.leg.reason) == (FAILED, "Robot 1 no longer answers.")
+    refused = Denied("Robot 1 no longer answers.")
     assert taken.pilot.go_to(Target(*taken.goal_of(3))) == refused
     assert taken.pilot.drive(Twist(0.1, 0.0)) == refused
     assert taken.pilot.take(STATION) == refused

@@ -139,7 +139,7 @@ def test_the_move_of_a_robot_that_died_fails_with_its_reason(setting):
     assert driver.levels(TeamStatus)[-1].results[0] is None
     driver.run(RESPONSE_TIMEOUT)
     result = driver.levels(TeamStatus)[-1].results[0]
-    assert (result.arrived, result.sentence) == (False, "Robot 1 does not answer any more.")
+    assert (result.arrived, result.sentence) == (False, "Robot 1 no longer answers.")
     assert driver.levels(TeamStatus)[-1].conditions == (Condition.SILENT, Condition.WELL)
 
 
@@ -175,7 +175,7 @@ def test_a_room_behind_a_closed_door_is_told_of_in_words(setting):
     driver = DrivenSimR(build_simr(replace(setting, study=replace(setting.study, things=(door,)))))
     driver.run(100 * TICKS_PER_SECOND, orders(1, MoveOrder(1, 8), None))
     result = driver.levels(TeamStatus)[-1].results[0]
-    assert result.sentence == "Something that is not on the map blocks the way of robot 1."
+    assert result.sentence == "Something that is not on the map blocks the path of robot 1."
 
 
 class Real:

@@ -81,14 +81,18 @@ def test_a_robot_too_wide_for_the_door_finds_none(rooms):
     assert answer["found"] is False
     assert answer["length"] is None
     assert answer["code"] == "no_way"
-    assert answer["reason"] == "there is no way from here to the goal"
+    assert answer["reason"] == "there is no path from here to the goal"
 
 
 @pytest.mark.parametrize(
     ("start", "goal", "told"),
     [
         ((1.0, 1.0), (5.0, 0.02), "the goal lies in the map's outermost row or column of cells"),
-        ((0.02, 1.0), (2.0, 1.0), "there is no way from here to the goal; the robot stands in the map's outermost row"),
+        (
+            (0.02, 1.0),
+            (2.0, 1.0),
+            "there is no path from here to the goal; the robot stands in the map's outermost row",
+        ),
     ],
 )
 def test_the_outermost_cells_of_a_map_are_named(tmp_path, start, goal, told):
