@@ -41,7 +41,7 @@ def test_a_server_whose_journal_has_no_room_ends_and_goes_on_with_the_game_later
         refused = processes.Program(tmp_path, "server", "--port", "0", "--journal", "disk/journal")
         assert refused.process.wait(200) == 2, refused.text
         refused.close()
-    assert "there can be no journals here (Read-only file system)" in refused.text
+    assert "journals cannot be kept here (Read-only file system)" in refused.text
     port = str(free_port())
     running = [processes.Program(tmp_path, "server", "--port", port, "--journal", "disk/journal")]
     for role in (["simr", "--rate", "10"], ["hider"], ["tabui"]):

@@ -121,7 +121,7 @@ def test_a_recording_that_has_no_place_is_refused_before_anything_starts(place: 
 @pytest.mark.parametrize("place", ["file", "/proc/journal"])
 def test_a_server_that_cannot_keep_a_journal_does_not_start(place: str) -> None:
     Path("file").touch()
-    assert refusal("server", "--port", "0", "--journal", place).startswith(f"{place}: there can be no journals here")
+    assert refusal("server", "--port", "0", "--journal", place).startswith(f"{place}: journals cannot be kept here")
 
 
 @pytest.mark.parametrize(
@@ -356,7 +356,7 @@ def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
             "participant:\n  consent: none.txt\n",
             "line 2, participant.consent: none.txt: there is no such file",
         ),
-        ("participant:\n  consent: empty.txt\n", "empty.txt: there is nothing to agree to in it"),
+        ("participant:\n  consent: empty.txt\n", "empty.txt: the consent text is empty"),
         ("participant:\n  consent: long.txt\n", "long.txt: larger than 8000 bytes"),
         ("participant:\n  robots: [4, 1]\n", "line 2, participant.robots: 4 is above 1"),
         ("participant:\n  robots: [0, 4]\n", "line 2, participant.robots[0]: 0 is out of range"),

@@ -108,7 +108,7 @@ async def listeners(
         ask: takes requests, each with the name of its sender. It is not called before the event loop's next turn, when
             the session exists.
         callbacks: for the results of starting.
-        receive_frame: takes MAVLink frames for one robot, likewise; None where the robots are no vehicles.
+        receive_frame: takes MAVLink frames for one robot, likewise; None where the robots are not MAVLink vehicles.
         granted: takes the names of keys by which watchers were granted requests, each with the request; None: nobody.
         has_game: True when the game is this session's.
     """

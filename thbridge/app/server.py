@@ -76,14 +76,14 @@ async def serve(
     try:
         unfinished = None if new_game else journals.resume()
         if unfinished is not None:
-            _log.warning("going on with game %d (--new-game begins another)", journals.last_game)
+            _log.warning("resuming game %d (use --new-game to start another)", journals.last_game)
             if unfinished.torn:
-                _log.warning("its last event was half written and is lost")
+                _log.warning("its last event was only partly written and is lost")
         last_game = journals.last_game if unfinished is None else journals.last_game - 1
         history = () if unfinished is None else unfinished.history
         keeper = build_keeper(setting, history, last_game)
         for dialogue in keeper.dialogues_not_restored:
-            _log.warning("dialogue %d cannot be taken up again; what was said in it is in the journal", dialogue)
+            _log.warning("dialogue %d cannot be resumed; what was said in it is in the journal", dialogue)
         log = ConsentedLog(journals, lambda: keeper.consent)
         recording = SessionRecording(log=log, run="" if keys is None else journals.name_of_folder(run))
         server = TextServer(admission=Admission.to(setting.study.open_to), keys=keys)

@@ -45,7 +45,7 @@ class JournalStore:
         try:
             make_folder(folder)
         except OSError as error:
-            problem = f"there can be no journals here ({error.strerror})"
+            problem = f"journals cannot be kept here ({error.strerror})"
             raise BadFile(folder, problem, "choose another folder") from None
 
     @property
@@ -80,7 +80,7 @@ class JournalStore:
         if recovered.state.ended is not None:
             journal.close()
             if recovered.torn is not None:
-                _log.warning("%s: what was half written after the end of its game is lost", journal.path)
+                _log.warning("%s: an event was only partly written after the end of its game and is lost", journal.path)
             return None
         self._journal = journal
         return UnfinishedGame((recovered.started, *recovered.events), recovered.torn is not None)

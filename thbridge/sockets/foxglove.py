@@ -72,7 +72,7 @@ class FoxgloveServer(ServerListener):
         stopping.start()
         stopping.join(_STOP_SECONDS)
         if stopping.is_alive():
-            _log.warning("Foxglove's connections do not end, and are left to the end of the program")
+            _log.warning("Foxglove's connections did not close in time; they end with the program")
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Send the messages of one tick."""

@@ -171,7 +171,7 @@ class _Acceptor:
             return
         except OSError as error:
             # No descriptor at all, or no memory: at once it would be so again.
-            _log.warning("no client can be accepted for a second: %s", error)
+            _log.warning("accepting no clients for one second: %s", error)
             self._loop.remove_reader(self._bound)
             self._again = self._loop.call_later(_AGAIN_SECONDS, self._begin)
 
@@ -198,7 +198,7 @@ class _Acceptor:
         self._arriving.pop(task, None)
         if not task.cancelled() and (error := task.exception()) is not None:
             level = logging.INFO if isinstance(error, OSError) else logging.WARNING
-            _log.log(level, "a connection failed before it was one: %r", error)
+            _log.log(level, "a connection failed before it was established: %r", error)
 
 
 def raise_limit() -> None:

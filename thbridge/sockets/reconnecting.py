@@ -117,7 +117,7 @@ class ReconnectingClient(ABC):
         except ssl.SSLCertVerificationError as error:
             return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port}: {error.verify_message}")
         except ssl.SSLError as error:
-            return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port} speaks no TLS ({error.reason})")
+            return ConnectionLost(LossReason.UNTRUSTED, f"{self._host}:{self._port} does not use TLS ({error.reason})")
         except (OSError, UnicodeError, OverflowError) as error:
             reason = reason_of(error) if isinstance(error, OSError) else str(error)
             return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {reason}")

@@ -55,7 +55,7 @@ def check_server(transport: BaseTransport, key: ClientKey) -> None:
     shown = None if encrypted is None else encrypted.getpeercert(binary_form=True)
     fingerprint = hashlib.sha256(shown or b"").hexdigest()
     if not hmac.compare_digest(fingerprint, key.fingerprint):
-        raise UntrustedServer(f"it shows the certificate sha256:{fingerprint}, not the one of the key")
+        raise UntrustedServer(f"its certificate is sha256:{fingerprint}, not the one in the key")
 
 
 def is_encrypted(transport: BaseTransport) -> bool:

@@ -138,7 +138,7 @@ class BagStreamReader:
         except (ValueError, LookupError, struct.error) as error:
             self._broken = True
             self._held.clear()
-            messages.append(BrokenStream(f"this is not a session's door: {error}"))
+            messages.append(BrokenStream(f"this is not the watch port of a session: {error}"))
         return messages
 
     def _begin(self) -> None:
@@ -218,7 +218,7 @@ def _fields(header: bytes) -> dict[bytes, bytes]:
         (size,) = _U32.unpack_from(header, at)
         name, equals, value = header[at + 4 : at + 4 + size].partition(b"=")
         if not equals or at + 4 + size > len(header):
-            raise ValueError("it has a record that is none")
+            raise ValueError("it has an invalid record")
         fields[name] = value
         at += 4 + size
     return fields
@@ -299,10 +299,10 @@ class WatcherSession:
             key = value.get("key")
             found = self._identify(key) if isinstance(key, str) else "the key is wrong"
             if isinstance(found, Credentials) and not found.may(Right.WATCH):
-                found = f"the key {found} is not good for watching"
+                found = f"the key {found} does not allow watching"
             self.admitted, self.rejected = not isinstance(found, str), isinstance(found, str)
             if isinstance(found, str):
-                yield WatchRefusal("", found if "key" in value else "a key is wanted")
+                yield WatchRefusal("", found if "key" in value else "a key is required")
             else:
                 self.credentials = found
                 yield WatcherAdmitted()

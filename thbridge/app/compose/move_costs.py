@@ -52,7 +52,7 @@ def costs_file(
     else:
         problem = f"its costs are for the map {templates.map}, and the map {place.name} has no {MAP_TIMES}"
     measure = f"thbridge maps measure {of_map} --out {of_map / MAP_TIMES}"
-    remedy = f"measure the trips by `{measure}`, or name another file by `game: costs:` in the study"
+    remedy = f"measure the trips with `{measure}`, or name another file with `game: costs:` in the study"
     raise BadFile(folder / MAP_TIMES, problem, remedy)
 
 
@@ -75,7 +75,7 @@ def read_costs(path: Path, place: Map) -> CostMatrix:
             path,
             f"{len(costs.rooms) + 1} nodes, but the map {place.name} has {len(place.rooms)} rooms and a corridor",
             f"let `thbridge maps measure` write a {MAP_TIMES} of {len(place.rooms) + 1} nodes into the map's folder, "
-            "or name one by `game: costs:` in the study",
+            "or name one with `game: costs:` in the study",
             line=1,
             key="number of nodes",
         )
@@ -99,20 +99,22 @@ def doubts_of_costs(
         if path.parent.parent == resources.root / "templates":
             meant = read_template_set(path.parent).map
             if meant not in {None, place.name}:
-                problem = f"moves on the map {place.name} cost what this file has for the map {meant}"
-                yield BadFile(path, problem, "Delete `game: costs:` in the study if that is not meant")
+                problem = f"this file prices the moves on the map {place.name}, but is for the map {meant}"
+                yield BadFile(path, problem, "Delete `game: costs:` in the study if that is not intended")
     elif path != place.costs:
         if templates.map is None:
-            problem = f"moves on the map {place.name} cost what this file says, and set.yaml names no map for it"
-            remedy = f"Write `map: {place.name}` into set.yaml if they are meant for it"
+            problem = (
+                f"this file prices the moves on the map {place.name}, but set.yaml does not say for which map it is"
+            )
+            remedy = f"Write `map: {place.name}` into set.yaml if it is for this map"
             yield BadFile(path, problem, remedy)
     elif too_cheap := tuple(_faster_than_robots(costs, study, place)):
         start, goal, least = too_cheap[0]
         problem = (
             f"{len(too_cheap)} trips take less time than the study's robots need: {start} to {goal} takes "
-            f"{costs.cost(start, goal):g} s here, and at least {least:.0f} s at their greatest speed"
+            f"{costs.cost(start, goal):g} s here, but at least {least:.0f} s at their highest speed"
         )
-        remedy = "If the file is of another map or other robots, measure again, by `thbridge maps measure`"
+        remedy = "If the file is for another map or other robots, measure again with `thbridge maps measure`"
         yield BadFile(path, problem, remedy)
 
 

@@ -351,7 +351,7 @@ def _consent(study: Study, beside: Path) -> str | None:
     path = beside / study.participant.consent
     text = read_text(path, LARGEST_CONSENT).strip()
     if not text:
-        problem, remedy = "there is nothing to agree to in it", "write the text, or take `participant: consent:` away"
+        problem, remedy = "the consent text is empty", "write the text, or remove `participant: consent:`"
         raise BadFile(path, problem, remedy)
     return text
 
@@ -373,6 +373,6 @@ def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[tuple[str, 
     floor = _floor(study, place) if carried else None
     for index, mishap, (x, y, yaw) in carried:
         if floor is not None and floor.clearance_at(Pose2(x, y, yaw)) < floor.inscribed:
-            problem = f"robot {mishap.robot} would be carried to ({x:g}, {y:g}), where it does not fit on this map"
+            problem = f"robot {mishap.robot} would be moved to ({x:g}, {y:g}), where it does not fit on this map"
             key = f"mishaps[{index}].to"
-            yield key, BadFile(map_yaml, problem, f"mend {key} in the study")
+            yield key, BadFile(map_yaml, problem, f"correct {key} in the study")

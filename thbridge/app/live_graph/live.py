@@ -148,7 +148,7 @@ class LiveGraph:
 
     def _on_shutdown(self, reason: str) -> None:
         # The hunt is the participant's: a node of the graph must not end it.
-        _log.warning("the session leaves the ROS graph (%s) and goes on without it", reason)
+        _log.warning("disconnected from the ROS graph (%s); the session continues without it", reason)
         self._node.ros.leave()
 
     @property
@@ -228,7 +228,7 @@ class LiveGraph:
             return
         request = read(data)
         if isinstance(request, InvalidMessage):
-            self._complaints.warn(f"{topic}: what {caller} said is of no use: {request.sentence}")
+            self._complaints.warn(f"{topic}: ignoring a message of {caller}: {request.sentence}")
         else:
             self._ask(caller, request)
 
@@ -243,7 +243,7 @@ class LiveGraph:
         try:
             frame = frame_in(unpack.mavlink(data))
         except ValueError as error:
-            self._complaints.warn(f"{topic}: what {caller} said is of no use: {error}")
+            self._complaints.warn(f"{topic}: ignoring a message of {caller}: {error}")
         else:
             receive(frame)
 
@@ -278,7 +278,7 @@ class LiveGraph:
     def _set_pose(self, robot: int, data: bytes) -> bytes | ServiceFailed:
         service = self._robots[robot].topic("set_pose")
         if not self._limiter.admits(service, "clients"):
-            return ServiceFailed("it is asked too often")
+            return ServiceFailed("too many requests")
         found = clients.pose_estimate(data)
         if isinstance(found, InvalidMessage):
             return ServiceFailed(found.sentence)
@@ -289,7 +289,7 @@ class LiveGraph:
         """Serve amcl's set_map: the pose counts, for the map must be the one that all robots have."""
         service = self._robots[robot].topic("set_map")
         if not self._limiter.admits(service, "clients"):
-            return ServiceFailed("it is asked too often")
+            return ServiceFailed("too many requests")
         found = clients.map_request(data)
         if isinstance(found, InvalidMessage):
             return ServiceFailed(found.sentence)

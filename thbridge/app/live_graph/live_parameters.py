@@ -114,7 +114,7 @@ class LiveParameters:
     def _reconfigure(self, robot: int, section: ReconfigureServer, service: str, data: bytes) -> bytes | ServiceFailed:
         """Serve a change by a client of dynamic_reconfigure; the response holds the resulting values."""
         if not self._limiter.admits(service, "clients"):
-            return ServiceFailed("it is asked too often")
+            return ServiceFailed("too many requests")
         changes = reconfigure.requested_changes(section, self._software[robot], data)
         if isinstance(changes, InvalidMessage):
             return ServiceFailed(changes.sentence)

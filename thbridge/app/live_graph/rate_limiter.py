@@ -28,7 +28,7 @@ class RateLimiter:
         if self._asked[topic, client] <= REQUESTS_PER_TICK:
             return True
         self._complaints.warn(
-            f"{topic}: {client} asks more than {REQUESTS_PER_TICK} times in a tick; what is more is dropped"
+            f"{topic}: {client} sends more than {REQUESTS_PER_TICK} requests in a tick; the rest are dropped"
         )
         return False
 

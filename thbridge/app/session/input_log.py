@@ -104,7 +104,9 @@ class InputLog:
         was_over, self._over = self._over, record.game is not None and record.game.ended is not None
         if record.tick <= self._last:
             if digest and self._digests.get(record.tick, digest) != digest:
-                raise self._differs(f"at {record.tick // TICKS_PER_SECOND} s the robots are elsewhere than they were")
+                raise self._differs(
+                    f"at {record.tick // TICKS_PER_SECOND} s the robots are not where they were in the first run"
+                )
             return
         # After the end of a game nobody acts, and the window takes as long as it likes to show it.
         pace = None if was_over and self._over else self._meter.measure(record.tick, self._pacer)
@@ -119,7 +121,7 @@ class InputLog:
         try:
             append_whole(self._file, _line(line), synced=bool(given))
         except OSError as error:
-            raise BadFile(self._path, f"it cannot be written ({error.strerror})", "make room on the disk") from None
+            raise BadFile(self._path, f"it cannot be written ({error.strerror})", "free space on the disk") from None
 
     def close(self) -> None:
         """Close the file."""
@@ -138,7 +140,7 @@ class InputLog:
             return ()
         lines = whole.splitlines(keepends=True)
         if lines[0] != first:
-            raise self._differs("it is of another study, or of another release of the program")
+            raise self._differs("it belongs to another study or to another release of the program")
         return [self._read(number, line) for number, line in enumerate(lines[1:], 2)]
 
     def _read(self, number: int, line: bytes) -> LoggedTick:
@@ -148,11 +150,11 @@ class InputLog:
             pace = PaceState(*map(float, told["pace"])) if "pace" in told else None
             return LoggedTick(told["tick"], tuple(given), told["digest"], pace)
         except (ValueError, KeyError, TypeError):
-            remedy = "Move it away; the game then begins anew"
+            remedy = "Move it away; the game then starts from the beginning"
             raise BadFile(self._path, "it is damaged", remedy, line=number) from None
 
     def _differs(self, problem: str) -> GameDiffers:
-        return GameDiffers(self._path, problem, "Move it away; the game then begins anew")
+        return GameDiffers(self._path, problem, "Move it away; the game then starts from the beginning")
 
 
 def _fingerprint(record: SessionRecord) -> str:

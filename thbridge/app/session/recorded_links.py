@@ -33,10 +33,10 @@ class RecordedLinks:
             robot: the only robot on the link, from 0; None: all robots.
 
         Raises:
-            ValueError: the robots are no vehicles.
+            ValueError: the robots are not MAVLink vehicles.
         """
         if self._vehicles is None:
-            raise ValueError("the robots are no vehicles")
+            raise ValueError("the robots are not MAVLink vehicles")
         link = self._vehicles.open(name, robot)
         self._inputs.add(inputs.LinkOpened(link, name, robot))
         return link

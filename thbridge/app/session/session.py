@@ -135,7 +135,7 @@ class Session:
         recorders: take every tick.
         participant: the participant's role in this process, if any; its messages are inputs.
         vehicles: makes the robots MAVLink vehicles, given a sink of their requests to robots and game; these requests
-            follow from frames, and so are no inputs. None: the robots are no vehicles.
+            follow from frames, and so are no inputs. None: the robots are not MAVLink vehicles.
         log: of the game's events, and of the keys by which programs take part; None: they are not logged.
         outlets: servers of connections and links; to the text server this session is the router.
         run: name of this run, unlike all others; it is logged with the keys.

@@ -163,16 +163,16 @@ class WatchRequestHandler:
             if kind is not None:
                 return self._turn(decode_value(request.get("fields", {}), kind))
             if _lies_far(request.get("fields")):
-                return "no map is that large"
+                return "the place is farther away than any map is large"
             asked = decode_request({"fields": {}, **request})
         except ValueError as error:
             return str(error)
         if not isinstance(asked.request, _GRANTED):
-            return f"{name} is not granted here"
+            return f"{name} is not allowed here"
         if isinstance(asked.request, WizardRequest) and not self._has_game:
-            return "nobody can be spoken for here: the game is another program's"
+            return "nothing can be said in a robot's place here: the game runs in another program"
         if len(asked.sender) > MOST_CHARACTERS:
-            return f"whoever asks has a name of more than {MOST_CHARACTERS} characters"
+            return f"the sender's name has more than {MOST_CHARACTERS} characters"
         if self._waiting >= MOST_PENDING:
             return f"{MOST_PENDING} requests wait for the next tick already"
         reason = objection(asked.request, self._robots)
@@ -197,7 +197,7 @@ class WatchRequestHandler:
                 if not 1 <= ticks <= MOST_STEPS:
                     return f"steps are 1 to {MOST_STEPS} ticks"
                 self._pacer.step(ticks)
-        _log.info("a watcher asks: %s", request)
+        _log.info("a watcher requests: %s", request)
         return None
 
     def _numbered(self, request: WatchRequest) -> WatchRequest:
@@ -244,30 +244,30 @@ def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
         case KidnapRobot(_, pose) | PlaceRobot(_, pose):
             return _objection_to_pose(pose)
         case InitialPose(_, pose, covariance) | SetPoseEstimate(_, pose, covariance):
-            unfit = None if is_covariance(covariance) else "its covariance is not one: (3, 3), positive semi-definite"
+            unfit = (
+                None
+                if is_covariance(covariance)
+                else "its covariance is invalid: it must be (3, 3) and positive semi-definite"
+            )
             return _objection_to_pose(pose) or unfit
         case VelocityCommand(_, twist):
-            return None if _are_near(twist.linear, twist.angular) else "nothing is that fast"
+            return None if _are_near(twist.linear, twist.angular) else "the speed is too high"
         case SetParameters(robot, values):
             if robot >= len(robots.parameters):
-                return "these robots' software is not ours to change"
+                return "the software of these robots cannot be changed from here"
             changed = Tuning(robots.parameters[robot], robots.worlds[robot]).changed(values)
             return changed.sentence if isinstance(changed, ParameterRejection) else None
         case PutThing(thing):
             return fault_of_thing(thing, FARTHEST, MOST_CHARACTERS)
         case WizardMove(text=text) if len(text) > MOST_CHARACTERS or not text.isprintable():
-            return f"a robot says one line, of at most {MOST_CHARACTERS} characters"
+            return f"a robot can say one line of at most {MOST_CHARACTERS} characters"
         case RemoveThing(name) | CancelRequest(_, name):
-            return (
-                None
-                if len(name) <= MOST_CHARACTERS
-                else f"nothing has a name of more than {MOST_CHARACTERS} characters"
-            )
+            return None if len(name) <= MOST_CHARACTERS else f"a name has at most {MOST_CHARACTERS} characters"
     return None
 
 
 def _objection_to_pose(pose: Pose2) -> str | None:
-    return None if _are_near(pose.x, pose.y, pose.theta) else "no map is that large"
+    return None if _are_near(pose.x, pose.y, pose.theta) else "the place is farther away than any map is large"
 
 
 def _are_near(*numbers: float) -> bool:

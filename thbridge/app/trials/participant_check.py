@@ -71,7 +71,7 @@ def try_participant(name: str, seed: int, seconds: float) -> PluginTrial:
     for condition, robots, stuck in _TEAMS:
         talk = replace(study.dialogue, condition=condition)
         game = replace(setting, study=replace(study, robots=robots, dialogue=talk))
-        without = f", {len(stuck)} of which finds no path" if stuck else ""
+        without = f", {len(stuck)} without a path" if stuck else ""
         title = f"A game with {robots} robot{'s' if robots > 1 else ''}{without}, in the condition {condition}"
         trial.twice(title, lambda: _play(trial, title, game, name, stuck, seconds))  # noqa: B023 - called at once
     trial.end()

@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 SLOWEST = 100.0
 """Times that a plug-in may take as long as the built-in part in the same situations."""
-NOT_DETERMINED = "played twice with the same seed, it decided otherwise"
+NOT_DETERMINED = "with the same seed, it decided differently the second time"
 DETERMINED = "Use the arguments alone: keep nothing in the module, draw random numbers by the seed, sort sets"
 
 

@@ -61,7 +61,7 @@ def damage_as_bad_file(path: Path) -> Iterator[None]:
     try:
         yield
     except TooLargeChunk as error:
-        remedy = "it is forged or damaged; `thbridge bag reindex` saves what else there is in it"
+        remedy = "it is forged or damaged; `thbridge bag reindex` saves the rest of it"
         raise BadFile(path, str(error), remedy) from error
     except _STUMBLES as error:
         raise damaged(path) from error
@@ -76,6 +76,6 @@ def unfinished(path: Path) -> BadFile:
     """The BadFile for a file without an index."""
     if path.name.endswith(ACTIVE):
         problem = "the bag is still being written, or its writer was killed"
-        remedy = f"wait until its session has ended, or else run `thbridge bag reindex {path}`"
+        remedy = f"wait until its session has ended; otherwise run `thbridge bag reindex {path}`"
         return BadFile(path, problem, remedy)
     return BadFile(path, "the bag was cut off: it has no index", f"run `thbridge bag reindex {path}`")

@@ -58,7 +58,7 @@ def reindex(path: Path) -> RepairResult:
     fresh = repaired.with_name(repaired.name + ".reindexing")
     for taken in {backup, repaired} - {path}:
         if taken.exists():
-            raise BadFile(taken, "this file is in the way of the repair", "move it elsewhere first")
+            raise BadFile(taken, "this file exists, and the repair would overwrite it", "move it elsewhere first")
     try:
         fresh.unlink(missing_ok=True)
         messages, end_ns, losses = _copy(path, fresh, compression)
@@ -78,7 +78,7 @@ def reindex(path: Path) -> RepairResult:
     except OSError as error:
         fresh.unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
-        raise BadFile(path, f"it cannot be repaired here: {reason}", "make room beside it") from error
+        raise BadFile(path, f"it cannot be repaired here: {reason}", "free disk space in its folder") from error
     return RepairResult(repaired, backup, messages, end_ns, losses.bytes, tuple(losses.sentences()))
 
 

@@ -101,8 +101,8 @@ def _converted(path: Path, _mtime_ns: int, _size: int) -> ConvertedRecording:
     except Exception as error:  # rosbags and its parsers raise whatever damaged bytes bring about
         bag.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.errno in _DISK_FAULTS:
-            remedy = "make room in the folder of temporary files (TMPDIR)"
-            problem = f"there is no place for the bag that it becomes ({reason_of(error)})"
+            remedy = "free space in the folder of temporary files (TMPDIR)"
+            problem = f"there is no space for the converted bag ({reason_of(error)})"
             raise BadFile(path, problem, remedy) from error
         remedy = "try `ros2 bag reindex` or `mcap recover`, or name another recording"
         raise BadFile(path, f"it cannot be read: {_sentence(error)}", remedy) from error

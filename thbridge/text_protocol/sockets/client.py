@@ -112,7 +112,7 @@ class TextClient(ReconnectingClient):
                 async with asyncio.timeout(self._backoff.timeout):
                     data = await reader.read(_SEGMENT)
             except TimeoutError:
-                return ConnectionLost(LossReason.BROKEN, f"nothing was heard for {self._backoff.timeout} s")
+                return ConnectionLost(LossReason.BROKEN, f"nothing was received for {self._backoff.timeout} s")
             if not data:
                 return ConnectionLost(LossReason.BROKEN, "the server closed the connection")
             for event in session.receive_data(data):
@@ -137,7 +137,7 @@ class TextClient(ReconnectingClient):
         except (TimeoutError, ValueError):
             answer = None
         if answer is None:
-            return ConnectionLost(LossReason.BROKEN, "the server did not answer to the key")
+            return ConnectionLost(LossReason.BROKEN, "the server did not answer after receiving the key")
         return ConnectionLost(LossReason.REFUSED, answer.refused) if answer.refused else None
 
     def _write(self, writer: asyncio.StreamWriter, data: bytes) -> None:

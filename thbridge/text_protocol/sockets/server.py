@@ -152,7 +152,7 @@ class TextServer:
             try:
                 await self._door.listen(lambda: _Connection(self), DEBIAN_HOST, address.port, tls)
             except OSError as error:
-                _log.info("programs that expect the server at %s do not find it: %s", DEBIAN_HOST, error)
+                _log.info("programs that expect the server at %s cannot find it: %s", DEBIAN_HOST, error)
         return address
 
     async def stop(self) -> None:
@@ -208,7 +208,7 @@ class TextServer:
                     self._names[connection] = name
                     self._enter_game(connection)
                 case ClientLeft(connection, name):
-                    _log.info("client %d is %s no more", connection, name)
+                    _log.info("client %d is no longer %s", connection, name)
                     self._names.pop(connection, None)
                 case Forwarded():
                     pass  # A session notes it; there is nothing to send.
@@ -231,12 +231,12 @@ class TextServer:
         encrypted = is_encrypted(transport)
         stranger = None if encrypted else self._admission.refused(transport)
         if stranger is not None:
-            self.complaints.warn(f"{stranger} is in none of the networks of open_to, and is cut off")
+            self.complaints.warn(f"{stranger} is in none of the networks of open_to; its connection is closed")
             transport.abort()
             return False
         if len(self._open) >= self._door.most:
             # Descriptors are short: the oldest who has shown no key, or has not said a name, goes.
-            self.complaints.warn(f"more than {self._door.most} connections are more than there are descriptors for")
+            self.complaints.warn(f"more than {self._door.most} connections: out of file descriptors")
             nameless = next((each for each in self._transports if each not in self._names), None)
             if nameless is None:
                 transport.abort()
@@ -256,7 +256,7 @@ class TextServer:
         """Return the credentials of a connection that has shown a key; or why it is good for nothing, as a clause."""
         secret = secret_of(line)
         if secret is None or self._keys is None:
-            return "a key is wanted"
+            return "a key is required"
         return self._keys.identify(secret)
 
     def connected(
@@ -268,7 +268,7 @@ class TextServer:
         self._perform(self._router.make_room(now))
         accepted = self._router.connect(now, shown or (LOCAL if peer_of(transport) is None else PLAIN))
         if isinstance(accepted, TurnedAway):
-            self.complaints.warn("a client is turned away: the server is full")
+            self.complaints.warn("a client was rejected: the server is full")
             transport.write(accepted.farewell)
             # Of those turned away few may linger: file descriptors are needed for what is recorded.
             _close(transport, flush=len(self._open) - len(self._transports) <= _MOST_LINGERING)
@@ -347,7 +347,7 @@ class _Connection(BufferedProtocol):
         self._transport = transport
         if is_encrypted(transport):
             self._awaits_key = True
-            self._timer = asyncio.get_running_loop().call_later(_KEY_SECONDS, self._refuse, "a key is wanted")
+            self._timer = asyncio.get_running_loop().call_later(_KEY_SECONDS, self._refuse, "a key is required")
         else:
             self._id = self._server.connected(self, transport, None)
 
@@ -362,7 +362,7 @@ class _Connection(BufferedProtocol):
             return
         begun, self._begun = self._begun, True
         if not begun and self._transport is not None and begins_http(data):
-            self._server.complaints.warn("a client speaks HTTP, as a page in a browser does, and is cut off")
+            self._server.complaints.warn("a client sent HTTP, as a web page does; its connection is closed")
             self._transport.abort()
             return
         self._hear(data)

@@ -95,13 +95,13 @@ class CloseReason(Enum):
     """Reason why the server ends a connection."""
 
     NAME_TAKEN = "its name is already held"
-    ASKED = "it asked to be closed"
+    ASKED = "it asked to close the connection"
     STOPPED = "the server stops"
     PING_UNANSWERED = "it did not answer a ping"
     SLOW = "it does not read what it is sent"
-    REPLACED = "its program has connected anew"
-    IDLE = "it has no name and says nothing, and its place is needed"
-    NOT_ENTITLED = "its key is not good for that"
+    REPLACED = "its program has reconnected"
+    IDLE = "it has no name and is silent, and its place is needed"
+    NOT_ENTITLED = "its key does not allow that"
 
     @property
     def flush(self) -> bool:

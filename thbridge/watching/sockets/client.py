@@ -76,7 +76,7 @@ class WatchClient(ReconnectingClient):
                 async with asyncio.timeout(self._backoff.timeout):
                     data = await reader.read(_SEGMENT)
             except TimeoutError:
-                return ConnectionLost(LossReason.BROKEN, f"nothing was heard for {self._backoff.timeout:g} s")
+                return ConnectionLost(LossReason.BROKEN, f"nothing was received for {self._backoff.timeout:g} s")
             if not data:
                 if self._writer is None and refused:
                     return ConnectionLost(LossReason.REFUSED, refused)

@@ -174,10 +174,10 @@ class WatchServer:
     def admit(self, watcher: _Watcher) -> None:
         """Add a watcher: it gets the messages of the history, then all messages of the last tick."""
         if len(self._watchers) >= MAX_WATCHERS:
-            self.turn_away(watcher, WatchRefusal("", f"{MAX_WATCHERS} others watch already"))
+            self.turn_away(watcher, WatchRefusal("", f"{MAX_WATCHERS} watchers are connected already"))
             return
         self._watchers.append(watcher)
-        _log.info("watcher %d has come", watcher.number)
+        _log.info("watcher %d has connected", watcher.number)
         watcher.write(BEGINNING)
         self._send([watcher], [*self._history.before(self._latest), *self._latest])
         self.tell_status()
@@ -196,7 +196,7 @@ class WatchServer:
             name = f" ({credentials.key})" if credentials.key else ""
             reason = self._session.ask(f"watcher {watcher.number}{name}", wish.value, credentials.key)
         else:
-            reason = "this key is good for watching only"
+            reason = "this key allows watching only"
         if reason is None:
             watcher.decoder.granted()
         else:
@@ -214,7 +214,7 @@ class WatchServer:
         """Remove a watcher; no effect if it was not admitted."""
         if watcher in self._watchers:
             self._watchers.remove(watcher)
-            _log.info("watcher %d has gone", watcher.number)
+            _log.info("watcher %d has disconnected", watcher.number)
             if not self._watchers:
                 self._session.unwatched()
             self.tell_status()
@@ -293,7 +293,9 @@ class _Watcher(AsyncioProtocol):
             return
         stranger = None if is_encrypted(transport) else peer_of(transport)
         if stranger is not None:
-            self._server.complaints.warn(f"{stranger} does not speak TLS, as other machines must, and is cut off")
+            self._server.complaints.warn(
+                f"{stranger} does not use TLS, as other machines must; its connection is closed"
+            )
             transport.abort()
             return
         self._transport = transport
@@ -309,7 +311,7 @@ class _Watcher(AsyncioProtocol):
             return
         begun, self._begun = self._begun, True
         if not begun and begins_http(data):
-            self._server.complaints.warn("a client speaks HTTP, as a page in a browser does, and is cut off")
+            self._server.complaints.warn("a client sent HTTP, as a web page does; its connection is closed")
             if self._transport is not None:
                 self._transport.abort()
             self._closing = True
@@ -397,4 +399,4 @@ class _Watcher(AsyncioProtocol):
 
     def _key_timed_out(self) -> None:
         if not (self.decoder.admitted or self._closing or self.deaf):
-            self._server.turn_away(self, WatchRefusal("", "a key is wanted"))
+            self._server.turn_away(self, WatchRefusal("", "a key is required"))

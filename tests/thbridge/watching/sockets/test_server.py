@@ -238,7 +238,7 @@ async def test_only_who_knows_the_key_gets_in() -> None:
         async with asyncio.timeout(PATIENCE):
             told = await reader.read()
         writer.close()
-        assert b"a key is wanted" in told
+        assert b"a key is required" in told
         assert b"level" not in told
         assert door.house.asked == []
 

@@ -93,7 +93,7 @@ def test_a_key_is_good_for_its_rights_alone_and_told_with_what_is_asked(ring: Ke
         assert await looks.status() is not None
         assert await acts.status() is not None
         looks.says(request="Pause", fields={})
-        assert await looks.refusal() == "this key is good for watching only"
+        assert await looks.refusal() == "this key allows watching only"
         acts.says(request="Pause", fields={})
         async with asyncio.timeout(PATIENCE):
             while not session.asked:

@@ -113,7 +113,7 @@ class ChunkReader:
                     raise ValueError("the file ends within a chunk's index")
                 block += more
             if found.keys() != chunk.counts.keys():
-                raise ValueError("a chunk's index is not what the file's end says")
+                raise ValueError("a chunk's index differs from the index at the file's end")
             return found
 
     def message(self, chunk: ChunkInfo, offset: int) -> bytes:
@@ -171,7 +171,7 @@ class ChunkReader:
             head = Header.read(file, RecordType.CHUNK)
             compression, size = head.get_string("compression"), read_uint32(file)
             if compression not in COMPRESSIONS:
-                raise ValueError(f"compression {compression!r} is not known")
+                raise ValueError(f"compression {compression!r} is unknown")
             known = self._packed[chunk] = _Packed(file.tell(), size, compression, head.get_uint32("size"))
         return known
 

@@ -249,7 +249,7 @@ def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, so_far: 
         case RecordType.IDXDATA:
             yield IndexDataRecord(_unpack(_UINT32, fields, b"conn"), _unpack(_UINT32, fields, b"count"))
         case _:
-            raise _Torn(f"there is no kind of record {kind}")
+            raise _Torn(f"{kind} is not a kind of record")
 
 
 def _chunk(at: int, compression: str, packed: bytes, size: int, so_far: UnpackedBytes) -> Iterator[BagRecord]:
@@ -294,7 +294,7 @@ def _inner(head: bytes, body: bytes) -> ConnectionRecord | MessageRecord:
         case RecordType.CONNECTION:
             return _connection(fields, body)
         case kind:
-            raise _Torn(f"no record of kind {kind} belongs into a chunk")
+            raise _Torn(f"a record of kind {kind} cannot be in a chunk")
 
 
 def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:

@@ -109,8 +109,10 @@ class BagDisk:
             self._parts.salvage()
         except OSError:
             self._parts.abandon()
-            return self._left(_reason(failure), f"{ALMOST_ALL}: make room, then")
-        return BagNotWritten(self._parts.last, _reason(failure), f"{ALMOST_ALL}; make room before recording again")
+            return self._left(_reason(failure), f"{ALMOST_ALL}: free disk space, then")
+        return BagNotWritten(
+            self._parts.last, _reason(failure), f"{ALMOST_ALL}; free disk space before recording again"
+        )
 
     def stuck(self) -> BagNotWritten:
         """Leave the threads of a disk that does not answer, and return the error to raise."""
@@ -122,7 +124,7 @@ class BagDisk:
         """The error for a file that could not be completed, with its remedy."""
         active = self._parts.unfinished
         if active is None or not active.exists():
-            return BagNotWritten(self._path, problem, "record again, into a folder that stays")
+            return BagNotWritten(self._path, problem, "record again, into a folder that is not deleted")
         return BagNotWritten(active, problem, f"{remedy} run `thbridge bag reindex {active}`")
 
     def end(self) -> None:

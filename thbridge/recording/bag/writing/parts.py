@@ -139,4 +139,4 @@ def _finished(file: ChunkFile) -> Path:
 
 def _refuse_taken(path: Path) -> None:
     if path.exists():
-        raise FileExistsError(f"{path} has appeared meanwhile")
+        raise FileExistsError(f"another program has created {path} in the meantime")
